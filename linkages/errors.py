@@ -1,0 +1,82 @@
+"""What can go wrong, as exceptions that carry everything a message needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+class LinkagesError(Exception):
+    """Base of all errors that this package raises on purpose."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """One thing that is wrong in the input.
+
+    Parameters
+    ----------
+    message
+        What was found, what is expected and, where there is one, the nearest right word.
+    path
+        Dotted path in the definition file, for example ``"bars.rocker.length"``.
+    line, column
+        Position in the file, counted from 1; None where the input has no text.
+    """
+
+    message: str
+    path: str = ""
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        place = []
+        if self.line is not None:
+            place.append(f"line {self.line}, column {self.column}")
+        if self.path:
+            place.append(self.path)
+        return f"{', '.join(place)}: {self.message}" if place else self.message
+
+
+class InputError(LinkagesError):
+    """The input cannot be used; lists every problem at once.
+
+    Parameters
+    ----------
+    source
+        The file (or other origin) that the problems were found in.
+    problems
+        All problems found, in the order of the file.
+    """
+
+    exit_code = 2
+
+    def __init__(self, source: str, problems: Iterable[Problem]) -> None:
+        self.source = source
+        self.problems = tuple(
+            sorted(problems, key=lambda p: (p.line is None, p.line or 0, p.column or 0))
+        )
+        super().__init__(source, self.problems)
+
+    def __str__(self) -> str:
+        count = len(self.problems)
+        head = f"{self.source}: {count} problem{'s' if count != 1 else ''}"
+        return "\n".join([head, *(f"  {problem}" for problem in self.problems)])
+
+
+class ComputationError(LinkagesError):
+    """The computation could not be completed; says when, where and why.
+
+    Parameters
+    ----------
+    message
+        One sentence with the time, the joint and block concerned, and a remedy.
+    time
+        Simulated time in seconds at which the computation stopped.
+    """
+
+    def __init__(self, message: str, *, time: float | None = None) -> None:
+        super().__init__(message)
+        self.time = time

@@ -1,0 +1,120 @@
+"""A definition file as a plain mapping that knows where each value stands in the text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any
+
+from linkages.errors import InputError, Problem
+from linkages.reading.decoding import decode
+from linkages.reading.nodes import plain
+from linkages.reading.paths import Path, dotted, value_at
+from linkages.reading.wording import shown
+
+MAX_BYTES = 10_000_000
+_EXPECTED = "expected a mapping with keys such as joints, bars, drives"
+
+
+@dataclass(frozen=True)
+class Document:
+    """Plain content of a definition file with the position of everything in it.
+
+    Parameters
+    ----------
+    source
+        The file, as messages name it.
+    content
+        Mappings, lists, texts and None as written; numbers only where Python code set them.
+    positions
+        (line, column) of the key of each mapping entry and of each list entry, counted from 1.
+    overridden
+        For each path whose value is not the file's, the assignment it comes from.
+    """
+
+    source: str
+    content: dict[str, Any]
+    positions: Mapping[Path, tuple[int, int]]
+    overridden: Mapping[Path, str] = field(default_factory=dict)
+
+    def value(self, path: Path) -> Any:
+        """Return what stands at a path, or None where nothing does."""
+        return value_at(self.content, path)
+
+    def locate(self, path: Path) -> tuple[int, int] | None:
+        """Return (line, column) of the value, or of the nearest enclosing one that has a place.
+
+        None where the value was set from outside the file.
+        """
+        for enclosing in _outwards(path):
+            if enclosing in self.overridden:
+                return None
+            if enclosing in self.positions:
+                return self.positions[enclosing]
+        return None
+
+    def problem(self, path: Path, message: str) -> Problem:
+        """Return a problem at a path, with its position or with the assignment that set it."""
+        for enclosing in _outwards(path):
+            if origin := self.overridden.get(enclosing):
+                return Problem(message=f"{message} (from set {origin})", path=dotted(path))
+        line, column = self.locate(path) or (None, None)
+        return Problem(message=message, path=dotted(path), line=line, column=column)
+
+
+def _outwards(path: Path) -> Iterator[Path]:
+    return (path[:length] for length in range(len(path), -1, -1))
+
+
+def read(path: FilePath) -> Document:
+    """Read a definition file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or `parse` refuses its text.
+    """
+    source = str(path)
+    try:
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = _reason(error)
+        raise InputError(source, [Problem(message=reason)]) from error
+    except ValueError as error:
+        raise InputError(source, [Problem(message=f"not a file name: {error}")]) from error
+    if len(data) > MAX_BYTES:
+        message = f"larger than {MAX_BYTES // 10**6} MB; expected the definition of a mechanism"
+        raise InputError(source, [Problem(message=message)])
+    return parse(data, source)
+
+
+def parse(text: str | bytes, source: str) -> Document:
+    """Read the text of a definition file.
+
+    Raises
+    ------
+    InputError
+        Lists everything that is wrong with the text as YAML: syntax, duplicate keys, tags.
+    """
+    result = plain(decode(text, source))
+    if result.problems:
+        raise InputError(source, result.problems)
+    if not result.positions:
+        raise InputError(source, [Problem(message=f"the file is empty; {_EXPECTED}")])
+    if not isinstance(result.content, dict):
+        line, column = result.positions[()]
+        message = f"{_EXPECTED}, found {shown(result.content)}"
+        raise InputError(source, [Problem(message=message, line=line, column=column)])
+    return Document(source, result.content, result.positions)
+
+
+def _reason(error: OSError) -> str:
+    if isinstance(error, IsADirectoryError):
+        return "is a directory; expected a YAML file"
+    if isinstance(error, FileNotFoundError):
+        return "no such file"
+    if isinstance(error, PermissionError):
+        return "cannot be read: permission denied"
+    return f"cannot be read: {error.strerror or error}"

@@ -1,0 +1,163 @@
+"""Values set from outside the file: ``--set clearances.r1.size=0.1e-3`` and its like in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from linkages.errors import InputError, Problem
+from linkages.reading.decoding import decode
+from linkages.reading.document import Document
+from linkages.reading.nodes import MAX_DEPTH, plain
+from linkages.reading.paths import Path, dotted, split
+from linkages.reading.wording import shown
+
+
+class _RefusedError(Exception):
+    """Why one assignment cannot be made."""
+
+
+def parse_assignment(text: str) -> tuple[str, str]:
+    """Split ``"path=value"`` at the first equals sign.
+
+    Raises
+    ------
+    InputError
+        The text is not an assignment.
+    """
+    path, equals, value = text.partition("=")
+    if not equals or split(path.strip()) is None:
+        message = f"expected path=value, such as clearances.r1.size=1e-4, found {shown(text)}"
+        raise InputError("--set", [Problem(message=message)])
+    return path.strip(), value.strip()
+
+
+def apply(document: Document, overrides: Mapping[str, object]) -> Document:
+    """Return the document with values replaced or added; the given one is left as it is.
+
+    Parameters
+    ----------
+    document
+        What the file says.
+    overrides
+        Value by dotted path. Text is read as it would be after ``key:`` in the file; numbers are
+        SI; lists, mappings and arrays are taken as they are. Missing mappings on the way are
+        created; whether the result makes sense is for validation to say.
+
+    Raises
+    ------
+    InputError
+        Lists every assignment whose path leads nowhere or whose value cannot be used.
+    """
+    problems = []
+    for text, value in overrides.items():
+        try:
+            document = _assigned(document, str(text), value)
+        except _RefusedError as reason:
+            message = f"{reason} (from set {_assignment(text, value)})"
+            problems.append(Problem(message=message, path=str(text)))
+    if problems:
+        raise InputError(document.source, problems)
+    return document
+
+
+def _assigned(document: Document, text: str, value: object) -> Document:
+    steps = split(text)
+    if steps is None:
+        raise _RefusedError("expected a path such as clearances.r1.size or loads[0].force")
+    raw = _from_text(value) if isinstance(value, str) else _raw(value, 0)
+    path, created = _resolved(document.content, steps)
+    content = _replaced(document.content, path, raw)
+    origin = _assignment(text, value)
+    overridden = {p: o for p, o in document.overridden.items() if not _within(p, path)}
+    new = {path[:length]: origin for length in range(created, len(path) + 1)}
+    positions = {p: at for p, at in document.positions.items() if not _within(p, path)}
+    return Document(document.source, content, positions, overridden | new)
+
+
+def _resolved(content: Any, steps: Path) -> tuple[Path, int]:
+    """Follow the steps; return them with list indices as int, and how many of them exist.
+
+    The last step counts as not existing: its value is what gets replaced.
+    """
+    path: list[str | int] = []
+    exists = len(steps)
+    node = content
+    for number, step in enumerate(steps, start=1):
+        if isinstance(node, list):
+            step = _index(node, step, tuple(path))
+            node = node[step]
+        elif isinstance(node, dict) or node is None:
+            if isinstance(step, int):
+                found = shown(node)
+                raise _RefusedError(f"{dotted(tuple(path))} is {found}; [{step}] needs a list")
+            if node is None or step not in node:
+                exists = min(exists, number)
+            node = node.get(step) if node is not None else None
+        else:
+            raise _RefusedError(f"{dotted(tuple(path))} is {shown(node)}; {step!r} needs a mapping")
+        path.append(step)
+    return tuple(path), exists
+
+
+def _index(node: list[Any], step: str | int, path: Path) -> int:
+    if isinstance(step, str) and not (step.isascii() and step.isdigit()):
+        raise _RefusedError(f"{dotted(path)} is a list; expected an index, found {shown(step)}")
+    if len(str(step)) > 9 or int(step) >= len(node):
+        count = f"{len(node)} entr{'y' if len(node) == 1 else 'ies'}"
+        raise _RefusedError(f"index {str(step)[:12]} is out of range: {dotted(path)} has {count}")
+    return int(step)
+
+
+def _replaced(node: Any, path: Path, value: Any) -> Any:
+    """Copy the containers along the path only; everything else is shared and never changed."""
+    if not path:
+        return value
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        entries = list(node)
+        entries[step] = _replaced(entries[step], rest, value)
+        return entries
+    mapping = dict(node or {})
+    mapping[step] = _replaced(mapping.get(step), rest, value)
+    return mapping
+
+
+def _from_text(text: str) -> Any:
+    """Read the text as the file would be read after ``key:``."""
+    if "\n" in text or "\r" in text:
+        raise _RefusedError("expected a value on one line")
+    try:
+        result = plain(f"value: {decode(text, '--set')}")
+    except InputError as error:
+        raise _RefusedError(error.problems[0].message) from None
+    if result.problems:
+        raise _RefusedError("; ".join(problem.message for problem in result.problems))
+    return result.content["value"]
+
+
+def _raw(value: Any, depth: int) -> Any:
+    """Return a Python value in the terms of a document; arrays become lists."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if value is None or isinstance(value, str | int | float):
+        return value
+    if depth > MAX_DEPTH:
+        raise _RefusedError(f"the value is nested more than {MAX_DEPTH} deep")
+    if isinstance(value, list | tuple):
+        return [_raw(entry, depth + 1) for entry in value]
+    if isinstance(value, Mapping):
+        return {str(key): _raw(entry, depth + 1) for key, entry in value.items()}
+    kind = type(value).__name__
+    raise _RefusedError(f"expected a number, text, list or mapping, found a value of type {kind}")
+
+
+def _assignment(path: object, value: object) -> str:
+    if isinstance(value, str):
+        return f"{path}={value if len(value) <= 60 and value.isprintable() else shown(value)}"
+    text = repr(value.tolist() if hasattr(value, "tolist") else value)
+    return f"{path}={' '.join(text[:60].split())}{'…' if len(text) > 60 else ''}"
+
+
+def _within(path: Path, ancestor: Path) -> bool:
+    return path[: len(ancestor)] == ancestor

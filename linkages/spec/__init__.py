@@ -1,0 +1,1 @@
+"""Definitions as validated numbers in SI; everything wrong is reported at once."""

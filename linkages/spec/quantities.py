@@ -1,0 +1,140 @@
+"""Types of the fields of a definition: quantities in SI and names, with their messages."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from linkages.reading.wording import shown
+from linkages.spec import dimensions
+from linkages.spec.conversion import QuantityError, parse_quantity
+from linkages.spec.dimensions import Bound, Dimension
+
+_LONGEST_NAME = 64
+_NAME = r"\w([\w -]*\w)?"
+_NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
+
+
+class FieldType:
+    """A rule of one field: reads a raw value, says what it expects, and describes itself."""
+
+    def read(self, value: Any) -> Any:
+        """Return the value of the field, or raise QuantityError."""
+        raise NotImplementedError
+
+    def expected(self) -> str:
+        """Return what messages expect."""
+        raise NotImplementedError
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON schema of the raw value."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._validate)
+
+    def __get_pydantic_json_schema__(self, _: Any, __: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"description": self.expected(), **self.json_schema()}
+
+    def _validate(self, value: Any) -> Any:
+        try:
+            return self.read(value)
+        except QuantityError as error:
+            # Through the context: braces in a message must not be taken for placeholders.
+            context = {"expected": error.expected, "found": error.found}
+            template = "expected {expected}, found {found}"
+            raise PydanticCustomError("linkages", template, context) from None
+
+
+@dataclass(frozen=True)
+class Quantity(FieldType):
+    """A real number of a dimension, within a bound."""
+
+    dimension: Dimension
+    bound: Bound = Bound.NONE
+
+    def read(self, value: Any) -> float:
+        """Return the number in SI."""
+        return parse_quantity(value, self.dimension, self.bound)
+
+    def expected(self) -> str:
+        """Return for example ``"a length > 0 (metres, or with a unit)"``."""
+        return self.dimension.expected(self.bound)
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return a number within the bound, or text."""
+        limits = {Bound.POSITIVE: "exclusiveMinimum", Bound.NON_NEGATIVE: "minimum"}
+        limit = {limits[self.bound]: 0} if self.bound in limits else {}
+        return {"anyOf": [{"type": "number", **limit}, {"type": "string"}]}
+
+
+@dataclass(frozen=True)
+class Count(FieldType):
+    """A whole number from 1."""
+
+    def read(self, value: Any) -> int:
+        """Return the number; ``2001.5`` is refused rather than rounded."""
+        try:
+            number = parse_quantity(value, dimensions.NUMBER)
+        except QuantityError as error:
+            raise QuantityError(self.expected(), error.found) from None
+        if number < 1 or number != int(number):
+            raise QuantityError(self.expected(), shown(value))
+        return int(number)
+
+    def expected(self) -> str:
+        """Return ``"a whole number > 0"``."""
+        return "a whole number > 0"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return an integer, or text."""
+        return {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}
+
+
+@dataclass(frozen=True)
+class NameRule(FieldType):
+    """A name that needs no quoting in messages, dotted paths, tables and file names."""
+
+    def read(self, value: Any) -> str:
+        """Return the name."""
+        if not isinstance(value, str) or len(value) > _LONGEST_NAME:
+            raise QuantityError(self.expected(), shown(value))
+        if not re.fullmatch(_NAME, value):
+            raise QuantityError(self.expected(), shown(value))
+        return value
+
+    def expected(self) -> str:
+        """Return what a name may consist of."""
+        return _NAME_RULE
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return a string with the pattern of names."""
+        return {"type": "string", "pattern": f"^{_NAME}$", "maxLength": _LONGEST_NAME}
+
+
+Name = Annotated[str, NameRule()]
+PositiveInteger = Annotated[int, Count()]
+Number = Annotated[float, Quantity(dimensions.NUMBER)]
+Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
+Length = Annotated[float, Quantity(dimensions.LENGTH)]
+PositiveLength = Annotated[float, Quantity(dimensions.LENGTH, Bound.POSITIVE)]
+NonNegativeLength = Annotated[float, Quantity(dimensions.LENGTH, Bound.NON_NEGATIVE)]
+Angle = Annotated[float, Quantity(dimensions.ANGLE)]
+AngularSpeed = Annotated[float, Quantity(dimensions.ANGULAR_SPEED)]
+Speed = Annotated[float, Quantity(dimensions.SPEED)]
+Mass = Annotated[float, Quantity(dimensions.MASS, Bound.NON_NEGATIVE)]
+Inertia = Annotated[float, Quantity(dimensions.INERTIA, Bound.NON_NEGATIVE)]
+Acceleration = Annotated[float, Quantity(dimensions.ACCELERATION)]
+Force = Annotated[float, Quantity(dimensions.FORCE)]
+Torque = Annotated[float, Quantity(dimensions.TORQUE)]
+Stiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.NON_NEGATIVE)]
+TorsionalStiffness = Annotated[float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.NON_NEGATIVE)]
+Damping = Annotated[float, Quantity(dimensions.DAMPING, Bound.NON_NEGATIVE)]
+TorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound.NON_NEGATIVE)]
+Duration = Annotated[float, Quantity(dimensions.DURATION, Bound.POSITIVE)]
+Point = tuple[Length, Length]
+AccelerationVector = tuple[Acceleration, Acceleration]

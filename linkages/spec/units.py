@@ -1,0 +1,179 @@
+"""Unit texts such as ``mm``, ``N*m/rad`` or ``m/s²``: their size in SI, and what they measure.
+
+Pint knows the names; products and powers are read here. The radian counts as a base unit, so
+that hertz, rad/s and a pure number, which SI gives the same dimension, cannot be confused.
+
+Grammar::
+
+    product = power {("*" | "/" | nothing) power}
+    power   = atom ["**" INTEGER]
+    atom    = NAME | "(" product ")"
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from linkages.reading.wording import shown, suggestion
+
+_LONGEST = 40
+_SMALLEST = 1e-100
+_TOKEN = re.compile(r"\s*(?:(\*\*|[*/()])|([-+]?[0-9]+)|([^\W\d]\w*|°))")
+_SPELLINGS = {"·": "*", "⋅": "*", "×": "*", "^": "**", "²": "**2", "³": "**3"}
+_USUAL = (
+    "m", "mm", "cm", "km", "um", "in", "ft", "meter", "metre", "millimeter", "millimetre",
+    "centimeter", "centimetre", "kilometer", "inch", "foot", "rad", "deg", "radian", "degree",
+    "turn", "rpm", "s", "ms", "us", "second", "minute", "min", "hour", "kg", "g", "gram",
+    "kilogram", "N", "kN", "newton", "N*m", "lbf",
+)  # fmt: skip
+
+
+class UnitError(ValueError):
+    """Why a text is not a unit; a clause for the end of a message."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit in terms of SI base units.
+
+    Parameters
+    ----------
+    scale
+        One of this unit in SI base units.
+    exponents
+        Sorted pairs of base unit and power: ``(("metre", 1), ("second", -1))``.
+    """
+
+    scale: float
+    exponents: tuple[tuple[str, int], ...]
+
+    def times(self, other: Unit, power: int = 1) -> Unit:
+        """Return the product of this unit and a power of another."""
+        exponents = dict(self.exponents)
+        for base, exponent in other.exponents:
+            exponents[base] = exponents.get(base, 0) + power * exponent
+        kept = tuple(sorted((base, p) for base, p in exponents.items() if p))
+        return Unit(self.scale * other.scale**power, kept)
+
+    def convert(self, value: float) -> float:
+        """Return a value in this unit as SI."""
+        # 35/1000 is the double nearest to 0.035; 35*0.001 is not.
+        inverse = 1 / self.scale
+        return value / inverse if inverse.is_integer() else value * self.scale
+
+
+@cache
+def unit(text: str) -> Unit:
+    """Return the unit that a text names.
+
+    Raises
+    ------
+    UnitError
+        The text is no unit, a name in it is unknown, or its scale has an offset (degC, dB).
+    """
+    for spelling, plain in _SPELLINGS.items():
+        text = text.replace(spelling, plain)
+    if len(text) > _LONGEST:
+        raise UnitError(f"a unit has at most {_LONGEST} characters")
+    tokens = _tokens(text)
+    try:
+        result = _product(tokens)
+    except (OverflowError, ZeroDivisionError):
+        raise UnitError(f"{text} is out of the range of numbers") from None
+    if tokens:
+        raise UnitError(f"{shown(text)} is not a unit")
+    if not _SMALLEST < result.scale < 1 / _SMALLEST:
+        raise UnitError(f"{text} is out of the range of numbers")
+    return result
+
+
+def near_unit(text: str) -> str:
+    """Return ``"; did you mean 'mm'?"`` where a usual unit is near."""
+    if text == "Nm":
+        return "; did you mean 'N*m'?"
+    return suggestion(text, _USUAL)
+
+
+def _tokens(text: str) -> list[str]:
+    tokens, at = [], 0
+    while at < len(text):
+        match = _TOKEN.match(text, at)
+        if match is None:
+            raise UnitError(f"{shown(text)} is not a unit")
+        tokens.append(match.group().strip())
+        at = match.end()
+    return tokens
+
+
+def _product(tokens: list[str]) -> Unit:
+    result = _power(tokens)
+    while tokens and tokens[0] != ")":
+        operator = tokens.pop(0) if tokens[0] in "*/" else "*"
+        result = result.times(_power(tokens), -1 if operator == "/" else 1)
+    return result
+
+
+def _power(tokens: list[str]) -> Unit:
+    base = _atom(tokens)
+    if not tokens or tokens[0] != "**":
+        return base
+    tokens.pop(0)
+    exponent = tokens.pop(0) if tokens else ""
+    if not re.fullmatch("[-+]?[1-9]", exponent):
+        raise UnitError("the power of a unit is a whole number such as 2 or -1")
+    return Unit(1.0, ()).times(base, int(exponent))
+
+
+def _atom(tokens: list[str]) -> Unit:
+    token = tokens.pop(0) if tokens else ""
+    if token == "(":
+        inner = _product(tokens)
+        if tokens.pop(0) if tokens else None:
+            return inner
+        raise UnitError("a parenthesis in the unit is not closed")
+    if token == "1" and tokens and tokens[0] == "/":
+        return Unit(1.0, ())
+    if not token or not (token[0].isalpha() or token[0] in "_°"):
+        raise UnitError(
+            f"expected the name of a unit, found {shown(token) if token else 'nothing'}"
+        )
+    return _named(token)
+
+
+@cache
+def _named(name: str) -> Unit:
+    import pint
+
+    try:
+        one = _registry().Quantity(1.0, name).to_root_units()
+        zero = _registry().Quantity(0.0, name).to_root_units()
+    except (pint.errors.PintError, AttributeError, ValueError, TypeError, ArithmeticError):
+        raise UnitError(f"unknown unit {name!r}{near_unit(name)}") from None
+    if zero.magnitude != 0:
+        raise UnitError(f"{name} has its zero elsewhere; expected a unit that scales")
+    exponents = dict(one.unit_items())
+    if any(power != int(power) for power in exponents.values()):
+        raise UnitError(f"{name} is not a unit of mechanics")
+    return _in_kilograms(float(one.magnitude), exponents)
+
+
+def _in_kilograms(scale: float, exponents: Mapping[str, float]) -> Unit:
+    """Return the unit with pint's root unit of mass, the gram, replaced by the SI one."""
+    powers = {base: int(power) for base, power in exponents.items()}
+    grams = powers.pop("gram", 0)
+    if grams:
+        powers["kilogram"] = grams
+        scale = scale / 1000**grams if grams > 0 else scale * 1000**-grams
+    return Unit(scale, tuple(sorted(powers.items())))
+
+
+@cache
+def _registry() -> Any:
+    # Imported on first use: a file without units does not pay for the registry (0.3 s).
+    import pint
+
+    return pint.UnitRegistry()

@@ -1,0 +1,220 @@
+import math
+import subprocess
+import sys
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from linkages.spec import dimensions as d
+from linkages.spec import quantities as q
+from linkages.spec.quantities import QuantityError, parse_quantity
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension", "expected"),
+    [
+        (0.3, d.LENGTH, 0.3),
+        (2, d.LENGTH, 2.0),
+        (Fraction(1, 4), d.LENGTH, 0.25),
+        ("0.15 mm", d.LENGTH, 0.15e-3),
+        ("35 mm", d.LENGTH, 0.035),
+        ("-12cm", d.LENGTH, -0.12),
+        ("4 µm", d.LENGTH, 4e-6),
+        ("1 in", d.LENGTH, 0.0254),
+        ("(1 + 2)/4 m", d.LENGTH, 0.75),
+        ("20 deg", d.ANGLE, math.radians(20)),
+        ("20°", d.ANGLE, math.radians(20)),
+        ("2*pi/3 rad", d.ANGLE, 2 * math.pi / 3),
+        ("pi/2", d.ANGLE, math.pi / 2),
+        ("30 rpm", d.ANGULAR_SPEED, math.pi),
+        ("-1.5*pi rad/s", d.ANGULAR_SPEED, -1.5 * math.pi),
+        ("−pi", d.ANGULAR_SPEED, -math.pi),
+        ("36 km/hour", d.SPEED, 10.0),
+        ("9.81 m/s**2", d.ACCELERATION, 9.81),
+        ("9.81 m/s²", d.ACCELERATION, 9.81),
+        ("9.81 m s^-2", d.ACCELERATION, 9.81),
+        ("5 N*m", d.TORQUE, 5.0),
+        ("5 N·m", d.TORQUE, 5.0),
+        ("5 kN", d.FORCE, 5000.0),
+        ("2 g*cm²", d.INERTIA, 2e-7),
+        ("4530 N/m", d.STIFFNESS, 4530.0),
+        ("5 N*m", d.TORSIONAL_STIFFNESS, 5.0),
+        ("5 N*m/deg", d.TORSIONAL_STIFFNESS, 5 / math.radians(1)),
+        ("5 N*s/m", d.DAMPING, 5.0),
+        ("5 N*m*s", d.TORSIONAL_DAMPING, 5.0),
+        ("5 N*m/(rad/s)", d.TORSIONAL_DAMPING, 5.0),
+        ("3 ms", d.DURATION, 0.003),
+        ("2 min", d.DURATION, 120.0),
+        ("1e-10", d.NUMBER, 1e-10),
+    ],
+)
+def test_values_in_si(value, dimension, expected):
+    # One rounding for the number and one for the unit.
+    assert parse_quantity(value, dimension) == pytest.approx(expected, rel=4e-16, abs=0)
+
+
+@settings(deadline=None)  # the first call loads pint
+@given(st.integers(-(10**6), 10**6))
+def test_whole_millimetres_are_the_nearest_double(count):
+    assert parse_quantity(f"{count} mm", d.LENGTH) == count / 1000
+
+
+def refusal(value, dimension, bound=d.Bound.NONE):
+    with pytest.raises(QuantityError) as caught:
+        parse_quantity(value, dimension, bound)
+    return str(caught.value)
+
+
+LENGTH = "expected a length (metres, or with a unit), found "
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("3 kg", LENGTH + "'3 kg': kg is a mass, not a length"),
+        (
+            "5 milimeter",
+            LENGTH + "'5 milimeter': unknown unit 'milimeter'; did you mean 'millimeter'?",
+        ),
+        ("5 MM", LENGTH + "'5 MM': MM is not a unit of length; did you mean 'mm'?"),
+        ("5 rad", LENGTH + "'5 rad': rad is an angle, not a length"),
+        ("0,15", LENGTH + "'0,15': decimals are written with a point"),
+        ("2^3", LENGTH + "'2^3': powers are written **"),
+        (True, LENGTH + "True"),
+        (None, LENGTH + "nothing"),
+        ([1], LENGTH + "a list of 1"),
+        ({}, LENGTH + "a mapping"),
+        (math.inf, LENGTH + "inf: not a finite number"),
+        (math.nan, LENGTH + "nan: not a finite number"),
+        (10**400, None),
+        ("1e400", LENGTH + "'1e400': too large for a number"),
+        ("1e300 Ym", LENGTH + "'1e300 Ym': not a finite number"),
+        ("nan", LENGTH + "'nan': expected a number before 'nan'"),
+        ("20 degC", None),
+        ("3 dB", None),
+        ("3 m*dB", None),
+        ("5 m)", None),
+        ("5 (m", None),
+        ("5 m**1.5", None),
+        ("5 m**999999", None),
+        ("5 " + "m*" * 500 + "m", None),
+        ("5 ((Ym**9)**9)", None),
+        ("5 ym**9*ym**9*m", None),
+        ("5 __class__", None),
+        ("5 m; import os", None),
+        ("5 m\n6", None),
+        ("5 kg\n*m", None),
+        ("x" * 10**6, None),
+        ("", None),
+    ],
+)
+def test_what_is_no_length(value, message):
+    found = refusal(value, d.LENGTH)
+    assert found == message or (message is None and found.startswith(LENGTH))
+    assert len(found) < 250
+    assert "\n" not in found
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension", "reason"),
+    [
+        ("5 Hz", d.ANGULAR_SPEED, "Hz is a frequency, not an angular speed: write rad/s or rpm"),
+        ("5 1/s", d.ANGULAR_SPEED, "1/s is a frequency, not an angular speed: write rad/s or rpm"),
+        ("5 deg", d.ANGULAR_SPEED, "deg is an angle, not an angular speed"),
+        ("5 deg", d.NUMBER, "this number has no unit"),
+        ("5 percent", d.ANGLE, "percent is not a unit of angle"),
+        ("2pi", d.ANGLE, "write the product as *pi"),
+        ("5 milimeter", d.LENGTH, "unknown unit 'milimeter'; did you mean 'millimeter'?"),
+        ("5 Nm", d.TORQUE, "did you mean 'N*m'?"),
+        ("5 N", d.TORQUE, "N is a force, not a torque"),
+        ("5 N/m", d.TORSIONAL_STIFFNESS, "N/m is a stiffness, not a torsional stiffness"),
+        ("20 degC", d.LENGTH, "degC has its zero elsewhere"),
+    ],
+)
+def test_units_of_something_else(value, dimension, reason):
+    assert reason in refusal(value, dimension)
+
+
+def test_integer_that_python_refuses_to_print():
+    assert refusal(10**5000, d.LENGTH).endswith("too large for a number")
+
+
+def test_bounds():
+    assert refusal("-12 cm", d.LENGTH, d.Bound.POSITIVE) == (
+        "expected a length > 0 (metres, or with a unit), found '-12 cm'"
+    )
+    assert refusal(0, d.LENGTH, d.Bound.POSITIVE).endswith("found 0")
+    assert parse_quantity(0, d.LENGTH, d.Bound.NON_NEGATIVE) == 0.0
+
+
+def read(kind, value):
+    return TypeAdapter(kind).validate_python(value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "expected"),
+    [
+        (q.PositiveInteger, "2001", 2001),
+        (q.PositiveInteger, "2*10**3 + 1", 2001),
+        (q.PositiveInteger, 5, 5),
+        (q.Tolerance, "1e-10", 1e-10),
+        (q.Point, ["1.1", 0], (1.1, 0.0)),
+        (q.AccelerationVector, ["0", "-9.81 m/s²"], (0.0, -9.81)),
+        (q.Mass, "0", 0.0),
+        (q.Duration, "2 s", 2.0),
+        (q.Name, "link 3-a_b", "link 3-a_b"),
+        (q.Name, "Kurbel_ü", "Kurbel_ü"),
+        (q.Name, "7", "7"),
+    ],
+)
+def test_field_types(kind, value, expected):
+    result = read(kind, value)
+    assert result == expected
+    assert type(result) is type(expected)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "message"),
+    [
+        (q.PositiveInteger, "0", "expected a whole number > 0, found '0'"),
+        (q.PositiveInteger, "1.5", "expected a whole number > 0, found '1.5'"),
+        (q.PositiveInteger, "many", "expected a whole number > 0, found 'many': expected a number"),
+        (q.Tolerance, "0", "expected a number > 0, found '0'"),
+        (q.Mass, "-1", "expected a mass >= 0 (kilograms, or with a unit), found '-1'"),
+        (q.Length, "{x}", "found '{x}'"),
+    ],
+)
+def test_field_types_refuse(kind, value, message):
+    with pytest.raises(ValidationError) as caught:
+        read(kind, value)
+    assert message in caught.value.errors()[0]["msg"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", " a", "a ", "a.b", "a[0]", "a'b", 'a"b', "a\nb", "a\n", "a\tb", "-a", "x" * 65, None, 1],
+)
+def test_names_that_would_break_paths_or_messages(name):
+    with pytest.raises(ValidationError, match="expected a name \\(letters, digits"):
+        read(q.Name, name)
+
+
+def test_json_schema():
+    assert TypeAdapter(q.PositiveLength).json_schema() == {
+        "description": "a length > 0 (metres, or with a unit)",
+        "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+    }
+    assert TypeAdapter(q.Name).json_schema()["type"] == "string"
+    assert TypeAdapter(q.PositiveInteger).json_schema()["anyOf"][0]["type"] == "integer"
+
+
+def test_plain_numbers_do_not_import_pint():
+    code = (
+        "import sys; from linkages.spec.quantities import *; from linkages.spec import dimensions;"
+        "parse_quantity('-1.5*pi', dimensions.LENGTH);"
+        "sys.exit(bool({'pint', 'numpy', 'numba', 'networkx'} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

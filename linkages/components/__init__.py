@@ -1,0 +1,1 @@
+"""Bars, joints, sliders, clearances, drives, loads: frozen data that contributes terms."""

@@ -1,0 +1,48 @@
+"""What every component is: frozen data that answers what it contributes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar, dataclass_transform
+
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass as validated_dataclass
+
+from linkages.components.terms import Path, References, Term
+
+
+@dataclass_transform(kw_only_default=True, frozen_default=True)
+def component(cls: type) -> Any:
+    """Make a frozen, keyword-only dataclass whose fields are the keys of the definition file."""
+    make: Callable[..., Any] = validated_dataclass(
+        frozen=True, kw_only=True, config=ConfigDict(extra="forbid")
+    )
+    return make(cls)
+
+
+class Component:
+    """Contributes terms; never integrates, draws, parses or prints.
+
+    A subclass sets `section`, its place in the definition file, and overrides `terms` and,
+    where it names other components, `references`.
+    """
+
+    section: ClassVar[str]
+
+    @property
+    def path(self) -> Path:
+        """Where this component stands in the definition file."""
+        name = getattr(self, "name", None)
+        return (self.section,) if name is None else (self.section, name)
+
+    def terms(self) -> tuple[Term, ...]:
+        """What this component contributes to the mechanism."""
+        raise TypeError(f"{type(self).__name__} contributes no terms")
+
+    def references(self) -> References:
+        """Names of joints and bodies that must exist."""
+        return References()
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """What is wrong within this component alone, beyond the types of its fields."""
+        return ()

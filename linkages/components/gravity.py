@@ -1,0 +1,32 @@
+"""Uniform gravity."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import Component, component
+from linkages.components.terms import Gravity, Parameter
+from linkages.spec.quantities import AccelerationVector
+
+
+@component
+class UniformGravity(Component):
+    """Gravitational acceleration, the same everywhere.
+
+    Parameters
+    ----------
+    acceleration
+        Components along x and y in m/s².
+    """
+
+    section: ClassVar[str] = "gravity"
+
+    acceleration: AccelerationVector
+
+    def terms(self) -> tuple[Gravity, ...]:
+        """A component of exactly zero is structure: its terms are left out."""
+        x, y = (
+            Parameter((*self.path, index), value, structural=True)
+            for index, value in enumerate(self.acceleration)
+        )
+        return (Gravity(x, y),)

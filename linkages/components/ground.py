@@ -1,0 +1,35 @@
+"""Joints fixed to the ground."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import Component, component
+from linkages.components.terms import GroundPin, Parameter
+from linkages.spec.quantities import Name, Point
+
+
+@component
+class GroundJoint(Component):
+    """A pin fixed to the ground.
+
+    Parameters
+    ----------
+    name
+        Joint name.
+    position
+        Coordinates in metres.
+    """
+
+    section: ClassVar[str] = "joints"
+
+    name: Name
+    position: Point
+
+    def terms(self) -> tuple[GroundPin, ...]:
+        """One pin; a coordinate of exactly zero is structure."""
+        x, y = (
+            Parameter((*self.path, index), value, structural=True)
+            for index, value in enumerate(self.position)
+        )
+        return (GroundPin(self.name, (x, y)),)

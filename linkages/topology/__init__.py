@@ -1,0 +1,1 @@
+"""Bodies as nodes, joints as edges: loops, mobility, and the order of solution."""

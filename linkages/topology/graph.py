@@ -1,0 +1,56 @@
+"""The topology graph: bodies are nodes, joints are edges."""
+
+from __future__ import annotations
+
+import networkx as nx
+
+from linkages.components.mechanism import Mechanism
+from linkages.components.revolute import GROUND, Revolute, revolute_pairs
+
+
+def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
+    """Joint → the bodies that meet there: the ground first, then in the order of the file."""
+    meeting: dict[str, list[str]] = {joint: [GROUND] for joint in mechanism.ground}
+    for body in mechanism.bodies.values():
+        for joint in body.points:
+            meeting.setdefault(joint, []).append(body.name)
+    return {joint: tuple(names) for joint, names in meeting.items()}
+
+
+def pairs(mechanism: Mechanism) -> tuple[Revolute, ...]:
+    """All revolute pairs; a pin shared by k bodies gives k − 1."""
+    return tuple(
+        pair
+        for joint, bodies in bodies_at(mechanism).items()
+        for pair in revolute_pairs(joint, bodies)
+    )
+
+
+def topology_graph(mechanism: Mechanism) -> nx.MultiGraph:
+    """Multigraph with an edge per revolute pair (key: joint) and per guide (key: slider)."""
+    graph = nx.MultiGraph()
+    graph.add_node(GROUND, kind="ground")
+    for body in mechanism.bodies.values():
+        graph.add_node(body.name, kind=body.kind)
+    for pair in pairs(mechanism):
+        graph.add_edge(pair.first, pair.second, key=pair.joint, kind="revolute")
+    for body in mechanism.bodies.values():
+        if not body.rotates:
+            graph.add_edge(GROUND, body.name, key=body.name, kind="prismatic")
+    return graph
+
+
+def gruebler_mobility(graph: nx.MultiGraph) -> int:
+    """Mobility 3·bodies − 2·pairs of the graph (Grübler's formula); the ground does not count."""
+    return 3 * (graph.number_of_nodes() - 1) - 2 * graph.number_of_edges()
+
+
+def loop_count(graph: nx.MultiGraph) -> int:
+    """Number of independent loops of a connected graph."""
+    return graph.number_of_edges() - graph.number_of_nodes() + 1
+
+
+def unreachable_bodies(graph: nx.MultiGraph) -> list[str]:
+    """Bodies that no chain of joints connects to the ground."""
+    reached = nx.node_connected_component(graph, GROUND)
+    return [body for body in graph.nodes if body not in reached]

@@ -1,0 +1,1 @@
+"""Equations of motion as graphs of scalar operations, and their compiled form."""

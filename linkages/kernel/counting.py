@@ -1,0 +1,65 @@
+"""How much a kernel computes, and what it leaves out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from linkages.components.terms import Path
+from linkages.kernel.model import Model
+from linkages.kernel.program import Program
+from linkages.kernel.scalars import Level, Scalar, reachable
+
+KINDS = {
+    "additions": ("add", "sub", "neg"),
+    "multiplications": ("mul",),
+    "divisions": ("div",),
+    "square roots": ("sqrt",),
+    "trigonometric calls": ("sin", "cos", "atan2"),
+}
+PARTS = {
+    "once per run": Level.PARAMETERS,
+    "once per distinct time": Level.TIME,
+    "once per state": Level.STATE,
+}
+
+
+@dataclass(frozen=True)
+class KernelReport:
+    """Operation counts of a kernel.
+
+    Parameters
+    ----------
+    counts
+        Part (see `PARTS`) → kind of operation (see `KINDS`) → number.
+    left_out
+        Numbers of the definition file that the motion does not depend on.
+    """
+
+    counts: dict[str, dict[str, int]]
+    left_out: tuple[Path, ...]
+
+
+def report_kernel(model: Model, program: Program) -> KernelReport:
+    """Count the operations of a program, and find the inertia and loads that it does not need."""
+    counts = {part: _count(program.groups[level]) for part, level in PARTS.items()}
+    return KernelReport(counts, _left_out(model, program))
+
+
+def _count(nodes: list[Scalar]) -> dict[str, int]:
+    found = Counter(node.operation for node in nodes)
+    return {kind: sum(found[name] for name in names) for kind, names in KINDS.items()}
+
+
+def _left_out(model: Model, program: Program) -> tuple[Path, ...]:
+    nodes = reachable(node for level in program.groups.values() for node in level)
+    used = {n.arguments for n in nodes if n.operation == "input"}
+    numbered = {path: ("p", index) for index, path in enumerate(model.inputs.parameters)}
+    given = [
+        (*body.path, key)
+        for body in model.mechanism.bodies.values()
+        for key, value in (("mass", body.mass), ("inertia", body.inertia))
+        if not value.absent
+    ]
+    given += [load.force.path for load in model.mechanism.forces if not load.force.absent]
+    return tuple(path for path in given if numbered.get(path) not in used)

@@ -1,0 +1,89 @@
+"""The arguments of a kernel: parameters, time and state as nodes of its graph."""
+
+from __future__ import annotations
+
+from linkages.components.terms import Parameter, Path
+from linkages.kernel.scalars import Level, Scalar, ScalarGraph
+from linkages.kernel.vectors import Vector
+
+Side = int
+_KEYS = frozenset(
+    {"length", "mass", "inertia", "center", "points", "through", "size", "angle", "speed", "force"}
+)
+
+
+class Inputs:
+    """Numbers the parameters in the order in which they are first asked for.
+
+    Parameters
+    ----------
+    graph
+        The graph that gets the input nodes.
+    coordinates
+        Number of integrated coordinates n; the state is n coordinates, then n rates.
+    """
+
+    def __init__(self, graph: ScalarGraph, coordinates: int) -> None:
+        self.graph = graph
+        self.coordinates = coordinates
+        self.parameters: dict[Path, float] = {}
+        self._index: dict[Path, int] = {}
+
+    @property
+    def time(self) -> Scalar:
+        """Time in seconds."""
+        return self.graph.input("t", 0, Level.TIME)
+
+    def coordinate(self, index: int) -> Scalar:
+        """Integrated coordinate `index`."""
+        return self.graph.input("y", index, Level.STATE)
+
+    def rate(self, index: int) -> Scalar:
+        """Rate of integrated coordinate `index`."""
+        return self.graph.input("y", self.coordinates + index, Level.STATE)
+
+    def acceleration(self, index: int) -> Scalar:
+        """Second derivative of coordinate `index`, known after the rates have been evaluated."""
+        return self.graph.input("a", index, Level.STATE)
+
+    def parameter(self, parameter: Parameter) -> Scalar:
+        """A number of the definition file; a structural zero is the constant 0."""
+        if parameter.absent:
+            return self.graph.zero
+        return self._numbered(parameter.path, parameter.value)
+
+    def vector(self, pair: tuple[Parameter, Parameter]) -> Vector:
+        """Two numbers of the definition file."""
+        return Vector(self.parameter(pair[0]), self.parameter(pair[1]))
+
+    def side(self, block: int) -> Scalar:
+        """The sign that selects the assembly mode of a block, +1 or −1."""
+        return self._numbered(("side", block), 1.0)
+
+    def _numbered(self, path: Path, value: float) -> Scalar:
+        if path not in self._index:
+            self._index[path] = len(self._index)
+            self.parameters[path] = value
+        return self.graph.input("p", self._index[path], Level.PARAMETERS)
+
+    def describe(self) -> list[str]:
+        """What each parameter is, with numbers in the place of the file's names."""
+        numbers: dict[tuple, int] = {}
+        return [_numbered_path(path, numbers) for path in self.parameters]
+
+
+def _numbered_path(path: Path, numbers: dict[tuple, int]) -> str:
+    """A path without any text of the user, for comments of the generated code.
+
+    Keys of a component stand second behind the section; whatever stands elsewhere is a name, even
+    if it reads like a key.
+    """
+    section, *rest = path
+    parts = [str(section)]
+    for place, element in enumerate(rest):
+        if isinstance(element, int) or (place == 1 and element in _KEYS):
+            parts.append(str(element))
+        else:
+            family = [key for key in numbers if key[:2] == (section, place)]
+            parts.append(f"#{numbers.setdefault((section, place, element), len(family))}")
+    return ".".join(parts)

@@ -1,0 +1,218 @@
+"""The equations of motion of a mechanism as one graph of scalar operations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from linkages.kernel.inertia import Inertia
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.motion import Accelerations, Rates
+from linkages.kernel.positions import Positions
+from linkages.kernel.scalars import Scalar, ScalarGraph
+from linkages.kernel.vectors import Vector
+from linkages.topology.topology import Topology
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Whether a block can be assembled: `radicand` must not be negative."""
+
+    block: int
+    radicand: Scalar
+
+
+class Model:
+    """Positions, motion, inertia and efforts of a mechanism, built when they are asked for.
+
+    Parameters
+    ----------
+    topology
+        The analysed mechanism.
+    quadratures
+        Integrals carried along with the motion, each as one more coordinate.
+    """
+
+    def __init__(self, topology: Topology, quadratures: int = 0) -> None:
+        self.topology = topology
+        self.mechanism = topology.mechanism
+        self.graph = ScalarGraph()
+        self.inputs = Inputs(self.graph, len(topology.free) + quadratures)
+        self.positions = Positions(topology, self.inputs)
+
+    @cached_property
+    def gravity(self) -> Vector:
+        """Gravitational acceleration."""
+        g = self.mechanism.gravity
+        return self.inputs.vector((g.x, g.y))
+
+    @cached_property
+    def inertia(self) -> Inertia:
+        """Masses and moments of inertia."""
+        return Inertia(self.positions)
+
+    @cached_property
+    def known_rates(self) -> dict[str, Scalar]:
+        """Rates of driven and free coordinates."""
+        driven = {name: self.positions.prescribed(name)[1] for name in self.topology.driven}
+        free = {name: self.inputs.rate(i) for i, name in enumerate(self.topology.free)}
+        return driven | free
+
+    @cached_property
+    def velocities(self) -> Rates:
+        """The actual velocities."""
+        return Rates(self.positions, self.known_rates, "v")
+
+    @cached_property
+    def bias(self) -> Accelerations:
+        """Accelerations as they would be if the free coordinates did not accelerate."""
+        return Accelerations(self.positions, self.velocities, {}, "b")
+
+    @cached_property
+    def accelerations(self) -> Accelerations:
+        """The actual accelerations, given those of the free coordinates."""
+        return self._accelerations(
+            {name: self.inputs.acceleration(i) for i, name in enumerate(self.topology.free)}
+        )
+
+    def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
+        return Accelerations(self.positions, self.velocities, free, "a")
+
+    def partial(self, name: str, stretch: str | None = None) -> Rates:
+        """Partial velocities with respect to one coordinate (or a link's length)."""
+        number = self.positions.body_numbers[name if stretch is None else stretch]
+        label = f"u{number}" if stretch is None else f"s{number}"
+        known = {} if stretch is not None else {name: self.graph.one}
+        return Rates(self.positions, known, label, stretch)
+
+    def required_force(self, accelerations: Accelerations, partial: Rates) -> Scalar:
+        """Generalised force that a motion needs beyond gravity and the loads of the file.
+
+        It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
+        gravity and loads on the partial velocities.
+        """
+        self.graph.section = f"projection on {partial.label}"
+        force = self.inertia.product(accelerations, partial, self.gravity)
+        for load in self.mechanism.forces:
+            force = force - self.inputs.parameter(load.force) * partial.bodies[load.body]
+        return force
+
+    @cached_property
+    def reaches(self) -> list[Reach]:
+        """What must not be negative for the mechanism to be assembled."""
+        return [
+            Reach(index, dyad.radicand)
+            for index, dyad in self.positions.dyads.items()
+            if dyad.radicand is not None
+        ]
+
+    @cached_property
+    def margins(self) -> list[Scalar]:
+        """Per block: zero at a singular position."""
+        return [dyad.margin for dyad in self.positions.dyads.values()]
+
+    @cached_property
+    def margin_rates(self) -> list[Scalar]:
+        """Derivatives of `margins` with respect to time."""
+        return [
+            dyad.margin_rate((self.velocities.bodies[a], self.velocities.bodies[b]))
+            for (a, b), dyad in self._block_unknowns()
+        ]
+
+    @cached_property
+    def margin_scales(self) -> list[Scalar]:
+        """Largest possible values of `margins`; parameters."""
+        return [dyad.margin_scale for dyad in self.positions.dyads.values()]
+
+    def _block_unknowns(self) -> list:
+        return [
+            (
+                [s.body for s in block.loops[0].steps if s.body in block.unknowns],
+                self.positions.dyads[block.index],
+            )
+            for block in self.topology.solved_blocks
+        ]
+
+    @cached_property
+    def partials(self) -> list[Rates]:
+        """Partial velocities of all free coordinates."""
+        return [self.partial(name) for name in self.topology.free]
+
+    @cached_property
+    def mass_matrix(self) -> list[list[Scalar]]:
+        """Lower triangle of J_ij over the free coordinates."""
+        self.graph.section = "inertia terms J_ij of the free coordinates"
+        return [
+            [self.inertia.product(self.partials[i], self.partials[j]) for j in range(i + 1)]
+            for i in range(len(self.partials))
+        ]
+
+    @cached_property
+    def free_accelerations(self) -> list[Scalar]:
+        """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
+        matrix = self.mass_matrix
+        forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+        self.graph.section = "accelerations of the free coordinates"
+        solution = solve_symmetric(matrix, forces)
+        for index, value in enumerate(solution):
+            if value.label is None and value.operands:
+                value.label = f"acceleration{index}"
+        return solution
+
+    @cached_property
+    def power(self) -> Scalar:
+        """Power of drives and loads, with the accelerations that the state itself implies."""
+        free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
+        accelerations = self._accelerations(free)
+        terms = [
+            self.required_force(accelerations, self.partial(name)) * self.known_rates[name]
+            for name in self.topology.driven
+        ]
+        return self.graph.total([*terms, self.load_power])
+
+    @property
+    def load_power(self) -> Scalar:
+        """Power of the loads."""
+        return self.graph.total(
+            self.inputs.parameter(load.force) * self.velocities.bodies[load.body]
+            for load in self.mechanism.forces
+        )
+
+
+def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Scalar]:
+    """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
+
+    Parameters
+    ----------
+    matrix
+        Lower triangle, row by row.
+    right
+        Right-hand side.
+    """
+    count = len(right)
+    lower: list[list[Scalar]] = []
+    inverse: list[Scalar] = []
+    for i in range(count):
+        row: list[Scalar] = []  # row[j] = L_ij d_j until it is scaled below
+        for j in range(i):
+            value = matrix[i][j]
+            for k in range(j):
+                value = value - row[k] * lower[j][k]
+            row.append(value)
+        scaled = [value * inverse[j] for j, value in enumerate(row)]
+        pivot = matrix[i][i]
+        for value, factor in zip(row, scaled, strict=True):
+            pivot = pivot - value * factor
+        lower.append(scaled)
+        inverse.append(1.0 / pivot)
+    forward: list[Scalar] = []
+    for i in range(count):
+        value = right[i]
+        for j in range(i):
+            value = value - lower[i][j] * forward[j]
+        forward.append(value)
+    solution = [value * inverse[i] for i, value in enumerate(forward)]
+    for i in reversed(range(count)):
+        for j in range(i):
+            solution[j] = solution[j] - lower[i][j] * solution[i]
+    return solution

@@ -1,0 +1,94 @@
+"""Compiled loop of steps whose length follows a tolerance."""
+
+from __future__ import annotations
+
+from linkages.solvers.commit import (
+    DONE,
+    INTERRUPTED,
+    SINGULAR,
+    STEP_BUDGET,
+    STEP_TOO_SMALL,
+    begin,
+    commit,
+    cut_short,
+    margin_outcome,
+    outcome_of,
+)
+from linkages.solvers.compiled import entry, floats, integers
+from linkages.solvers.margins import check_margins
+from linkages.solvers.sampling import take_samples
+from linkages.solvers.stages import try_step
+from linkages.solvers.step_size import SHRINK_BLOCKED, error_norm, first_step, next_factor
+from linkages.solvers.views import EVALUATIONS, REJECTED, STEPS, STOP, Record, System, Table
+
+# Steps below this many units in the last place of time no longer move it reliably.
+SMALLEST_STEP = 16 * 2.220446049250313e-16
+
+
+@entry
+def adaptive_steps(
+    system: System,
+    table: Table,
+    record: Record,
+    start: float,
+    end: float,
+    rtol: float,
+    atol: int,
+    zeros: int,
+    order: int,
+    budget: int,
+) -> int:
+    """Integrate from start to end with an error estimate of an order kept at a tolerance.
+
+    Row 0 holds the state; `atol` and `zeros` are addresses of (2n,) numbers. Returns an
+    `Outcome`; the final state is in row 0, its time in ``control[NOW]``.
+    """
+    exponent = 1.0 / (order + 1)
+    counters, control = integers(record.counters), floats(record.control)
+    outcome = begin(system, record, start, 0.0)
+    if outcome != DONE or start == end:
+        return outcome
+    counters[EVALUATIONS] += 1
+    h = first_step(system, start, end - start, order, rtol, atol, zeros)
+    t, carry, first = start, 0.0, abs(h)
+    trouble, rejected = 0, False
+    while outcome == DONE and t != end:
+        if control[STOP] != 0.0:
+            return INTERRUPTED
+        if counters[STEPS] + counters[REJECTED] >= budget:
+            return STEP_BUDGET
+        # Time is summed with compensation: `carry` is what t is too large by.
+        moved = h - carry
+        t_end = t + moved
+        next_carry = (t_end - t) - moved
+        remaining = (end - t) + carry
+        if 1.01 * abs(h) >= abs(remaining):
+            h, t_end, next_carry = remaining, end, 0.0
+        counters[EVALUATIONS] += table.end
+        status = try_step(system, table, t, h, t_end)
+        factor, accepted = SHRINK_BLOCKED, False
+        if status == 0:
+            error = error_norm(system, table, h, rtol, atol)
+            factor = next_factor(error, exponent)
+            accepted = error <= 1.0
+        if accepted:
+            part = check_margins(system, table, record, t, h, t_end)
+            if part < 1.0:
+                return cut_short(system, table, record, t, h, part, SINGULAR)
+            status = take_samples(system, table, record, t, h, t_end, 0.0)
+        if status != 0:
+            # A sample that cannot be evaluated belongs to a step that should not be made.
+            accepted, factor, trouble = False, SHRINK_BLOCKED, status
+        if accepted:
+            commit(system, table, record, t_end)
+            outcome = margin_outcome(system, record)
+            t, carry = t_end, next_carry
+            h *= min(factor, 1.0) if rejected else factor
+            trouble, rejected = 0, False
+        else:
+            counters[REJECTED] += 1
+            rejected = True
+            h *= factor
+            if abs(h) < SMALLEST_STEP * max(abs(t), first):
+                return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
+    return outcome

@@ -1,0 +1,106 @@
+"""Tableau, flow and job as the addresses and sizes that the compiled loops take."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers.flow import Flow
+from linkages.solvers.job import Job
+from linkages.solvers.tableau import Tableau
+from linkages.solvers.views import KEEP, NODE, STEP_END, Record, System, Table
+
+
+class Memory:
+    """Makes arrays and keeps them alive while compiled code holds their addresses."""
+
+    def __init__(self) -> None:
+        self.arrays: list[NDArray] = []
+
+    def floats(self, values: object) -> int:
+        """Address of numbers as float64."""
+        return self._keep(np.ascontiguousarray(values, dtype=np.float64))
+
+    def integers(self, values: object) -> int:
+        """Address of numbers as int64."""
+        return self._keep(np.ascontiguousarray(values, dtype=np.int64))
+
+    def _keep(self, array: NDArray) -> int:
+        self.arrays.append(array)
+        return array.ctypes.data
+
+
+def system(memory: Memory, flow: Flow, rows: NDArray[np.float64]) -> System:
+    """Addresses and numbers of a flow, with room for what its clock writes."""
+    return System(
+        clock=flow.clock,
+        rates=flow.rates,
+        parameters=memory.floats(flow.parameters),
+        timed=memory.floats(np.zeros(flow.timed_size)),
+        rotates=memory.integers(flow.rotates),
+        margin_scale=memory.floats(flow.margin_scale),
+        n=flow.coordinates,
+        blocks=len(flow.margin_scale),
+        rows=memory.floats(rows),
+        width=rows.shape[1],
+    )
+
+
+def workspace_width(flow: Flow) -> int:
+    """Length of a row: coordinates, speeds, accelerations, margins and their rates."""
+    return 3 * flow.coordinates + 2 * len(flow.margin_scale)
+
+
+def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rows as described in `views.System`, with a state in row 0."""
+    rows = np.zeros((len(tableau.extended_c) + 1, workspace_width(flow)))
+    rows[0, : len(state)] = state
+    return rows
+
+
+def table(memory: Memory, tableau: Tableau, flow: Flow) -> Table:
+    """Coefficients of a tableau for the workspace of a flow."""
+    A, end = tableau.extended_A, tableau.stages
+    rows, columns = np.nonzero(A)
+    width = workspace_width(flow)
+    # Missing error estimates are rows of zeros.
+    error = np.zeros((2, end + 1))
+    if tableau.error.size:
+        error[: len(tableau.error)] = tableau.error
+    return Table(
+        starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
+        places=memory.integers(columns * width + flow.coordinates),
+        weights=memory.floats(A[rows, columns]),
+        clocks=memory.integers(_clocks(tableau)),
+        c=memory.floats(tableau.extended_c),
+        error=memory.floats(error),
+        dense=memory.floats(tableau.dense),
+        rows=len(A),
+        end=end,
+        degree=tableau.dense.shape[1],
+    )
+
+
+def _clocks(tableau: Tableau) -> NDArray[np.int64]:
+    """When each row is evaluated; see `views.KEEP`."""
+    c = tableau.extended_c
+    clocks = np.where(c == 1.0, STEP_END, NODE)
+    clocks[1:][c[1:] == c[:-1]] = KEEP
+    # Before these rows, samples or another trial may have moved the clock.
+    for row in (1, tableau.stages + 1):
+        clocks[row : row + 1][c[row : row + 1] < 1.0] = NODE
+    return clocks
+
+
+def record(memory: Memory, job: Job) -> Record:
+    """Where the results of a job go; its arrays are contiguous and are written in place."""
+    return Record(
+        samples=len(job.times),
+        time=memory.floats(job.times),
+        state=memory.floats(job.states),
+        turns=memory.integers(job.turns),
+        acceleration=memory.floats(job.accelerations),
+        final_turns=memory.integers(job.final_turns),
+        counters=memory.integers(job.counters),
+        control=memory.floats(job.control),
+    )

@@ -1,0 +1,98 @@
+"""Start a run, and go from the end of one step to the start of the next."""
+
+from __future__ import annotations
+
+from linkages.solvers.compiled import compiled, floats, integers
+from linkages.solvers.margins import LEAST_MARGIN, margins_of
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.sampling import take_samples, write_sample
+from linkages.solvers.stages import NOT_FINITE, evaluate, finite, set_clock
+from linkages.solvers.turns import wrap_angles
+from linkages.solvers.views import (
+    BLOCK,
+    EVALUATIONS,
+    NOW,
+    SAMPLES,
+    STEPS,
+    Record,
+    System,
+    Table,
+)
+
+# Compiled code takes plain integers.
+DONE = int(Outcome.DONE)
+UNREACHABLE = int(Outcome.UNREACHABLE)
+SINGULAR = int(Outcome.SINGULAR)
+STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
+DIVERGED = int(Outcome.NOT_FINITE)
+STEP_BUDGET = int(Outcome.STEP_BUDGET)
+INTERRUPTED = int(Outcome.INTERRUPTED)
+
+
+@compiled
+def outcome_of(record: Record, status: int) -> int:
+    """Outcome that a failed evaluation stands for; notes its block."""
+    if status == NOT_FINITE:
+        return DIVERGED
+    integers(record.counters)[BLOCK] = status - 1
+    return UNREACHABLE
+
+
+@compiled
+def margin_outcome(system: System, record: Record) -> int:
+    """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
+    margin, scale = floats(margins_of(system, 0)), floats(system.margin_scale)
+    for block in range(system.blocks):
+        if abs(margin[block]) < LEAST_MARGIN * scale[block]:
+            integers(record.counters)[BLOCK] = block
+            return SINGULAR
+    return DONE
+
+
+@compiled
+def begin(system: System, record: Record, start: float, near: float) -> int:
+    """Evaluate row 0 at the start and take the samples within `near` of it."""
+    counters = integers(record.counters)
+    floats(record.control)[NOW] = start
+    if not finite(system, 0, 2 * system.n):
+        return DIVERGED
+    wrap_angles(system, system.rows, record.final_turns, record.final_turns)
+    counters[EVALUATIONS] += 1
+    status = set_clock(system, start)
+    if status == 0:
+        status = evaluate(system, 0)
+    if status != 0:
+        return outcome_of(record, status)
+    if not finite(system, 0, 3 * system.n):
+        return DIVERGED
+    while counters[SAMPLES] < record.samples:
+        if abs(floats(record.time)[counters[SAMPLES]] - start) > near:
+            break
+        write_sample(system, record, 0)
+    return margin_outcome(system, record)
+
+
+@compiled
+def commit(system: System, table: Table, record: Record, t_end: float) -> None:
+    """Make the end of an accepted step the start of the next one."""
+    rows, last = floats(system.rows), table.end * system.width
+    for i in range(system.width):
+        rows[i] = rows[last + i]
+    wrap_angles(system, system.rows, record.final_turns, record.final_turns)
+    floats(record.control)[NOW] = t_end
+    integers(record.counters)[STEPS] += 1
+
+
+@compiled
+def cut_short(
+    system: System, table: Table, record: Record, t: float, h: float, part: float, outcome: int
+) -> int:
+    """End a run with the part of a step that is in the workspace."""
+    if part == 0.0:
+        return outcome
+    t_end = t + part * h
+    status = take_samples(system, table, record, t, part * h, t_end, 0.0)
+    if status != 0:
+        return outcome_of(record, status)
+    commit(system, table, record, t_end)
+    return outcome

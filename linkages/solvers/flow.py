@@ -1,0 +1,67 @@
+"""The differential equation of a mechanism, as a solver sees it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flow:
+    """Addresses of two compiled functions and the numbers that they need.
+
+    The functions have the C signatures ::
+
+        int64 clock(double t, double *parameters, double *timed)
+        int64 rates(double *state, double *parameters, double *timed, double *out)
+
+    `clock` computes everything that depends on time alone and is called once per distinct stage
+    time. `rates` reads ``state = [q (n), v (n)]`` and writes
+    ``out = [a (n), margin (b), margin_rate (b)]``. Both return 0, or 1 + the index of the block
+    that cannot be assembled.
+
+    Parameters
+    ----------
+    clock, rates
+        Addresses of the compiled functions, for example ``numba.cfunc(...)(f).address``.
+    parameters : (p,)
+        Numbers passed to both functions; never changed by a solver.
+    timed_size
+        Length of what `clock` writes.
+    coordinates
+        Number n of free coordinates.
+    rotates : (n,) of bool
+        Which coordinates are angles in radians and are kept within one turn.
+    margin_scale : (b,)
+        Size of each block's margin away from singular positions, in the margin's unit; > 0.
+    keepalive
+        Whatever must live as long as the two addresses are in use.
+    """
+
+    clock: int
+    rates: int
+    parameters: NDArray[np.float64]
+    timed_size: int
+    coordinates: int
+    rotates: NDArray[np.bool_]
+    margin_scale: NDArray[np.float64]
+    keepalive: object = None
+
+    def __post_init__(self) -> None:
+        contiguous = np.ascontiguousarray
+        object.__setattr__(self, "parameters", contiguous(self.parameters, dtype=np.float64))
+        object.__setattr__(self, "rotates", contiguous(self.rotates, dtype=np.bool_))
+        object.__setattr__(self, "margin_scale", contiguous(self.margin_scale, dtype=np.float64))
+        if not (self.clock and self.rates):
+            raise ValueError("clock and rates must be addresses of compiled functions, found 0")
+        if self.parameters.ndim != 1 or self.margin_scale.ndim != 1:
+            raise ValueError("parameters and margin_scale must have one dimension")
+        if self.rotates.shape != (self.coordinates,):
+            raise ValueError(
+                f"rotates must have one entry for each of {self.coordinates} coordinates, "
+                f"found shape {self.rotates.shape}"
+            )
+        if not (self.margin_scale > 0).all():
+            raise ValueError(f"margin_scale must be > 0, found {self.margin_scale}")

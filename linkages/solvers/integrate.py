@@ -1,0 +1,154 @@
+"""Integrate a flow: the one function that callers of this package need."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.solvers.flow import Flow
+from linkages.solvers.job import Job
+from linkages.solvers.method import Method
+from linkages.solvers.methods import METHODS
+from linkages.solvers.supervise import supervise
+from linkages.solvers.trajectory import Trajectory
+
+# Below this the round-off of a step exceeds what is asked for.
+LEAST_RTOL = 1e-14
+MAX_STEPS = 10**9
+
+
+def integrate(
+    flow: Flow,
+    state: ArrayLike,
+    times: ArrayLike,
+    *,
+    start: float | None = None,
+    method: str = "dop853",
+    rtol: float = 1e-10,
+    atol: ArrayLike | None = None,
+    step: float | None = None,
+    max_steps: int = MAX_STEPS,
+    watch: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Integrate the equations of motion and sample the motion at given times.
+
+    Parameters
+    ----------
+    flow
+        Equations of motion of a mechanism.
+    state : (2n,)
+        Coordinates and speeds at `start`, in rad and rad/s or m and m/s.
+    times : (m,)
+        Sample times in seconds, increasing, or decreasing to integrate backward in time. The
+        integration ends at the last one.
+    start
+        Time of the initial state; default: the first sample time.
+    method
+        One of `METHODS`.
+    rtol, atol
+        Tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles within one
+        turn. `atol` is one number or one for each entry of the state; default: `rtol`.
+    step
+        Length of a fixed step in seconds, > 0; it is shortened so that a whole number of steps
+        reaches the end. Needed by methods that are not adaptive, and keeps the step of those
+        that are.
+    max_steps
+        Number of steps that may be made.
+    watch
+        Called about 20 times a second, and once at the end, with the fraction of simulated time
+        that is done.
+
+    Returns
+    -------
+    Trajectory
+        Samples and how the integration ended; a failure is no exception but an `Outcome`.
+
+    Raises
+    ------
+    ValueError
+        For arguments that make no sense.
+    """
+    chosen = _method(method)
+    samples = _times(times)
+    begin = float(samples[0]) if start is None else float(start)
+    _require_monotonic(begin, samples)
+    if not chosen.adaptive and step is None:
+        raise ValueError(f"method '{method}' needs a step in seconds")
+    if step is not None and not (math.isfinite(step) and step > 0):
+        raise ValueError(f"step must be a number of seconds > 0, found {step}")
+    if max_steps < 1:
+        raise ValueError(f"max_steps must be at least 1, found {max_steps}")
+    job = Job(
+        flow=flow,
+        start=begin,
+        times=samples,
+        state=_state(flow, state),
+        rtol=_rtol(rtol),
+        atol=_atol(flow, rtol if atol is None else atol),
+        step=step,
+        max_steps=max_steps,
+    )
+    return job.trajectory(supervise(chosen, job, watch))
+
+
+def _method(name: str) -> Method:
+    if name in METHODS:
+        return METHODS[name]
+    known = ", ".join(f"'{known}'" for known in METHODS)
+    near = difflib.get_close_matches(str(name), METHODS, n=1, cutoff=0.5)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise ValueError(f"unknown method '{name}'; known are {known}{hint}")
+
+
+def _state(flow: Flow, state: ArrayLike) -> NDArray[np.float64]:
+    found = np.array(state, dtype=np.float64)
+    if found.shape != (2 * flow.coordinates,):
+        raise ValueError(
+            f"state must hold {flow.coordinates} coordinates and as many speeds, "
+            f"found shape {found.shape}"
+        )
+    if not np.isfinite(found).all():
+        raise ValueError(f"state must be finite, found {found}")
+    return found
+
+
+def _times(times: ArrayLike) -> NDArray[np.float64]:
+    found = np.array(times, dtype=np.float64, ndmin=1)
+    if found.ndim != 1 or not found.size:
+        raise ValueError(f"times must be a list of at least one time, found shape {found.shape}")
+    if not np.isfinite(found).all():
+        raise ValueError("times must be finite")
+    return found
+
+
+def _require_monotonic(start: float, times: NDArray[np.float64]) -> None:
+    if not math.isfinite(start):
+        raise ValueError(f"start must be finite, found {start}")
+    steps = np.diff(times, prepend=start)
+    # Only the first sample may fall together with the time before it.
+    if (steps[1:] > 0).all() and steps[0] >= 0:
+        return
+    if (steps[1:] < 0).all() and steps[0] <= 0:
+        return
+    raise ValueError("times must increase, or decrease, from start to the last one")
+
+
+def _rtol(rtol: float) -> float:
+    if not LEAST_RTOL <= rtol < 1:
+        raise ValueError(f"rtol must be from {LEAST_RTOL} to 1, found {rtol}")
+    return float(rtol)
+
+
+def _atol(flow: Flow, atol: ArrayLike) -> NDArray[np.float64]:
+    found = np.array(atol, dtype=np.float64)
+    if found.shape not in ((), (2 * flow.coordinates,)):
+        raise ValueError(
+            f"atol must be one number or one for each entry of the state, found shape {found.shape}"
+        )
+    if not ((found > 0).all() and np.isfinite(found).all()):
+        raise ValueError(f"atol must be > 0, found {found}")
+    return np.ascontiguousarray(np.broadcast_to(found, 2 * flow.coordinates))

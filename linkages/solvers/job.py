@@ -1,0 +1,99 @@
+"""One integration: what is asked for, and the arrays that its loop fills."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers.flow import Flow
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Job:
+    """Arguments of an integration after their validation, and its results as they come in.
+
+    Parameters
+    ----------
+    flow
+        What is integrated.
+    start
+        Time of the initial state in seconds.
+    times : (m,)
+        Sample times, monotonic away from `start`.
+    state : (2n,)
+        Initial state; overwritten with the final one.
+    rtol, atol : float and (2n,)
+        Tolerances of the error of a step.
+    step
+        Length of a fixed step in seconds, > 0; None where steps follow the tolerance.
+    max_steps
+        Number of steps that may be made.
+    """
+
+    flow: Flow
+    start: float
+    times: NDArray[np.float64]
+    state: NDArray[np.float64]
+    rtol: float
+    atol: NDArray[np.float64]
+    step: float | None
+    max_steps: int
+
+    states: NDArray[np.float64] = field(init=False)
+    turns: NDArray[np.int64] = field(init=False)
+    accelerations: NDArray[np.float64] = field(init=False)
+    final_turns: NDArray[np.int64] = field(init=False)
+    counters: NDArray[np.int64] = field(init=False)
+    control: NDArray[np.float64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        m, n = len(self.times), self.flow.coordinates
+        arrays: dict[str, NDArray] = {
+            "states": np.zeros((m, 2 * n)),
+            "turns": np.zeros((m, n), dtype=np.int64),
+            "accelerations": np.zeros((m, n)),
+            "final_turns": np.zeros(n, dtype=np.int64),
+            # Samples, steps, rejected steps, evaluations, block: see `views`.
+            "counters": np.array([0, 0, 0, 0, -1], dtype=np.int64),
+            # Time reached, and whether to stop.
+            "control": np.array([self.start, 0.0]),
+        }
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array)
+
+    @property
+    def end(self) -> float:
+        """Time at which the integration ends."""
+        return float(self.times[-1])
+
+    @property
+    def fraction(self) -> float:
+        """Part of the simulated time that is done, 0 to 1."""
+        span = self.end - self.start
+        return float((self.control[0] - self.start) / span) if span else 1.0
+
+    def stop(self) -> None:
+        """Ask a running loop to stop after its present step."""
+        self.control[1] = 1.0
+
+    def trajectory(self, outcome: Outcome) -> Trajectory:
+        """Collect the results once the loop has returned."""
+        samples, steps, rejected, evaluations, block = (int(count) for count in self.counters)
+        return Trajectory(
+            time=self.times[:samples],
+            state=self.states[:samples],
+            turns=self.turns[:samples],
+            acceleration=self.accelerations[:samples],
+            outcome=outcome,
+            stop_time=float(self.control[0]),
+            block=block,
+            steps=steps,
+            rejected=rejected,
+            evaluations=evaluations,
+            final_state=self.state,
+            final_turns=self.final_turns,
+        )

@@ -1,0 +1,100 @@
+"""Watch for singular positions, where a step could come out in the wrong assembly mode.
+
+A block's margin goes to zero where its two links are aligned. Positions are closed forms with a
+fixed sign, so that a margin never changes sign: it passes through zero like ``|t|``, and between
+two accepted steps that can be overlooked. A step is suspicious if the margin, extrapolated from
+both of its ends, crosses zero within it. It is then repeated in part, to find the least margin.
+
+Below a relative margin of `LEAST_MARGIN` accelerations lose their last digits to round-off, and
+the motion beyond is arbitrary: the integration stops there.
+"""
+
+from __future__ import annotations
+
+from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.solvers.compiled import compiled, floats, integers
+from linkages.solvers.stages import address_of, try_step
+from linkages.solvers.views import BLOCK, EVALUATIONS, WORD, Record, System, Table
+
+# Enough to halve a step down to its last digit.
+BISECTIONS = 60
+
+
+@compiled
+def margins_of(system: System, row: int) -> int:
+    """Address of the margins of a row; their rates follow."""
+    return address_of(system, row) + WORD * 3 * system.n
+
+
+@compiled
+def is_suspicious(system: System, end: int, block: int, h: float) -> bool:
+    """Whether a block's margin, extrapolated from both ends of a step, crosses zero within."""
+    first, last = floats(margins_of(system, 0)), floats(margins_of(system, end))
+    rate = block + system.blocks
+    side = 1.0 if first[block] >= 0.0 else -1.0
+    ahead = side * (first[block] + h * first[rate])
+    behind = side * (last[block] - h * last[rate])
+    return ahead < 0.0 and behind < 0.0
+
+
+@compiled
+def least_margin(
+    system: System, table: Table, record: Record, block: int, t: float, h: float
+) -> tuple[float, float]:
+    """Least relative margin of a block within a step, and the fraction of the step before it.
+
+    Bisects on the sign of the margin's rate, repeating the step from its start.
+    """
+    start, end = floats(margins_of(system, 0)), floats(margins_of(system, table.end))
+    side = 1.0 if start[block] >= 0.0 else -1.0
+    least = min(abs(start[block]), abs(end[block]))
+    before, after = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (before + after)
+        integers(record.counters)[EVALUATIONS] += table.end
+        if try_step(system, table, t, middle * h, t + middle * h) != 0:
+            # Round-off puts aligned links out of reach.
+            least, after = 0.0, middle
+            continue
+        least = min(least, abs(end[block]))
+        if side * h * end[block + system.blocks] < 0.0:
+            before = middle
+        else:
+            after = middle
+    return least / floats(system.margin_scale)[block], before
+
+
+@compiled
+def singular_fraction(
+    system: System, table: Table, record: Record, t: float, h: float, t_end: float
+) -> float:
+    """Find the first singular position within a step that has suspicious blocks.
+
+    Returns the fraction of the step that lies before it, with the workspace holding the step of
+    that length and its block noted; or 1 if there is none, with the workspace as it was.
+    """
+    counters = integers(record.counters)
+    fraction = 1.0
+    for block in range(system.blocks):
+        if is_suspicious(system, table.end, block, h):
+            least, before = least_margin(system, table, record, block, t, h)
+            if least < LEAST_MARGIN and before < fraction:
+                fraction = before
+                counters[BLOCK] = block
+            counters[EVALUATIONS] += table.end
+            try_step(system, table, t, h, t_end)
+    if fraction < 1.0:
+        counters[EVALUATIONS] += table.end
+        try_step(system, table, t, fraction * h, t + fraction * h)
+    return fraction
+
+
+@compiled
+def check_margins(
+    system: System, table: Table, record: Record, t: float, h: float, t_end: float
+) -> float:
+    """Fraction of an accepted step before a singular position; see `singular_fraction`."""
+    for block in range(system.blocks):
+        if is_suspicious(system, table.end, block, h):
+            return singular_fraction(system, table, record, t, h, t_end)
+    return 1.0

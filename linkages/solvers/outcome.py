@@ -1,0 +1,60 @@
+"""How an integration ended, as sentences with a remedy."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """How an integration ended.
+
+    The values are what the compiled loops return. Every member carries a `sentence` that says
+    what happened and a `remedy` that says what to do about it.
+    """
+
+    sentence: str
+    remedy: str
+
+    DONE = 0, "The integration reached its end.", ""
+    UNREACHABLE = (
+        1,
+        "The links of a block no longer reach each other: the position cannot be assembled.",
+        "Check lengths, drives and the initial state, or end the simulation before this time.",
+    )
+    SINGULAR = (
+        2,
+        "The two links of a block are aligned: the mechanism may go on in either assembly mode.",
+        "Change a length or an initial state so that the links pass beside this position, "
+        "or end the simulation before this time.",
+    )
+    STEP_TOO_SMALL = (
+        3,
+        "The step fell below the resolution of time before the tolerance was met.",
+        "Loosen rtol and atol, or look for a force that grows without bound near this time.",
+    )
+    NOT_FINITE = (
+        4,
+        "The motion diverged: a state or an acceleration is no longer a finite number.",
+        "Take a smaller step, or an adaptive method.",
+    )
+    STEP_BUDGET = (
+        5,
+        "The allowed number of steps was used up before the end.",
+        "Raise max_steps, loosen the tolerance, or simulate a shorter time.",
+    )
+    INTERRUPTED = (
+        6,
+        "The integration was interrupted.",
+        "What was computed so far is kept; start again from the final state to go on.",
+    )
+
+    def __new__(cls, value: int, sentence: str = "", remedy: str = "") -> Outcome:
+        """Make a member from its value and its two sentences."""
+        member = int.__new__(cls, value)
+        member._value_ = value
+        member.sentence = sentence
+        member.remedy = remedy
+        return member
+
+    def __str__(self) -> str:
+        return f"{self.sentence} {self.remedy}".strip()

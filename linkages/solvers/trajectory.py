@@ -1,0 +1,59 @@
+"""What an integration returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers.outcome import Outcome
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trajectory:
+    """Samples of a motion, and how the integration ended.
+
+    On failure the samples before the stop are kept, so that m may be less than what was asked.
+
+    Parameters
+    ----------
+    time : (m,)
+        Sample times in seconds, as requested.
+    state : (m, 2n)
+        Coordinates and speeds; rotating coordinates lie within [-π, π].
+    turns : (m, n) of int
+        Whole turns to be added to rotating coordinates.
+    acceleration : (m, n)
+        Accelerations of the coordinates.
+    outcome
+        How the integration ended.
+    stop_time
+        Time in seconds at which it ended.
+    block
+        Index of the block concerned; -1 where the outcome concerns none.
+    steps, rejected, evaluations
+        Accepted steps, rejected steps and calls of `rates`.
+    final_state : (2n,)
+        State at `stop_time`.
+    final_turns : (n,) of int
+        Turns at `stop_time`.
+    """
+
+    time: NDArray[np.float64]
+    state: NDArray[np.float64]
+    turns: NDArray[np.int64]
+    acceleration: NDArray[np.float64]
+    outcome: Outcome
+    stop_time: float
+    block: int
+    steps: int
+    rejected: int
+    evaluations: int
+    final_state: NDArray[np.float64]
+    final_turns: NDArray[np.int64]
+
+    @property
+    def unwrapped(self) -> NDArray[np.float64]:
+        """Coordinates with their whole turns, ``q + 2π·turns``, shape (m, n)."""
+        return self.state[:, : self.turns.shape[1]] + 2 * np.pi * self.turns

@@ -1,0 +1,71 @@
+"""Addresses and sizes that the compiled loops share.
+
+Every field is an integer: a size, or the address of an array of 8-byte entries.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+WORD = 8
+
+
+class System(NamedTuple):
+    """A flow and the workspace for its steps.
+
+    `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b)]`` for
+    each stage, so that the state is ``row[:2n]``, its derivative ``row[n:3n]``, and the kernel
+    writes straight into ``row[2n:]``. Row 0 is the start of the step, row `Table.end` its end,
+    and the last row a scratch row for samples.
+    """
+
+    clock: int
+    rates: int
+    parameters: int
+    timed: int  # what `clock` wrote last
+    rotates: int  # (n,) of int64, 0 or 1
+    margin_scale: int  # (b,) of float64
+    n: int
+    blocks: int
+    rows: int
+    width: int  # of a row
+
+
+class Table(NamedTuple):
+    """A tableau for a workspace, with its rows as in `Tableau.extended_A` but without zeros.
+
+    Row r takes the coefficients ``weights[starts[r]:starts[r + 1]]`` of the derivatives that
+    begin at the same ``places`` in the workspace.
+    """
+
+    starts: int  # (rows + 1,) of int64
+    places: int  # of int64
+    weights: int  # of float64
+    clocks: int  # (rows,) of int64: KEEP, NODE or STEP_END
+    c: int  # (rows,) of float64
+    error: int  # (2, end + 1) of float64
+    dense: int  # (rows, degree) of float64
+    rows: int
+    end: int
+    degree: int
+
+
+class Record(NamedTuple):
+    """Where results are written."""
+
+    samples: int  # number m of sample times
+    time: int  # (m,) of float64
+    state: int  # (m, 2n) of float64
+    turns: int  # (m, n) of int64
+    acceleration: int  # (m, n) of float64
+    final_turns: int  # (n,) of int64
+    counters: int  # (5,) of int64
+    control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
+
+
+# When a row is evaluated: at the time of the row before, at its node, at the end of the step.
+KEEP, NODE, STEP_END = range(3)
+# Entries of `counters`.
+SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK = range(5)
+# Entries of `control`: the time reached, and whether to stop.
+NOW, STOP = range(2)

@@ -1,0 +1,161 @@
+"""Kernels written by hand, with motions known in closed form, for the tests of the solvers."""
+
+# Kernels share two signatures, and few need every argument.
+# ruff: noqa: ARG001
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import cfunc, types
+from scipy.special import ellipj, ellipk
+
+from linkages.solvers import Flow
+
+POINTER = types.CPointer(types.float64)
+CLOCK = types.int64(types.float64, POINTER, POINTER)
+RATES = types.int64(POINTER, POINTER, POINTER, POINTER)
+
+
+@cfunc(CLOCK)
+def no_clock(t, p, timed):
+    return 0
+
+
+@cfunc(RATES)
+def pendulum_rates(y, p, timed, out):
+    out[0] = -p[0] * math.sin(y[0])
+    return 0
+
+
+@cfunc(CLOCK)
+def drive_clock(t, p, timed):
+    timed[0] = p[1] * math.cos(p[2] * t)
+    p[3] += 1.0
+    return 0
+
+
+@cfunc(RATES)
+def driven_rates(y, p, timed, out):
+    out[0] = -p[0] * y[0] + timed[0]
+    return 0
+
+
+@cfunc(RATES)
+def coupled_rates(y, p, timed, out):
+    out[0] = -p[0] * y[0] - p[1] * (y[0] - y[1])
+    out[1] = -p[0] * y[1] - p[1] * (y[1] - y[0])
+    return 0
+
+
+@cfunc(RATES)
+def passing_rates(y, p, timed, out):
+    """Uniform motion past q = 1, with the margin sqrt((q - 1)² + p0²)."""
+    distance = y[0] - 1.0
+    out[0] = 0.0
+    out[1] = math.sqrt(distance * distance + p[0] * p[0])
+    out[2] = distance * y[1] / out[1] if out[1] > 0.0 else 0.0
+    return 0
+
+
+@cfunc(RATES)
+def limited_rates(y, p, timed, out):
+    """Uniform motion of which the second block reaches as far as q = p0."""
+    out[0] = 0.0
+    if y[0] > p[0]:
+        return 2
+    return 0
+
+
+@cfunc(CLOCK)
+def limited_clock(t, p, timed):
+    """A driven block that reaches as far as t = p0."""
+    if t > p[0]:
+        return 1
+    return 0
+
+
+@cfunc(RATES)
+def free_rates(y, p, timed, out):
+    out[0] = 0.0
+    return 0
+
+
+@cfunc(RATES)
+def decay_rates(y, p, timed, out):
+    out[0] = -p[0] * y[1]
+    return 0
+
+
+@cfunc(RATES)
+def explosion_rates(y, p, timed, out):
+    """Blow-up in finite time: v = v0 / (1 - v0 t)."""
+    out[0] = y[1] * y[1]
+    return 0
+
+
+@cfunc(RATES)
+def nothing_rates(y, p, timed, out):
+    return 0
+
+
+def flow(rates, parameters=(), *, clock=no_clock, rotates=(False,), blocks=0, timed=0):
+    return Flow(
+        clock=clock.address,
+        rates=rates.address,
+        parameters=np.array(parameters, dtype=float),
+        timed_size=timed,
+        coordinates=len(rotates),
+        rotates=np.array(rotates, dtype=bool),
+        margin_scale=np.ones(blocks),
+        keepalive=(clock, rates),
+    )
+
+
+def pendulum():
+    """A pendulum with unit natural frequency."""
+    return flow(pendulum_rates, [1.0], rotates=[True])
+
+
+def swing(amplitude, times):
+    """Angle and speed of a pendulum released at rest, by elliptic functions."""
+    k = math.sin(amplitude / 2)
+    sn, cn, *_ = ellipj(np.asarray(times) + ellipk(k * k), k * k)
+    return 2 * np.arcsin(k * sn), 2 * k * cn
+
+
+def rotation(speed, times):
+    """Angle of a pendulum that turns over, started hanging with a speed > 2."""
+    *_, amplitude = ellipj(speed * np.asarray(times) / 2, (2 / speed) ** 2)
+    return 2 * amplitude
+
+
+def driven(stiffness=4.0, force=1.5, frequency=3.0):
+    """A driven oscillator; its last parameter counts the calls of the clock."""
+    return flow(
+        driven_rates,
+        [stiffness, force, frequency, 0.0],
+        clock=drive_clock,
+        rotates=[False],
+        timed=1,
+    )
+
+
+def driven_motion(times, stiffness=4.0, force=1.5, frequency=3.0):
+    """Displacement of the driven oscillator from rest at zero."""
+    times = np.asarray(times)
+    amplitude = force / (stiffness - frequency**2)
+    return amplitude * (np.cos(frequency * times) - np.cos(math.sqrt(stiffness) * times))
+
+
+def coupled():
+    """Two oscillators of stiffness 1 with a coupling of stiffness 2."""
+    return flow(coupled_rates, [1.0, 2.0], rotates=[False, False])
+
+
+def coupled_motion(times):
+    """Displacements of the coupled oscillators from (1, 0) at rest."""
+    times = np.asarray(times)
+    together, against = np.cos(times), np.cos(math.sqrt(5.0) * times)
+    return np.stack([together + against, together - against], axis=-1) / 2

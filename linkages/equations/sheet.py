@@ -1,0 +1,144 @@
+"""What is printed, and in which order, before it is text or LaTeX."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import sympy as sp
+
+from linkages.equations.derivation import Equations
+from linkages.equations.lagrange import Definition
+from linkages.equations.polar import Polar, Terms
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A general statement, given in both forms."""
+
+    text: str
+    latex: str
+
+
+Side: TypeAlias = sp.Expr | Terms | Formula
+
+
+@dataclass(frozen=True)
+class Line:
+    """Sides that are equal, and a remark."""
+
+    sides: tuple[Side, ...]
+    remark: str = ""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and its lines."""
+
+    heading: str
+    lines: tuple[Line, ...]
+
+
+ZERO = Formula("0", "0")
+KINETIC = Formula(
+    "T = Σ ½ m |Ẋ|² + ½ J θ̇² = ½ Σ a_uv u̇ v̇",
+    r"T = \sum \frac{1}{2} m \left|\dot{\mathbf{X}}\right|^2 + \frac{1}{2} J \dot{\theta}^2"
+    r" = \frac{1}{2} \sum_{u,v} a_{u,v} \dot{u} \dot{v}",
+)
+COEFFICIENTS = Formula(
+    "u̇ = Σ_i K_u,i q̇_i  with  K_u,i = ∂u/∂q_i",
+    r"\dot{u} = \sum_i K_{u,i} \dot{q}_i , \quad K_{u,i} = \partial u / \partial q_i",
+)
+INERTIA = Formula("J_ij = Σ a_uv K_u,i K_v,j", r"J_{ij} = \sum_{u,v} a_{u,v} K_{u,i} K_{v,j}")
+LAGRANGE = Formula(
+    "Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i",
+    r"\sum_j J_{ij} \ddot{q}_j + \sum_{j,k} \left( \frac{\partial J_{ij}}{\partial q_k}"
+    r" - \frac{1}{2} \frac{\partial J_{jk}}{\partial q_i} \right) \dot{q}_j \dot{q}_k"
+    r" + \frac{\partial V}{\partial q_i} = Q_i",
+)
+
+
+def signed(side: sp.Expr | Terms) -> list[tuple[str, sp.Expr | Polar]]:
+    """Return the terms of a sum, each with its sign (+ or −) taken out."""
+    terms = side if isinstance(side, tuple) else side.as_ordered_terms()
+    return [("−", -term) if _negative(term) else ("+", term) for term in terms]
+
+
+def _negative(term: sp.Expr | Polar) -> bool:
+    if isinstance(term, Polar):
+        return bool(term.length.could_extract_minus_sign())
+    return bool(term.could_extract_minus_sign()) and not term.is_Add
+
+
+def sections(equations: Equations) -> tuple[Section, ...]:
+    """All sections that have lines."""
+    found = (
+        Section("Coordinates", tuple(_coordinates(equations))),
+        Section("Closure, loop by loop", tuple(_closure(equations))),
+        Section("Centres of mass", tuple(_centres(equations))),
+        Section("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
+        Section("Potential energy", (Line((Formula("V", "V"), equations.potential_energy)),)),
+        Section("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
+        Section("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
+        Section("Lagrange's equations", tuple(_lagrange(equations))),
+    )
+    return tuple(section for section in found if section.lines)
+
+
+def _indexed(letter: str, index: int) -> Formula:
+    latex = r"\Phi" if letter == "Φ" else letter
+    return Formula(f"{letter}_{index}", f"{latex}_{{{index}}}")
+
+
+def _definitions(definitions: Iterator[Definition]) -> Iterator[Line]:
+    return (Line((definition.symbol, definition.value)) for definition in definitions)
+
+
+def _coordinates(equations: Equations) -> Iterator[Line]:
+    for index, coordinate in enumerate(equations.lagrange.coordinates, 1):
+        name = _indexed("q", index)
+        if coordinate in equations.drives:
+            yield Line((name, coordinate, equations.drives[coordinate]), "driven")
+        else:
+            yield Line((name, coordinate), "free")
+    for loop in equations.loops:
+        for unknown in loop.unknowns:
+            yield Line((unknown,), f"dependent, from the loop closed at {loop.apex}")
+
+
+def _closure(equations: Equations) -> Iterator[Line]:
+    for index, loop in enumerate(equations.loops):
+        yield Line((loop.left, loop.right or ZERO), f"at {loop.apex}")
+        for axis, residual in enumerate(loop.residual, 2 * index + 1):
+            yield Line((_indexed("Φ", axis), residual, ZERO))
+
+
+def _centres(equations: Equations) -> Iterator[Line]:
+    for body in equations.bodies:
+        if body.mass != 0:
+            yield Line((body.position, body.centre or ZERO))
+
+
+def _masses(equations: Equations) -> Iterator[Definition]:
+    return iter(equations.lagrange.masses.values())
+
+
+def _inertia(equations: Equations) -> Iterator[Definition]:
+    return iter(equations.lagrange.inertia.values())
+
+
+def _coefficients(equations: Equations) -> Iterator[Line]:
+    if equations.loops:
+        yield Line((COEFFICIENTS,))
+    for block in equations.lagrange.blocks:
+        yield from _definitions(iter(block))
+
+
+def _lagrange(equations: Equations) -> Iterator[Line]:
+    yield Line((LAGRANGE,))
+    reduced = equations.lagrange
+    for index, value in enumerate(reduced.gradient, 1):
+        yield Line((Formula(f"∂V/∂q_{index}", rf"\partial V / \partial q_{{{index}}}"), value))
+    for index, value in enumerate(reduced.forces, 1):
+        yield Line((_indexed("Q", index), value))

@@ -1,0 +1,161 @@
+"""Symbols of a mechanism and how they are written.
+
+The name of a symbol is an ASCII identifier, unique within the mechanism. What text and LaTeX show
+is kept apart from it, so a name of the definition file is never parsed, whatever it consists of.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from linkages.components.mechanism import Mechanism
+from linkages.components.terms import Body, Parameter, Path
+from linkages.reading.paths import dotted
+
+_BY_KEY = {
+    "length": "L",
+    "mass": "m",
+    "inertia": "J",
+    "size": "r",
+    "speed": "omega",
+    "force": "F",
+    "torque": "M",
+    "stiffness": "k",
+    "damping": "d",
+}
+_AXES = ("x", "y")
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How a symbol is written.
+
+    Parameters
+    ----------
+    letter
+        A Latin letter, or the name of a Greek one.
+    subscripts
+        Any texts.
+    dots
+        Number of time derivatives.
+    """
+
+    letter: str
+    subscripts: tuple[str, ...] = ()
+    dots: int = 0
+
+    @property
+    def identifier(self) -> str:
+        """A Python identifier; two notations may share it."""
+        return "_".join(["d" * self.dots + self.letter, *map(_ascii, self.subscripts)])
+
+
+def _ascii(text: str) -> str:
+    spelt = "".join(c if c.isascii() else f"u{ord(c):x}" for c in text)
+    return re.sub(r"[^0-9A-Za-z]", "_", spelt)
+
+
+class Symbols:
+    """Makes the symbols of one mechanism, each once.
+
+    Parameters
+    ----------
+    mechanism
+        Its bodies give the coordinates; parameters become symbols when they are first used.
+
+    Attributes
+    ----------
+    coordinates
+        Body → its angle (rad) or displacement (m).
+    rates
+        Coordinate → its time derivative.
+    values
+        Parameter symbol → value in SI.
+    paths
+        Parameter symbol → its place in the definition file.
+    notations
+        Symbol → how it is written.
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.notations: dict[sp.Symbol, Notation] = {}
+        self.values: dict[sp.Symbol, float] = {}
+        self.paths: dict[sp.Symbol, Path] = {}
+        self._parameters: dict[Path, sp.Symbol] = {}
+        bodies = mechanism.bodies.values()
+        self.time = self.define("t")
+        self.coordinates = {b.name: self.define(_coordinate_letter(b), b.name) for b in bodies}
+        self.rates = {q: self.dotted(q) for q in self.coordinates.values()}
+
+    def define(self, letter: str, *subscripts: str, dots: int = 0) -> sp.Symbol:
+        """Make a new real symbol whose identifier and looks are its own."""
+        notation = Notation(letter, subscripts, dots)
+        while notation in self.notations.values():
+            notation = replace(
+                notation, subscripts=(*subscripts[:-1], notation.subscripts[-1] + "'")
+            )
+        taken = {symbol.name for symbol in self.notations}
+        name, count = notation.identifier, 1
+        while name in taken:
+            count += 1
+            name = f"{notation.identifier}_{count}"
+        symbol = sp.Symbol(name, real=True)
+        self.notations[symbol] = notation
+        return symbol
+
+    def dotted(self, symbol: sp.Symbol, dots: int = 1) -> sp.Symbol:
+        """Make the symbol of a time derivative."""
+        notation = self.notations[symbol]
+        return self.define(notation.letter, *notation.subscripts, dots=dots)
+
+    def parameter(self, parameter: Parameter) -> sp.Expr:
+        """Return the symbol of a number of the definition file; a structural zero is 0."""
+        if parameter.absent:
+            return sp.S.Zero
+        if parameter.path not in self._parameters:
+            symbol = self.define(*_parameter_notation(parameter.path))
+            self._parameters[parameter.path] = symbol
+            self.values[symbol] = parameter.value
+            self.paths[symbol] = parameter.path
+        return self._parameters[parameter.path]
+
+    def pair(self, pair: tuple[Parameter, Parameter]) -> tuple[sp.Expr, sp.Expr]:
+        """Return the symbols of two numbers of the definition file."""
+        return self.parameter(pair[0]), self.parameter(pair[1])
+
+    def describe(self, symbol: sp.Symbol) -> str:
+        """Return the dotted path of a parameter in the definition file."""
+        return dotted(self.paths[symbol])
+
+
+def _coordinate_letter(body: Body) -> str:
+    if not body.rotates:
+        return "s"
+    return "alpha" if body.kind == "clearance" else "theta"
+
+
+def _parameter_notation(path: Path) -> tuple[str, ...]:
+    """Letter and subscripts for what stands at a path of the definition file."""
+    match path:
+        case ("gravity", int(axis)):
+            return "g", _AXES[axis]
+        case ("joints", str(joint), int(axis)):
+            return _AXES[axis], joint
+        case (_, str(body), "points", str(joint), int(axis)):
+            return _AXES[axis], body, joint
+        case (_, str(body), "center", int(axis)):
+            return ("c", "e")[axis], body
+        case ("sliders", str(body), "through", int(axis)):
+            return _AXES[axis], body, "0"
+        case ("drives", str(body), "angle"):
+            return "theta", body, "0"
+        case ("loads" | "springs" | "dampers", int(index), str(key)) if key in _BY_KEY:
+            return _BY_KEY[key], str(index + 1)
+        case (_, str(body), "angle"):
+            return "phi", body
+        case (_, str(body), str(key)) if key in _BY_KEY:
+            return _BY_KEY[key], body
+    return "p", *(str(element) for element in path)

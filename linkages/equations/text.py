@@ -1,0 +1,103 @@
+"""Equations as plain text with Greek letters and ∠."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+import unicodedata
+
+import sympy as sp
+
+from linkages.equations.polar import RIGHT_ANGLE, Polar
+from linkages.equations.sheet import Formula, Line, Section, Side, signed
+from linkages.equations.symbols import Notation, Symbols
+
+WIDTH = 100
+_GLUE = "\xa0"  # no name contains it
+_GREEK = {"theta": "θ", "alpha": "α", "phi": "φ", "omega": "ω"}
+_DOTS = ("", "\u0307", "\u0308")
+
+
+def write_text(title: str, sections: tuple[Section, ...], symbols: Symbols) -> str:
+    """Return all sections under a title."""
+    write = _Writer(symbols)
+    parts = [title]
+    for section in sections:
+        parts.append(f"\n{section.heading}")
+        parts += [write.line(line) for line in section.lines]
+    return "\n".join(parts) + "\n"
+
+
+def symbol_text(notation: Notation) -> str:
+    """Return how text shows a symbol; braces hold together what is not one word."""
+    letter = _GREEK.get(notation.letter, notation.letter) + _DOTS[notation.dots]
+    letter = unicodedata.normalize("NFC", letter)
+    if not notation.subscripts:
+        return letter
+    subscript = ",".join(notation.subscripts)
+    one_word = re.fullmatch(r"[\w,]+", subscript)
+    return f"{letter}_{subscript}" if one_word else f"{letter}_{{{subscript}}}"
+
+
+class _Writer:
+    """Writes expressions: SymPy prints identifiers, which are then replaced by their looks."""
+
+    def __init__(self, symbols: Symbols) -> None:
+        self._looks = {
+            s.name: symbol_text(n).replace(" ", _GLUE) for s, n in symbols.notations.items()
+        }
+        self._looks["pi"] = "π"
+
+    def line(self, line: Line) -> str:
+        """Return sides joined by equal signs, folded at the page width."""
+        pieces: list[str] = []
+        for index, side in enumerate(line.sides):
+            first, *others = self._summands(side)
+            pieces += [first if index == 0 else f"= {first}", *others]
+        if line.remark:
+            pieces.append(f"{_GLUE} ({line.remark})")
+        folded = textwrap.fill(
+            " ".join(map(_glued, pieces)),
+            WIDTH,
+            initial_indent="  ",
+            subsequent_indent=" " * 8,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        return folded.replace(_GLUE, " ")
+
+    def _summands(self, side: Side) -> list[str]:
+        if isinstance(side, Formula):
+            return [side.text]
+        (sign, first), *others = ((sign, self._term(term)) for sign, term in signed(side))
+        start = first if sign == "+" else f"−{first}"
+        return [start, *(f"{sign} {text}" for sign, text in others)]
+
+    def _term(self, term: sp.Expr | Polar) -> str:
+        return self._polar(term) if isinstance(term, Polar) else self._expression(term)
+
+    def _expression(self, expression: sp.Expr) -> str:
+        text = sp.sstr(expression).replace("**2", "²").replace("*", "·").replace("-", "−")
+        return re.sub(r"[A-Za-z_][A-Za-z0-9_]*", lambda m: self._looks.get(m[0], m[0]), text)
+
+    def _polar(self, term: Polar) -> str:
+        length = self._expression(term.length)
+        if term.length.is_Add:
+            length = f"({length})"
+        turned = term.angle - RIGHT_ANGLE
+        if term.angle == 0:
+            return length
+        if term.angle.is_number:
+            return f"{length}∠{self._expression(sp.deg(term.angle))}°"
+        if turned.is_Symbol:
+            return f"{length}∠({self._expression(turned)} + 90°)"
+        return f"{length}∠{self._expression(term.angle)}"
+
+
+def _glued(piece: str) -> str:
+    """Keep a summand on one line, or, if it is long, what belongs closely together."""
+    if len(piece) < WIDTH - 8:
+        return piece.replace(" ", _GLUE)
+    piece = re.sub(r"(sin|cos)\([^()]*\)", lambda m: m[0].replace(" ", _GLUE), piece)
+    start = piece[:2].replace(" ", _GLUE)
+    return start + re.sub(r" ([+−]) ", rf" \1{_GLUE}", piece[2:])

@@ -1,0 +1,117 @@
+"""Vector loops against the paper's Eq. 1 and against loops written by hand."""
+
+import pytest
+import sympy as sp
+
+from linkages.components.definition import from_document
+from linkages.equations.derivation import derive
+from linkages.equations.polar import Polar
+from linkages.reading.document import parse
+from linkages.topology.topology import build_topology
+
+NINE_BAR = """
+joints: {O: [0, 0], D: [1.1, 0]}
+bars:
+  crank1: {joints: [O, A], length: 0.3}
+  link2: {joints: [A, B], length: 0.893}
+  link3: {joints: [C, B], length: 0.962}
+  crank4: {joints: [D, C], length: 0.1}
+  rocker6: {joints: [O, E], length: 0.85}
+  link7: {joints: [E, B], length: 0.623}
+  link8: {joints: [E, F], length: 0.85}
+sliders: {slider9: {joint: F, through: O}}
+clearances: {r1: {joint: C, bar: link3, size: 0.15 mm}}
+drives: {crank1: {angle: 0.5, speed: -pi}, crank4: {angle: 1, speed: pi}}
+"""
+
+
+def equations_of(text):
+    return derive(build_topology(from_document(parse(text, "test.yaml"))))
+
+
+def written(terms):
+    return [(str(term.length), str(term.angle)) for term in terms]
+
+
+def test_nine_bar_is_the_papers_first_equation():
+    first, second, third = equations_of(NINE_BAR).loops
+    own = [("L_crank1", "theta_crank1"), ("L_link2", "theta_link2")]
+    assert written(first.left) == own
+    assert written(first.right) == [
+        ("x_D", "0"),
+        ("L_crank4", "theta_crank4"),
+        ("r_r1", "alpha_r1"),
+        ("L_link3", "theta_link3"),
+    ]
+    assert written(second.left) == own
+    assert written(second.right) == [("L_rocker6", "theta_rocker6"), ("L_link7", "theta_link7")]
+    assert written(third.left) == [("L_rocker6", "theta_rocker6"), ("L_link8", "theta_link8")]
+    assert written(third.right) == [("s_slider9", "0")]
+    assert [loop.apex for loop in (first, second, third)] == ["B", "E", "F"]
+
+
+def test_residual_is_left_minus_right():
+    loop = equations_of(NINE_BAR).loops[2]
+    angle, other, way = sp.symbols("theta_rocker6 theta_link8 s_slider9", real=True)
+    length, other_length = sp.symbols("L_rocker6 L_link8", real=True)
+    assert loop.residual == (
+        length * sp.cos(angle) + other_length * sp.cos(other) - way,
+        length * sp.sin(angle) + other_length * sp.sin(other),
+    )
+
+
+def test_bar_defined_the_other_way_round_changes_sides():
+    turned = NINE_BAR.replace("joints: [E, B]", "joints: [B, E]")
+    loop = equations_of(turned).loops[1]
+    assert written(loop.left)[-1] == ("L_link7", "theta_link7")
+    assert written(loop.right) == [("L_rocker6", "theta_rocker6")]
+
+
+def test_common_leading_steps_cancel():
+    # A four-bar on the end of a driven bar: the bar that carries both sides drops out.
+    loop = equations_of("""
+joints: {O: [0.3, 0.1]}
+bars:
+  base: {points: {O: [0, 0], P: [1, 0], Q: [1, 0.5]}}
+  first: {joints: [P, A], length: 0.3}
+  second: {joints: [A, B], length: 0.8}
+  third: {joints: [Q, B], length: 0.6}
+drives: {base: {angle: 0, speed: 1}, first: {angle: 1, speed: 1}}
+""").loops[0]
+    symbols = {symbol.name for value in loop.residual for symbol in value.free_symbols}
+    assert not symbols & {"x_O", "y_O"}
+    base = [(str(t.length), str(t.angle)) for t in loop.terms if "base" in str(t.angle)]
+    assert base == [("x_base_P - x_base_Q", "theta_base"), ("-y_base_Q", "theta_base + pi/2")]
+
+
+@pytest.mark.parametrize(
+    ("angle", "expected"), [("0", "0"), ("-90 deg", "3*pi/2"), ("0.3", "phi_s")]
+)
+def test_axis_angle_is_structure_at_right_angles(angle, expected):
+    loop = equations_of(f"""
+joints: {{O: [0, 0]}}
+bars: {{crank: {{joints: [O, A], length: 0.3}}, rod: {{joints: [A, B], length: 0.8}}}}
+sliders: {{s: {{joint: B, through: [0.2, 0], angle: {angle}}}}}
+drives: {{crank: {{angle: 0, speed: 1}}}}
+""").loops[0]
+    assert ("s_s", expected) in written(loop.right)
+    assert ("x_s_0", "0") in written(loop.right)  # apart from the displacement on a horizontal axis
+
+
+def test_pendulum_has_no_loops():
+    equations = equations_of("""
+joints: {O: [0, 0]}
+bars: {bar: {joints: [O, tip], length: 1, mass: 1}}
+free: {bar: {angle: 0}}
+""")
+    assert equations.loops == ()
+    assert equations.closure == ()
+
+
+def test_derivative_of_a_polar_vector():
+    angle, length = sp.symbols("angle length", real=True)
+    vector = Polar(length, angle)
+    for coordinate in (angle, length):
+        derived = vector.derivative(coordinate).components
+        direct = [sp.diff(value, coordinate) for value in vector.components]
+        assert all(sp.simplify(a - b) == 0 for a, b in zip(derived, direct, strict=True))

@@ -1,0 +1,132 @@
+"""The command line: ``python -m linkages VERB FILE``.
+
+Each verb imports what it needs when it runs, so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="linkages",
+    help="Dynamics of planar linkages: one YAML file in, motion, forces and figures out.",
+    no_args_is_help=True,
+    add_completion=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+File = Annotated[
+    str,
+    typer.Argument(metavar="FILE", help="A definition file, or the name of a shipped mechanism."),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"linkages {version('linkages')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Options before the verb."""
+
+
+@app.command()
+def simulate(
+    file: File,
+    assignments: Set = None,
+    out: Out = None,
+    json: Json = False,
+    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    outputs: Annotated[
+        str | None,
+        typer.Option(
+            help="Comma-separated variables to compute, or 'all'; default: kinematics, efforts."
+        ),
+    ] = None,
+) -> None:
+    """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
+    from linkages.cli.simulate import run_simulate
+
+    raise typer.Exit(run_simulate(file, assignments or [], out, json, figures, outputs))
+
+
+@app.command()
+def check(
+    file: File,
+    assignments: Set = None,
+    json: Json = False,
+    kernel: Annotated[
+        bool, typer.Option("--kernel", help="Count the operations of the kernel.")
+    ] = False,
+) -> None:
+    """Report bodies, joints, loops, mobility, coordinates, blocks and condition numbers."""
+    from linkages.cli.check import run_check
+
+    raise typer.Exit(run_check(file, assignments or [], json, kernel))
+
+
+@app.command()
+def equations(
+    file: File,
+    assignments: Set = None,
+    form: Annotated[
+        str, typer.Option("--format", metavar="text|latex|python", help="How to print them.")
+    ] = "text",
+    json: Json = False,
+) -> None:
+    """Print the closure equations, the energies and Lagrange's equations."""
+    from linkages.cli.equations import run_equations
+
+    raise typer.Exit(run_equations(file, assignments or [], form, json))
+
+
+@app.command("list")
+def list_mechanisms(json: Json = False) -> None:
+    """List the mechanisms that are shipped with the package."""
+    from linkages.cli.library import run_list
+
+    raise typer.Exit(run_list(json))
+
+
+def main() -> None:
+    """Run the command line; errors become messages and exit codes, never tracebacks."""
+    from linkages.errors import LinkagesError
+
+    try:
+        app()
+    except LinkagesError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_code)
+    except BrokenPipeError:
+        # whoever read the output has left; keep the interpreter from complaining at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(130)

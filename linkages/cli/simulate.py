@@ -1,0 +1,126 @@
+"""``simulate``: motion, files, figures and a table of maxima."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.markup import escape
+
+from linkages.cli.loading import mechanism_from
+from linkages.cli.terminal import console, number, print_json, progress, table
+from linkages.errors import InputError, Problem
+from linkages.solution.simulate import simulate
+from linkages.solution.solution import IncompleteError, Solution
+
+SUMMARY = (
+    "slider_position_error",
+    "slider_velocity_error",
+    "slider_acceleration_error",
+    "drive_effort",
+    "slider_position",
+    "slider_velocity",
+    "slider_acceleration",
+    "clearance_speed",
+    "clearance_force",
+    "energy_residual",
+    "closure_residual",
+)
+"""What the table of maxima shows, in its order."""
+
+
+def run_simulate(
+    file: str,
+    assignments: Sequence[str],
+    out: Path | None,
+    json: bool,
+    figures: bool,
+    outputs: str | None,
+) -> int:
+    """Simulate a file and save everything; returns the exit code."""
+    mechanism = mechanism_from(file, assignments)
+    folder = Path("results") / Path(file).stem if out is None else out
+    _require_folder(folder)
+    names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
+    failure: str | None = None
+    try:
+        with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
+            solution = simulate(mechanism, outputs=names, watch=watch)
+    except IncompleteError as error:
+        solution, failure = error.solution, str(error)
+    except ValueError as error:
+        raise InputError(file, [Problem(message=str(error))]) from None
+    written = solution.save(folder)
+    if figures:
+        from linkages.plots.figures import save_figures
+
+        written += save_figures(solution.data, solution.mechanism, folder)
+    _report(solution, written, failure, json)
+    return 0 if failure is None else 1
+
+
+def _require_folder(folder: Path) -> None:
+    """Results are computed only if they can be written."""
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir():
+        message = f"expected a folder for results, found a file: {existing}"
+    elif not os.access(existing, os.W_OK | os.X_OK):
+        message = f"expected a folder for results; {existing} cannot be written to"
+    else:
+        return
+    raise InputError(str(folder), [Problem(message=message)])
+
+
+def _report(solution: Solution, written: list[Path], failure: str | None, json: bool) -> None:
+    if json:
+        print_json(_content(solution, written, failure))
+        return
+    screen = console()
+    screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
+    rows = [
+        [row["long_name"], row["element"], number(row["value"]), row["units"], number(row["time"])]
+        for name in SUMMARY
+        for row in solution.maxima
+        if row["variable"] == name
+    ]
+    screen.print(
+        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], rows)
+    )
+    for note in solution.notes:
+        screen.print(note, markup=False)
+    if written:
+        screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
+    if failure is not None:
+        print(f"stopped {failure}", file=sys.stderr)
+
+
+def _how(solution: Solution) -> str:
+    time = solution.data["time"].to_numpy()
+    span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
+    if not solution.system.topology.free:
+        return f"{span}, all coordinates driven, nothing integrated"
+    settings, cost = solution.settings, solution.motion.cost
+    if settings.step is not None:
+        how = f"{settings.method}, step {number(settings.step)} s"
+    else:
+        how = f"{settings.method}, rtol {settings.rtol:g}, {cost['rejected']} rejected"
+    return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"
+
+
+def _content(solution: Solution, written: list[Path], failure: str | None) -> dict[str, Any]:
+    return {
+        "mechanism": solution.mechanism.name,
+        "completed": failure is None,
+        "stopped": None
+        if failure is None
+        else {"time": solution.motion.stop_time, "reason": failure},
+        "samples": int(solution.data.sizes["time"]),
+        "method": solution.settings.method if solution.system.topology.free else None,
+        "cost": solution.motion.cost,
+        "maxima": solution.maxima,
+        "notes": list(solution.notes),
+        "files": [str(path) for path in written],
+    }

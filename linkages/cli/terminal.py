@@ -1,0 +1,105 @@
+"""What the command line prints: tables and progress on a terminal, one JSON object otherwise."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+PATIENCE = 1.0
+"""Seconds before a progress bar appears."""
+
+
+def console(error: bool = False) -> Console:
+    """A console on standard output or standard error; wide enough when it is no terminal."""
+    found = Console(stderr=error, highlight=False, soft_wrap=False)
+    if not found.is_terminal:
+        found.width = 160
+    return found
+
+
+def print_json(content: dict[str, Any]) -> None:
+    """One JSON object on standard output; numbers that are not finite become null."""
+    print(json.dumps(_plain(content), ensure_ascii=False, indent=2, allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def table(title: str, columns: list[str], rows: list[list[str]], numbers: int = 0) -> Table:
+    """A plain table.
+
+    Parameters
+    ----------
+    title
+        Above the table.
+    columns, rows
+        Heads and cells.
+    numbers
+        How many of the last columns are aligned to the right.
+    """
+    found = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    for index, column in enumerate(columns):
+        found.add_column(column, justify="right" if index >= len(columns) - numbers else "left")
+    for row in rows:
+        found.add_row(*row)
+    return found
+
+
+def number(value: float) -> str:
+    """Six significant digits."""
+    return f"{value:.6g}"
+
+
+@contextmanager
+def progress(label: str, shown: bool) -> Iterator[Callable[[float], None]]:
+    """A progress bar on standard error for anything that takes more than a second.
+
+    Yields a function that takes the fraction done.
+    """
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn("of simulated time, remaining"),
+        TimeRemainingColumn(),
+        console=console(error=True),
+        transient=True,
+    )
+    task = bar.add_task(label, total=1.0)
+    begin = time.monotonic()
+    started = False
+
+    def update(fraction: float) -> None:
+        nonlocal started
+        if shown and not started and time.monotonic() - begin > PATIENCE:
+            bar.start()
+            started = True
+        bar.update(task, completed=fraction)
+
+    try:
+        yield update
+    finally:
+        if started:
+            bar.stop()

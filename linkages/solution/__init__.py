@@ -1,0 +1,1 @@
+"""Simulating a mechanism: motion, outputs, files."""

@@ -1,0 +1,216 @@
+"""Simulate a mechanism: from its definition to labelled results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError
+from linkages.kernel.system import System
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.requests import DERIVED, requested
+from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
+from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
+
+MAX_SAMPLES = 10_000_000
+"""More would not fit into memory as tables."""
+
+_ERROR = "_error"
+
+
+def simulate(
+    mechanism: Mechanism,
+    *,
+    end: float | None = None,
+    samples: int | None = None,
+    method: str | None = None,
+    rtol: float | None = None,
+    atol: float | None = None,
+    step: float | None = None,
+    max_steps: int = MAX_STEPS,
+    outputs: Iterable[str] | None = None,
+    watch: Watch | None = None,
+    throw: bool = True,
+) -> Solution:
+    """Compute the motion of a mechanism from t = 0.
+
+    Whatever is None is taken from the `simulate` section of the definition file.
+
+    Parameters
+    ----------
+    mechanism
+        From `linkages.load`, or built in Python.
+    end
+        Simulated time in seconds; negative to go back in time.
+    samples
+        Number of equally spaced output times, both ends included.
+    method
+        Solver: ``"dop853"`` (adaptive, order 8) or ``"rk4"`` (fixed step, order 4). Not used
+        where nothing is free to move: such a motion is solved without integrating.
+    rtol, atol
+        Tolerances of an adaptive method; `atol` (rad, m, rad/s, m/s) is `rtol` if not given.
+    step
+        Step of a fixed-step method in seconds.
+    max_steps
+        A run that needs more ends with an error.
+    outputs
+        Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
+        Only what is asked for is computed.
+    watch
+        Called about 20 times a second with the fraction of simulated time done.
+    throw
+        Whether a motion that cannot go on raises, or returns what was computed.
+
+    Raises
+    ------
+    InputError
+        If the mechanism cannot be assembled or its mobility does not match its drives.
+    ValueError
+        For arguments that make no sense.
+    IncompleteError
+        If the motion could not be computed to its end; its `solution` has the samples so far.
+    """
+    system = System(mechanism)
+    names = requested(system, outputs)
+    settings = _settings(
+        mechanism,
+        end,
+        samples,
+        method,
+        rtol,
+        atol,
+        step,
+        max_steps,
+        "energy_residual" in names,
+        watch,
+    )
+    motion = compute_motion(system, settings)
+    plain = [name for name in names if name not in DERIVED]
+    values = evaluate_variables(system, motion, plain)
+    notes: list[str] = []
+    if motion.failure is None or len(motion.time):
+        _add_derived(system, settings, motion, names, values, notes)
+    solution = Solution(
+        data=labelled(system, motion, {name: values[name] for name in names if name in values}),
+        mechanism=system.mechanism,
+        system=system,
+        motion=motion,
+        settings=settings,
+        notes=tuple(notes),
+    )
+    if motion.failure is not None and throw:
+        raise IncompleteError(solution)
+    return solution
+
+
+def _settings(
+    mechanism: Mechanism,
+    end: float | None,
+    samples: int | None,
+    method: str | None,
+    rtol: float | None,
+    atol: float | None,
+    step: float | None,
+    max_steps: int,
+    work: bool,
+    watch: Watch | None,
+) -> Settings:
+    """Arguments over the defaults of the file, checked."""
+    defaults = mechanism.simulation
+    end = defaults.end if end is None else float(end)
+    samples = defaults.samples if samples is None else samples
+    method = defaults.method if method is None else method
+    step = defaults.step if step is None else step
+    if not (math.isfinite(end) and end != 0):
+        raise ValueError(f"end must be a time in seconds other than 0, found {end}")
+    rtol = defaults.rtol if rtol is None else rtol
+    if not 2 <= samples <= MAX_SAMPLES:
+        message = f"samples must be from 2 to {MAX_SAMPLES}, found {samples:g}"
+        raise _refused(mechanism, "samples", samples == defaults.samples, message)
+    if not LEAST_RTOL <= rtol < 1:
+        message = f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}"
+        raise _refused(mechanism, "rtol", rtol == defaults.rtol, message)
+    if method not in METHODS:
+        raise _input(
+            mechanism, "method", f"unknown method {method!r}; expected one of: {', '.join(METHODS)}"
+        )
+    if method in FIXED_STEP_METHODS and step is None:
+        raise _input(
+            mechanism, "step", f"method {method!r} needs a step; expected a time in seconds"
+        )
+    return Settings(
+        times=np.linspace(0.0, end, samples),
+        method=method,
+        rtol=rtol,
+        atol=defaults.atol if atol is None else atol,
+        step=step if method in FIXED_STEP_METHODS else None,
+        max_steps=max_steps,
+        work=work,
+        watch=watch,
+    )
+
+
+def _refused(mechanism: Mechanism, key: str, from_file: bool, message: str) -> Exception:
+    """What the definition says is an input error at its line, an argument is a ValueError."""
+    return _input(mechanism, key, message) if from_file else ValueError(message)
+
+
+def _input(mechanism: Mechanism, key: str, message: str) -> InputError:
+    return mechanism.error([(("simulate", key), message)])
+
+
+def _add_derived(
+    system: System,
+    settings: Settings,
+    motion: Motion,
+    names: list[str],
+    values: dict[str, NDArray[np.float64]],
+    notes: list[str],
+) -> None:
+    """Outputs that need more than the motion at one time."""
+    errors = [name for name in names if name in DERIVED and name.endswith(_ERROR)]
+    if errors:
+        _add_errors(system, settings, motion, errors, values, notes)
+    if "energy_residual" in names:
+        energies = ("kinetic_energy", "potential_energy")
+        parts = evaluate_variables(system, motion, energies)
+        energy = parts["kinetic_energy"] + parts["potential_energy"]
+        assert motion.work is not None
+        values["energy_residual"] = energy - energy[:1] - motion.work
+    if "joint_reaction" in names:
+        from linkages.solution.reactions import joint_reactions
+
+        values["joint_reaction"] = joint_reactions(system, motion)
+
+
+def _add_errors(
+    system: System,
+    settings: Settings,
+    motion: Motion,
+    errors: list[str],
+    values: dict[str, NDArray[np.float64]],
+    notes: list[str],
+) -> None:
+    """Differences of slider motions against the same mechanism without clearances."""
+    wanted = [name.removesuffix(_ERROR) for name in errors]
+    try:
+        ideal = System(system.mechanism.ideal())
+    except InputError as error:
+        notes.append(f"no errors against the ideal mechanism: {error}")
+        return
+    followed = compute_motion(ideal, replace(settings, times=motion.time, work=False, watch=None))
+    if followed.failure is not None:
+        notes.append(f"no errors against the ideal mechanism: {followed.failure}")
+        return
+    ideal_values = evaluate_variables(ideal, followed, wanted)
+    missing = [name for name in wanted if name not in values]
+    own = {**values, **evaluate_variables(system, motion, missing)}
+    for output, name in zip(errors, wanted, strict=True):
+        values[output] = own[name] - ideal_values[name]

@@ -1,0 +1,128 @@
+"""What a simulation returns: labelled arrays, how they were computed, and a summary."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanism import Mechanism
+from linkages.errors import ComputationError
+from linkages.kernel.outputs import labels
+from linkages.kernel.system import System
+from linkages.solution.motion import Motion, Settings
+from linkages.solution.requests import ALL
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """Results of a simulation.
+
+    Parameters
+    ----------
+    data
+        Dataset with dimensions time, bar, slider, clearance, joint, axis, drive; SI units, named
+        in the attribute ``units`` of every variable.
+    mechanism
+        What was simulated, with the free coordinates that were chosen for it.
+    system
+        Its topology and equations.
+    motion
+        Free coordinates at the sample times, and how the computation ended.
+    settings
+        How it was computed.
+    notes
+        What could not be computed, or was assumed.
+    """
+
+    data: xr.Dataset
+    mechanism: Mechanism
+    system: System
+    motion: Motion
+    settings: Settings
+    notes: tuple[str, ...] = ()
+
+    @property
+    def completed(self) -> bool:
+        """Whether the motion was computed to its end."""
+        return self.motion.failure is None
+
+    @cached_property
+    def maxima(self) -> list[dict[str, Any]]:
+        """Largest absolute values with their times, like the paper's table.
+
+        Returns
+        -------
+        A row per scalar series: ``variable, element, value, time, units, long_name``.
+        """
+        return [row for name in self.data.data_vars for row in _maxima(self.data[name])]
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write ``simulate.nc`` (NetCDF 4) and ``simulate.csv``; returns their paths."""
+        from linkages.solution.files import save_dataset
+
+        return save_dataset(self.data, Path(folder), "simulate")
+
+
+class IncompleteError(ComputationError):
+    """A motion that could not be computed to its end.
+
+    Parameters
+    ----------
+    solution
+        Everything up to there.
+    """
+
+    def __init__(self, solution: Solution) -> None:
+        super().__init__(str(solution.motion.failure), time=solution.motion.stop_time)
+        self.solution = solution
+
+
+def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float64]]) -> xr.Dataset:
+    """Put arrays into a dataset with coordinates, units and names."""
+    import xarray as xr
+
+    variables = {}
+    dims: dict[str, None] = {}
+    for name, array in values.items():
+        entry = ALL[name]
+        dims |= dict.fromkeys(entry.dims)
+        attrs = {"units": entry.units, "long_name": entry.long_name}
+        variables[name] = (("time", *entry.dims), array, attrs)
+    coordinates: dict[str, Any] = {
+        "time": ("time", motion.time, {"units": "s", "long_name": "time"})
+    }
+    for dim in dims:
+        coordinates[dim] = (dim, np.array(labels(system.model, dim), dtype=object))
+    attrs = {"name": system.mechanism.name, "source": system.mechanism.source}
+    if system.topology.free:
+        attrs["free"] = " ".join(system.topology.free)
+    return xr.Dataset(variables, coordinates, attrs)
+
+
+def _maxima(array: xr.DataArray) -> list[dict[str, Any]]:
+    if not array.sizes["time"] or "axis" in array.dims:
+        return []
+    table = array.to_numpy().reshape(array.sizes["time"], -1)
+    names = [""] if array.ndim == 1 else [str(n) for n in array[array.dims[1]].to_numpy()]
+    rows = []
+    for element, series in zip(names, table.T, strict=True):
+        index = int(np.argmax(np.abs(series)))
+        rows.append(
+            {
+                "variable": str(array.name),
+                "element": element,
+                "value": float(series[index]),
+                "time": float(array["time"][index]),
+                "units": array.attrs["units"],
+                "long_name": array.attrs["long_name"],
+            }
+        )
+    return rows

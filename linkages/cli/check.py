@@ -13,6 +13,7 @@ from linkages.cli.terminal import console, number, print_json, table
 from linkages.components.terms import Body
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
+from linkages.solution.assumptions import assumptions
 from linkages.topology.blocks import Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -99,17 +100,7 @@ def _side(system: System, block: Block) -> str | None:
 
 
 def _notes(system: System) -> list[str]:
-    notes = [
-        f"{name} was chosen as a free coordinate, at rest where 'assembly' puts it"
-        for name in system.chosen
-    ]
-    for index in system.assumed:
-        block = system.topology.solved_blocks[index]
-        link, slider = block.unknowns
-        notes.append(
-            f"{link} is assumed to point forward along the axis of {slider}; "
-            f"give joint {block.loops[0].apex} a place under 'assembly' to say otherwise"
-        )
+    notes = assumptions(system)
     ends = system.topology.free_ends
     notes += [f"joint {joint} is a free end: only one body has it" for joint in ends]
     return notes

@@ -5,8 +5,10 @@ Each verb imports what it needs when it runs, so that ``--help`` answers at once
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
@@ -118,15 +120,28 @@ def main() -> None:
     """Run the command line; errors become messages and exit codes, never tracebacks."""
     from linkages.errors import LinkagesError
 
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail
     try:
         app()
     except LinkagesError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)
     except BrokenPipeError:
-        # whoever read the output has left; keep the interpreter from complaining at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _close_output()
+        sys.exit(1)
+    except OSError as error:
+        _close_output()
+        reason = (error.strerror or str(error)).splitlines()[0]
+        place = f"{error.filename}: " if error.filename else ""
+        print(f"{place}cannot be written: {reason}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         sys.exit(130)
+
+
+def _close_output() -> None:
+    """Whoever read the output has left; keep the interpreter from complaining at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,7 +19,7 @@ PATIENCE = 1.0
 
 def console(error: bool = False) -> Console:
     """A console on standard output or standard error; wide enough when it is no terminal."""
-    found = Console(stderr=error, highlight=False, soft_wrap=False)
+    found = Console(stderr=error, highlight=False, soft_wrap=False, emoji=False)
     if not found.is_terminal:
         found.width = 160
     return found
@@ -26,7 +27,8 @@ def console(error: bool = False) -> Console:
 
 def print_json(content: dict[str, Any]) -> None:
     """One JSON object on standard output; numbers that are not finite become null."""
-    print(json.dumps(_plain(content), ensure_ascii=False, indent=2, allow_nan=False))
+    unicode = (sys.stdout.encoding or "").lower().startswith("utf")
+    print(json.dumps(_plain(content), ensure_ascii=not unicode, indent=2, allow_nan=False))
 
 
 def _plain(value: Any) -> Any:

@@ -58,6 +58,9 @@ def from_document(document: Document) -> Mechanism:
     gathered.problems += [
         document.problem(path, message) for path, message in findings(gathered.components, declared)
     ]
+    if not gathered.problems and not declared.bodies:
+        message = "nothing here can move; expected bars, such as " + SECTIONS["bars"].example
+        gathered.add(("bars",), message)
     if gathered.problems:
         raise InputError(document.source, gathered.problems)
     return Mechanism(

@@ -166,3 +166,6 @@ class Positions:
         for (body, start, end), link in zip(turning, links, strict=True):
             self._known_links[body] = ((start, end), link.label(f"body{self.body_numbers[body]}_"))
         self.dyads[block.index] = dyad
+        for name, value in vars(dyad).items():
+            if isinstance(value, Scalar) and value.label is None and value.operands:
+                value.label = f"block{block.index}_{name}"

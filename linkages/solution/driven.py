@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.scalars import Scalar
 from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings, block_failure
 
 _GRID_ANGLE = math.radians(1.0)
 _CHUNK = 8192
-_REFINEMENT = 65
+_REFINEMENT, _DEPTH = 65, 8
 _MOST_PLACES = 1e12  # a day of computing
 _QUADRATURE_ANGLE = math.radians(30.0)
 _REFINEMENTS = 7
@@ -116,36 +116,37 @@ class _Limits:
         return None
 
     def _stop_in(self, times: NDArray[np.float64], depth: int) -> _Stop | None:
+        """The first stop at some times or between them."""
         radicands, margins, rates = self._values(times)
         failing = ~(radicands >= 0).all(axis=0)
-        last = int(np.argmax(failing)) if failing.any() else len(times)
-        for index in range(last):
-            blocks = np.flatnonzero(np.abs(margins[:, index]) < LEAST_MARGIN)
-            if blocks.size:
-                return _Stop(float(times[index]), self._margin_blocks[blocks[0]], singular=True)
-            if index + 1 < last and self._suspicious(times, margins, rates, index):
-                stop = self._inspect(times[index], times[index + 1], depth)
-                if stop is not None:
-                    return stop
-        return self._unreachable(times, last) if last < len(times) else None
+        reached = int(np.argmax(failing)) if failing.any() else len(times)
+        aligned = (np.abs(margins[:, :reached]) < LEAST_MARGIN).any(axis=0)
+        passed = int(np.argmax(aligned)) if aligned.any() else reached
+        for index in np.flatnonzero(self._suspicious(times, margins, rates)):
+            if index + 1 >= passed:
+                break
+            stop = self._inspect(times[index], times[index + 1], depth)
+            if stop is not None:
+                return stop
+        if passed < reached:
+            block = int(np.argmin(np.abs(margins[:, passed])))
+            return _Stop(float(times[passed]), self._margin_blocks[block], singular=True)
+        return self._unreachable(times, reached) if reached < len(times) else None
 
     @staticmethod
     def _suspicious(
-        times: NDArray[np.float64],
-        margins: NDArray[np.float64],
-        rates: NDArray[np.float64],
-        index: int,
-    ) -> bool:
-        """Whether a margin heads for zero within an interval, seen from both of its ends."""
-        span = times[index + 1] - times[index]
-        sign = np.sign(margins[:, index])
-        ahead = sign * (margins[:, index] + rates[:, index] * span)
-        behind = sign * (margins[:, index + 1] - rates[:, index + 1] * span)
-        return bool(((ahead < 0) & (behind < 0)).any())
+        times: NDArray[np.float64], margins: NDArray[np.float64], rates: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Per interval: whether a margin heads for zero within it, seen from both of its ends."""
+        span = np.diff(times)
+        sign = np.sign(margins[:, :-1])
+        ahead = sign * (margins[:, :-1] + rates[:, :-1] * span)
+        behind = sign * (margins[:, 1:] - rates[:, 1:] * span)
+        return ((ahead < 0) & (behind < 0)).any(axis=0)
 
     def _inspect(self, start: float, end: float, depth: int) -> _Stop | None:
         """Look closer, until the interval cannot be divided or no margin heads for zero."""
-        if depth > 8 or abs(end - start) <= 1e-14 * max(abs(start), abs(end)):
+        if depth > _DEPTH or abs(end - start) <= 1e-14 * max(abs(start), abs(end)):
             _, margins, _ = self._values(np.array([start, end]))
             block = int(np.argmin(np.abs(margins).min(axis=1)))
             return _Stop(start, self._margin_blocks[block], singular=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
+from linkages.solution.assumptions import assumptions
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
@@ -94,7 +95,7 @@ def simulate(
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]
     values = evaluate_variables(system, motion, plain)
-    notes: list[str] = []
+    notes = assumptions(system)
     if motion.failure is None or len(motion.time):
         _add_derived(system, settings, motion, names, values, notes)
     solution = Solution(
@@ -132,7 +133,7 @@ def _settings(
         raise ValueError(f"end must be a time in seconds other than 0, found {end}")
     rtol = defaults.rtol if rtol is None else rtol
     if not 2 <= samples <= MAX_SAMPLES:
-        message = f"samples must be from 2 to {MAX_SAMPLES}, found {samples:g}"
+        message = f"samples must be at least 2 and at most {MAX_SAMPLES}, found {samples:g}"
         raise _refused(mechanism, "samples", samples == defaults.samples, message)
     if not LEAST_RTOL <= rtol < 1:
         message = f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}"

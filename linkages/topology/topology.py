@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import networkx as nx
 
 from linkages.components.mechanism import Mechanism
+from linkages.components.revolute import GROUND
 from linkages.components.terms import Path
 from linkages.errors import InputError
 from linkages.topology.blocks import Block, BlockBuilder, Step, UnsupportedBlockError
@@ -67,8 +68,9 @@ class Topology:
 
     @property
     def free_ends(self) -> tuple[str, ...]:
-        """Points that only one body has."""
-        return tuple(j for j, bodies in bodies_at(self.mechanism).items() if len(bodies) == 1)
+        """Points that only one body has; a ground joint that none uses is not one."""
+        meeting = bodies_at(self.mechanism)
+        return tuple(j for j, (first, *others) in meeting.items() if not others and first != GROUND)
 
     def path(self, joint: str) -> tuple[list[Step], str | None]:
         """Way from the ground to a joint along the bodies that place it, and where it starts."""

@@ -1,0 +1,131 @@
+"""The look of all figures: colours, line styles, fonts, page geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache, wraps
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+# Okabe & Ito (2008), without their yellow, which is too light for a line on white.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+# Five line styles against seven colours: 35 different lines, told apart in black and white too.
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 1.6)),
+    (0, (1.2, 1.2)),
+    (0, (7, 1.5, 1.2, 1.5)),
+    (0, (3, 1)),
+)
+
+BLACK, GREY, PALE = "#1A1A1A", "#8A8A8A", "#D9D9D9"
+DRIVEN, FREE, PASSIVE, CLEARANCE = "#D55E00", "#0072B2", "#4D5B66", "#B0006A"
+
+WIDTH = 6.6
+LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5  # margins in inches
+
+_OWN = {
+    "figure.dpi": 150,
+    "savefig.dpi": "figure",
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 5.0,
+    "axes.titley": 1.0,  # else every tick label is measured twice for a place that is known
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.formatter.useoffset": False,
+    "text.parse_math": False,  # names are text, whatever signs they have
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.6,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "legend.handlelength": 2.8,
+    "lines.linewidth": 1.1,
+    "agg.path.chunksize": 20_000,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "linkages",
+}
+
+
+@cache
+def _settings() -> dict[Any, Any]:
+    groups = {key.split(".")[0] for key in _OWN} | {"path", "patch", "mathtext", "hatch"}
+    defaults = matplotlib.rcParamsDefault.items()
+    return {key: value for key, value in defaults if key.split(".")[0] in groups} | _OWN
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw and save in the style of the project, whatever the user's own settings are."""
+    with matplotlib.rc_context(_settings()):
+        yield
+
+
+def styled(function: Callable[P, R]) -> Callable[P, R]:
+    """Run a function that draws a figure inside `style`."""
+
+    @wraps(function)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with style():
+            return function(*args, **kwargs)
+
+    return inside
+
+
+def line_style(index: int) -> dict[str, Any]:
+    """Colour and dashes of the line with this number."""
+    return {
+        "color": PALETTE[index % len(PALETTE)],
+        "linestyle": DASHES[index % len(DASHES)],
+    }
+
+
+def fitted(text: str, inches: float, size: float = 9.0) -> str:
+    """Text that is no longer than so many inches, roughly, at a font size in points."""
+    room = int(inches * 72.0 / (0.56 * size))
+    return text if len(text) <= room else text[: room - 1] + "…"
+
+
+def title(heading: str, name: str) -> str:
+    """What is shown, after whose it is where that is said."""
+    return f"{heading}: {name}" if heading else name
+
+
+def panels(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Figure, list[Axes]]:
+    """A figure of equal panels with margins in inches, so that no layout need be computed.
+
+    Parameters
+    ----------
+    rows, columns
+        Number of panels.
+    height
+        Of one panel, in inches.
+    top
+        Space above each panel for its title or legend, in inches.
+    """
+    total = rows * (height + top + BOTTOM)
+    width = (WIDTH - columns * (LEFT + RIGHT)) / columns
+    figure = Figure(figsize=(WIDTH, total))
+    axes = []
+    for row in range(rows):
+        for column in range(columns):
+            left = column * (LEFT + width + RIGHT) + LEFT
+            bottom = total - (row + 1) * (top + height + BOTTOM) + BOTTOM
+            axes.append(
+                figure.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
+            )
+    return figure, axes

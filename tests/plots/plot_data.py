@@ -1,0 +1,76 @@
+"""A mechanism with one of everything that is drawn, and made-up data for it."""
+
+import numpy as np
+import xarray as xr
+
+from linkages.components.definition import from_document
+from linkages.components.mechanism import Mechanism
+from linkages.reading.document import parse
+
+DEFINITION = """
+name: Press
+gravity: [0, -9.81]
+joints: {O: [0, 0], D: [0.5, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  coupler: {points: {A: [0, 0], B: [0.4, 0], P: [0.2, 0.15]}}
+  rocker: {joints: [D, B], length: 0.3}
+  rod: {joints: [P, F], length: 0.4}
+sliders:
+  ram: {joint: F, through: [0.2, 0], angle: 90 deg}
+clearances:
+  r1: {joint: B, bar: rocker, size: 0.1 mm, angle: 0}
+drives:
+  crank: {angle: 0.5, speed: -pi}
+"""
+JOINTS = {
+    "O": (0.0, 0.0),
+    "D": (0.5, 0.0),
+    "A": (0.1, 0.0),
+    "B": (0.45, 0.3),
+    "B.r1": (0.4501, 0.3),
+    "P": (0.25, 0.35),
+    "F": (0.2, 0.7),
+}
+SERIES = {
+    "slider_position": ("slider", "m", 1.0),
+    "slider_velocity": ("slider", "m/s", 0.3),
+    "slider_acceleration": ("slider", "m/s^2", 20.0),
+    "slider_position_error": ("slider", "m", 8e-5),
+    "slider_velocity_error": ("slider", "m/s", 0.02),
+    "slider_acceleration_error": ("slider", "m/s^2", 8.0),
+    "clearance_angle": ("clearance", "rad", 1.0),
+    "clearance_speed": ("clearance", "rad/s", 200.0),
+    "clearance_force": ("clearance", "N", 4e3),
+    "drive_effort": ("drive", "N m", 30.0),
+    "bar_angle": ("bar", "rad", 1.0),
+    "bar_speed": ("bar", "rad/s", 3.0),
+}
+NAMES = {
+    "slider": ["ram"],
+    "clearance": ["r1"],
+    "drive": ["crank"],
+    "bar": ["crank", "coupler", "rocker", "rod"],
+    "joint": list(JOINTS),
+    "axis": ["x", "y"],
+}
+
+
+def press() -> Mechanism:
+    return from_document(parse(DEFINITION, "press.yaml"))
+
+
+def press_data(samples: int = 201, **more_names: list[str]) -> xr.Dataset:
+    """Sines for every series; joints on small circles, ground joints at rest."""
+    names = NAMES | more_names
+    time = np.linspace(0.0, 2.0, samples)
+    variables = {}
+    for variable, (dimension, units, size) in SERIES.items():
+        phases = np.arange(len(names[dimension]))
+        values = size * np.sin(7.0 * time[:, None] + phases)
+        variables[variable] = (("time", dimension), values, {"units": units})
+    circle = 0.05 * np.column_stack((np.cos(3 * time), np.sin(3 * time)))
+    moving = np.array([name not in ("O", "D") for name in JOINTS])
+    places = np.array(list(JOINTS.values())) + circle[:, None, :] * moving[:, None]
+    variables["joint_position"] = (("time", "joint", "axis"), places, {"units": "m"})
+    return xr.Dataset(variables, {"time": time, **names})

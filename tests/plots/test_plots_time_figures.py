@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from plot_data import SERIES, press, press_data
+
+from linkages.plots.time_figures import QUANTITIES, draw, time_figure
+
+
+def axes():
+    return Figure().add_subplot()
+
+
+@pytest.mark.parametrize(
+    ("variable", "label"),
+    [
+        ("slider_position", "displacement [m]"),
+        ("slider_acceleration", "acceleration [m/s²]"),
+        ("slider_position_error", "displacement error [µm]"),
+        ("slider_velocity_error", "velocity error [mm/s]"),
+        ("drive_effort", "driving torque [N·m]"),
+        ("clearance_force", "clearance force [kN]"),
+    ],
+)
+def test_labels_name_the_quantity_and_its_units(variable, label):
+    ax = draw(axes(), press_data(), variable)
+    assert ax.get_ylabel() == label
+    assert ax.get_xlabel() == "time [s]"
+
+
+@pytest.mark.parametrize("variable", QUANTITIES)
+def test_curve_has_the_values_in_shown_units(variable):
+    data = press_data()
+    size = SERIES[variable][2]
+    curve = draw(axes(), data, variable).lines[0]
+    factor = np.abs(curve.get_ydata()).max() / np.abs(data[variable]).max().item()
+    assert np.log10(factor) == pytest.approx(round(np.log10(factor)), abs=1e-12)
+    assert 0.1 <= size * factor < 1000
+
+
+def test_one_line_is_named_in_the_title_and_its_peak_in_place():
+    data = press_data()
+    ax = draw(axes(), data, "drive_effort", "Press")
+    assert ax.get_title(loc="left") + ax.get_title() == "Press: crank"
+    assert ax.get_legend() is None
+    values = data["drive_effort"].values[:, 0]
+    at = np.argmax(np.abs(values))
+    (text,) = [t.get_text() for t in ax.texts]
+    assert text == (
+        f"peak {values[at]:.4g} N·m at {data['time'].values[at]:.4g} s".replace("-", "−")
+    )
+    ring = ax.lines[-1]
+    assert ring.get_xydata().tolist() == [[data["time"].values[at], values[at]]]
+
+
+def test_several_lines_have_a_legend_with_names_and_different_looks():
+    names = [f"drive {i}" for i in range(9)]
+    ax = draw(axes(), press_data(drive=names), "drive_effort", "Press")
+    entries = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert [entry.split(": peak")[0] for entry in entries] == names
+    looks = {(line.get_color(), str(line._dash_pattern)) for line in ax.lines[::2]}
+    assert len(looks) == len(names)
+    assert ax.get_title() == ax.get_title(loc="left") == ""
+
+
+def test_legend_stands_above_the_axes_within_the_figure():
+    figure = time_figure("drive_effort")(press_data(drive=list("abcdefg")), press())
+    figure.draw_without_rendering()
+    (ax,) = figure.axes
+    box = ax.get_legend().get_window_extent()
+    assert box.y0 >= ax.get_window_extent().y1
+    assert box.y1 <= figure.bbox.y1
+    assert box.x1 <= figure.bbox.x1
+
+
+def test_names_are_text_and_not_mathematics():
+    figure = time_figure("drive_effort")(press_data(drive=["_$a$", "b"]), press())
+    (ax,) = figure.axes
+    texts = ax.get_legend().get_texts()
+    assert texts[0].get_text().startswith("_$a$")
+    assert not any(text.get_parse_math() for text in texts)
+
+
+def test_round_off_is_not_magnified():
+    data = press_data()
+    data["drive_effort"].values[:] = 5.0
+    data["drive_effort"].values[::2] += 1e-12
+    low, high = draw(axes(), data, "drive_effort").get_ylim()
+    assert high - low > 0.5
+
+
+def test_backward_motion_is_drawn_with_time_to_the_right():
+    data = press_data()
+    ax = draw(axes(), data.assign_coords(time=-data["time"]), "slider_velocity")
+    assert ax.get_xlim() == (-2.0, 0.0)
+
+
+@pytest.mark.parametrize("samples", [1, 2])
+def test_short_data(samples):
+    figure = time_figure("slider_velocity")(press_data(samples), press())
+    assert figure.axes[0].lines
+
+
+def test_nothing_to_draw():
+    function = time_figure("slider_velocity")
+    assert function(press_data().isel(time=slice(0)), press()) is None
+    assert function(press_data().drop_vars("slider_velocity"), press()) is None
+    assert function(press_data() * np.nan, press()) is not None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, TypeGuard
 
 from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
@@ -144,7 +144,7 @@ class _Gathered:
                 self.joints.update(name for name in names if _is_name(name))
 
 
-def _is_name(found: object) -> bool:
+def _is_name(found: object) -> TypeGuard[str]:
     try:
         NameRule().read(found)
     except QuantityError:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 
-
 LEAST_MARGIN = 1e-5
 """Relative margin below which a position counts as singular in double precision.
 

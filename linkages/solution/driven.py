@@ -142,7 +142,7 @@ class _Limits:
         sign = np.sign(margins[:, :-1])
         ahead = sign * (margins[:, :-1] + rates[:, :-1] * span)
         behind = sign * (margins[:, 1:] - rates[:, 1:] * span)
-        return ((ahead < 0) & (behind < 0)).any(axis=0)
+        return np.any((ahead < 0) & (behind < 0), axis=0)
 
     def _inspect(self, start: float, end: float, depth: int) -> _Stop | None:
         """Look closer, until the interval cannot be divided or no margin heads for zero."""

@@ -22,6 +22,7 @@ from linkages.kernel.cache import cache_folder
 
 # Numba's annotations leave out some of its options.
 njit: Any = numba.njit
+config: Any = numba.config
 
 NATIVE = {int: types.int64, float: types.float64, bool: types.boolean, type(None): types.void}
 
@@ -62,12 +63,12 @@ def _cache_of_this_version() -> Path:
 @contextmanager
 def _own_cache() -> Iterator[None]:
     """Keep machine code in the user's private folder while a function is decorated."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_cache_of_this_version())
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(_cache_of_this_version())
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 def _signature(function: Callable) -> Any:

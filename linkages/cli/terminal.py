@@ -90,12 +90,13 @@ def progress(label: str, shown: bool) -> Iterator[Callable[[float], None]]:
         transient=True,
     )
     task = bar.add_task(label, total=1.0)
+    visible = shown and bar.console.is_terminal  # a log file gets no bar
     begin = time.monotonic()
     started = False
 
     def update(fraction: float) -> None:
         nonlocal started
-        if shown and not started and time.monotonic() - begin > PATIENCE:
+        if visible and not started and time.monotonic() - begin > PATIENCE:
             bar.start()
             started = True
         bar.update(task, completed=fraction)

@@ -2,7 +2,7 @@
 
 A rigid body whose centre of mass lies at P + (λ + iμ)(Q − P), in complex notation and with two of
 its points P and Q at distance L, moves exactly like a mass m(1 − λ) at P, a mass mλ at Q and the
-moment of inertia J − mL²(λ − λ² − μ²), plus, if μ ≠ 0, a coupling mμ (v_P × v_Q) in the energy.
+moment of inertia J − mL²(λ − λ² − μ²), plus, if μ ≠ 0, a coupling −mμ (v_P × v_Q) in the energy.
 Masses of all bodies at a joint add up, and the sums depend on parameters alone.
 """
 

@@ -1,0 +1,192 @@
+"""Make everything that the pages show and nobody should type: figures and tables of measurements.
+
+    python docs/figures.py                 # figures and the work-precision table
+    python docs/figures.py --benchmark     # also the comparison with C (minutes, needs a compiler)
+
+Files go to docs/_static and are committed. Figures count evaluations, not seconds, so that they do
+not depend on the machine; the comparison with C gives ratios of times, with date and machine.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import platform
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+from PIL import Image
+
+import linkages
+from linkages.kernel.system import System
+from linkages.plots.figures import FIGURES, write_figure
+from linkages.plots.style import line_style, panels, styled
+from linkages.solution.integration import build_flow
+from linkages.solvers.integrate import integrate
+
+ROOT = Path(__file__).resolve().parents[1]
+STATIC = ROOT / "docs" / "_static"
+REFERENCE = json.loads((ROOT / "tests/data/ninebar_states.json").read_text(encoding="utf-8"))
+BENCHMARK = ROOT / "tests" / "benchmarks" / "against_c.py"
+BENCHMARK_RUNS = 7
+SHOWN = ("mechanism", "slider_displacement_error", "phase")
+TOLERANCES = [10.0**-k for k in range(6, 14)]
+STEPS = [4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 1.25e-5, 6.25e-6, 3.125e-6, 1.5625e-6]
+Row = tuple[str, float, int, float]
+
+
+def ninebar_figures() -> None:
+    """Some of the figures that `simulate ninebar.yaml` writes."""
+    solution = linkages.simulate(linkages.load("ninebar.yaml"))
+    for name in SHOWN:
+        figure = FIGURES[name](solution.data, solution.mechanism)
+        assert figure is not None
+        write_small(figure, STATIC / f"ninebar-{name.replace('_', '-')}.png")
+
+
+def write_small(figure: Figure, path: Path) -> None:
+    """Write a figure with a palette of its own, at a fraction of the size."""
+    write_figure(figure, path)
+    with Image.open(path) as image:
+        image.convert("RGB").quantize(64).save(path, optimize=True)
+
+
+def work_precision() -> dict[str, list[Row]]:
+    """Method → rows of (setting, value, evaluations, error of the clearance angle at the end)."""
+    drives = REFERENCE["drives"]
+    start = {f"drives.{name}.angle": drive["angle"] for name, drive in drives.items()}
+    clearance = REFERENCE["clearance"]
+    start |= {f"clearances.r1.{key}": clearance[key] for key in ("size", "angle", "speed")}
+    system = System(linkages.load("ninebar.yaml", set=start))
+    flow, last = build_flow(system), REFERENCE["states"][-1]
+    settings = [("dop853", "rtol", value) for value in TOLERANCES]
+    settings += [("rk4", "step", value) for value in STEPS]
+    rows: dict[str, list[Row]] = {}
+    for method, key, value in settings:
+        found = integrate(flow, system.state, [0.0, last["t"]], method=method, **{key: value})
+        error = abs(found.unwrapped[-1, 0] - float(last["clearance_angle"]))
+        rows.setdefault(method, []).append((key, value, found.evaluations, error))
+    return rows
+
+
+def power_of_ten(value: float, _place: int) -> str:
+    """Tick label in plain text: the style of the project does not parse formulas."""
+    digits = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return "10" + str(round(float(np.log10(value)))).translate(digits)
+
+
+@styled
+def work_precision_figure(rows: dict[str, list[Row]]) -> Figure:
+    """Error against evaluations, both logarithmic."""
+    figure, (axes,) = panels(1, 1, 3.2)
+    for index, (method, points) in enumerate(rows.items()):
+        _, values, evaluations, errors = zip(*points, strict=True)
+        axes.loglog(evaluations, errors, marker="o", markersize=4, **line_style(index))
+        # the method at the end of its line, one setting in the middle
+        axes.annotate(
+            method,
+            (evaluations[-1], errors[-1]),
+            xytext=(8, -2),
+            textcoords="offset points",
+            color=line_style(index)["color"],
+        )
+        middle = len(values) // 2
+        axes.annotate(
+            f"{points[middle][0]} = {values[middle]:g}",
+            (evaluations[middle], errors[middle]),
+            xytext=(8, 4),
+            textcoords="offset points",
+            fontsize=8,
+        )
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(power_of_ten))
+        axis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("evaluations of the right-hand side")
+    axes.set_ylabel("error of the clearance angle at t = 2 s [rad]")
+    axes.set_title("Nine-bar with one clearance: work and precision")
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, 2.2 * high)
+    return figure
+
+
+def work_precision_table(rows: dict[str, list[Row]]) -> str:
+    """The same numbers as a table."""
+    lines = [
+        "| method | setting | evaluations | error of α at t = 2 s (rad) |",
+        "|---|---|--:|--:|",
+    ]
+    for method, points in rows.items():
+        lines += [
+            f"| `{method}` | `{key}={value:.6g}` | {evaluations} | {error:.1e} |"
+            for key, value, evaluations, error in points
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def benchmark_table() -> str:
+    """Ratios of times of the benchmark against C: medians of several runs, with their range.
+
+    One run is no result: a short call may wait for a processor as long as it computes.
+    """
+    command = [sys.executable, str(BENCHMARK), "--json"]
+    runs = []
+    for _ in range(BENCHMARK_RUNS):
+        output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        runs.append(json.loads(output))
+    if "kernel / C" not in runs[0]:
+        raise SystemExit("no C compiler: nothing to compare with")
+    rows = [("RK4: time of `linkages` / time of the C program", "kernel / C", ".2f")]
+    rows += [
+        (
+            f"DOP853, 2 s to an error of {error} rad, in units of one evaluation in C",
+            f"dop853 {error}, C evaluations",
+            ",.0f",
+        )
+        for error in ("1e-06", "1e-09")
+    ]
+    lines = ["| quantity | median | least | greatest |", "|---|--:|--:|--:|"]
+    for text, key, form in rows:
+        found = [run[key] for run in runs]
+        shown = (statistics.median(found), min(found), max(found))
+        lines.append(f"| {text} | {' | '.join(format(value, form) for value in shown)} |")
+    note = (
+        f"{BENCHMARK_RUNS} runs on {datetime.date.today():%Y-%m-%d}, {machine()}; "
+        f"load average {os.getloadavg()[0]:.1f} at the end."
+    )
+    return "\n".join([*lines, "", note, ""])
+
+
+def machine() -> str:
+    """Processor, operating system and versions, without the name of the host."""
+    import numba
+
+    processor = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        models = [x for x in info.read_text().splitlines() if x.startswith("model name")]
+        processor = models[0].split(":", 1)[1].strip() if models else processor
+    return (
+        f"{processor} ({os.cpu_count()} threads), {platform.system()} {platform.machine()}, "
+        f"Python {platform.python_version()}, Numba {numba.__version__}, NumPy {np.__version__}"
+    )
+
+
+def main() -> None:
+    """Write all files."""
+    STATIC.mkdir(exist_ok=True)
+    ninebar_figures()
+    rows = work_precision()
+    write_small(work_precision_figure(rows), STATIC / "work-precision.png")
+    (STATIC / "work-precision.md").write_text(work_precision_table(rows), encoding="utf-8")
+    if "--benchmark" in sys.argv:
+        (STATIC / "against-c.md").write_text(benchmark_table(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,45 @@
+"""Reads components from definition texts, for the tests of this folder."""
+
+from dataclasses import fields, replace
+
+import pytest
+from pydantic import ValidationError
+
+from linkages.components.component import Component
+from linkages.components.definition import from_document
+from linkages.components.mechanism import Mechanism
+from linkages.components.terms import Path
+from linkages.errors import InputError
+from linkages.reading.document import parse
+
+
+def mechanism(text: str) -> Mechanism:
+    return from_document(parse(text, "m.yaml"))
+
+
+def component(text: str, *path: str | int) -> Component:
+    """The component at a path of a definition."""
+    found: dict[Path, Component] = {c.path: c for c in mechanism(text).components}
+    return found[path]
+
+
+def complaints(text: str) -> list[str]:
+    """All problems of a definition, as messages show them."""
+    with pytest.raises(InputError) as caught:
+        mechanism(text)
+    assert caught.value.source == "m.yaml"
+    return [str(problem) for problem in caught.value.problems]
+
+
+def assert_frozen_and_keyword_only(made: Component) -> None:
+    """What every component promises, checked on one that was made."""
+    first = fields(made)[0].name
+    with pytest.raises(AttributeError, match="cannot assign to field"):
+        setattr(made, first, getattr(made, first))
+    with pytest.raises(ValidationError):
+        type(made)(*(getattr(made, field.name) for field in fields(made)))
+    with pytest.raises(ValidationError):
+        type(made)(
+            **{field.name: getattr(made, field.name) for field in fields(made)}, colour="red"
+        )
+    assert replace(made) == made

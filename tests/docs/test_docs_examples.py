@@ -1,0 +1,106 @@
+"""Every command, definition and piece of Python in README.md and docs/ runs as shown."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def load_examples():
+    spec = importlib.util.spec_from_file_location("docs_examples", ROOT / "docs" / "examples.py")
+    module = importlib.util.module_from_spec(spec)
+    # a dataclass looks its module up while it is made
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "docs_examples", module)
+        spec.loader.exec_module(module)
+    return module
+
+
+examples = load_examples()
+PAGES = [str(page.relative_to(ROOT)) for page in examples.pages()]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_page_shows_what_its_examples_do(page, tmp_path):
+    _, outputs = examples.run(ROOT / page, tmp_path)
+    stale = [
+        f"{output.example}\n--- shown\n{output.shown}--- found\n{output.found}"
+        for output in outputs
+        if not output.agrees
+    ]
+    assert not stale, "`python docs/examples.py` rewrites these:\n" + "\n".join(stale)
+
+
+@pytest.mark.parametrize(
+    ("shown", "found", "agrees"),
+    [
+        ("value 1.000 m\n", "value   1.001 m\n", True),
+        ("value 1.000 m\n", "value 1.1 m\n", False),
+        ("value 1 m\n", "value 1 s\n", False),
+        ("first\n...\nlast\n", "first\nsecond\nthird\nlast\n", True),
+        ("first\n...\nlast\n", "first\nsecond\nend\n", False),
+        ("one\n", "one\ntwo\n", False),
+        ("closure residual 1e-16 m\n", "closure residual 4e-16 m\n", True),
+    ],
+)
+def test_outputs_agree_up_to_round_off_and_ellipsis(shown, found, agrees):
+    assert examples.Output("example", shown, found).agrees is agrees
+
+
+def test_every_output_stands_on_its_page():
+    from linkages.solution.requests import ALL, DEFAULT
+
+    text = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
+    rows = [line.split("|") for line in text.splitlines() if line.startswith("| `")]
+    found = {}
+    for _, names, mark, units, *_ in (row for row in rows if len(row) == 6):
+        listed = re.findall(r"`(\w+)`", names)
+        given = [unit.strip() for unit in units.split(",")]
+        found |= {
+            name: (given[-1] if len(given) == 1 else given[place], bool(mark.strip()))
+            for place, name in enumerate(listed)
+        }
+    assert found == {name: (entry.units, name in DEFAULT) for name, entry in ALL.items()}
+
+
+def test_every_figure_stands_on_the_page_of_outputs():
+    from linkages.plots.figures import FIGURES
+
+    text = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
+    assert [name for name in FIGURES if f"`{name}.png`" not in text] == []
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs" / "components").glob("*.md")), ids=str)
+def test_component_page_is_in_the_list(page):
+    index = (page.parent / "index.md").read_text(encoding="utf-8")
+    assert page.stem == "index" or f"\n{page.stem}\n" in index
+
+
+def test_every_public_name_stands_in_the_reference():
+    import linkages
+
+    text = (ROOT / "docs" / "api.rst").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\.\. auto\w+:: linkages\.(\w+)$", text, re.MULTILINE)) == sorted(
+        linkages.__all__
+    )
+
+
+def test_every_key_stands_on_the_page_of_the_format():
+    import dataclasses
+
+    from linkages.components.registry import SECTIONS
+
+    text = (ROOT / "docs" / "definition-file.md").read_text(encoding="utf-8")
+    samples = ({}, {"points": {}}, {"position": 0})
+    models = {(s, s.choose(raw)) for s in SECTIONS.values() for raw in samples}
+    missing = [
+        f"{model.__name__}.{field.name}"
+        for section, model in models
+        for field in dataclasses.fields(model)
+        if field.name not in ("name", "index", section.field) and f"`{field.name}`" not in text
+    ]
+    assert missing == []

@@ -1,0 +1,202 @@
+import pytest
+from linkage_files import FOLDER, linkage, mechanism, refusal
+
+from linkages.topology.blocks import Step
+from linkages.topology.topology import build_topology
+
+FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.3}
+  coupler: {joints: [A, B], length: 0.9}
+  rocker: {joints: [C, B], length: 0.7}
+"""
+
+
+def test_coordinates_by_what_determines_them():
+    topology = build_topology(linkage("ninebar"))
+    assert topology.driven == ("crank1", "crank4")
+    assert topology.free == ("r1",)
+    assert topology.dependent == ("link2", "link3", "rocker6", "link7", "link8", "slider9")
+
+
+def test_joints_are_listed_from_the_ground_on():
+    joints = build_topology(linkage("ninebar")).joints
+    assert joints == ("O", "D", "A", "B", "C.r1", "C", "E", "F")
+
+
+def test_free_ends():
+    assert build_topology(linkage("trammel")).free_ends == ("P",)
+    assert build_topology(linkage("doublependulum")).free_ends == ("Q",)
+    assert build_topology(linkage("ninebar")).free_ends == ()
+
+
+def test_path_from_the_ground():
+    topology = build_topology(linkage("ninebar"))
+    assert topology.path("O") == ([], "O")
+    assert topology.path("A") == ([Step("crank1", "O", "A")], "O")
+    assert topology.path("C.r1") == ([Step("crank4", "D", "C"), Step("r1", "C", "C.r1")], "D")
+    piston = build_topology(linkage("slidercrank"))
+    assert [step.body for step in piston.path("B")[0]] in (["crank", "rod"], ["piston"])
+
+
+def test_steps_and_loops_run_both_ways():
+    (block,) = build_topology(linkage("fourbar")).solved_blocks
+    (loop,) = block.loops
+    assert loop.reversed.reversed == loop
+    assert (loop.reversed.start, loop.reversed.end) == (loop.end, loop.start)
+    assert [s.body for s in loop.reversed.steps] == [s.body for s in loop.steps][::-1]
+    assert block.label == "RRR dyad at joint B"
+
+
+@pytest.mark.parametrize("swap", [False, True])
+def test_a_loop_starts_with_the_first_unknown_bar_of_the_file(swap):
+    lines = FOUR_BAR.splitlines()
+    if swap:
+        lines[3:5] = lines[3:5][::-1]
+    text = "\n".join(lines) + "\ndrives: {crank: {angle: 1, speed: 1}}\n"
+    (block,) = build_topology(mechanism(text)).solved_blocks
+    bodies = [step.body for step in block.loops[0].steps]
+    assert bodies == (["rocker", "coupler"] if swap else ["coupler", "rocker"])
+
+
+# --- mobility -----------------------------------------------------------------------------------
+
+
+def test_missing_drive():
+    assert refusal(FOUR_BAR) == [
+        "line 1, column 1: mobility is 1, but 0 coordinates are driven and 0 free; expected as "
+        "many as the mobility: add a drive, or name a bar under 'free' with its initial angle"
+    ]
+
+
+def test_two_drives_for_one_degree_of_freedom():
+    drives = "drives:\n  crank: {angle: 1, speed: 1}\n  rocker: {angle: 1, speed: 1}\n"
+    assert refusal(FOUR_BAR + drives) == [
+        "line 6, column 1, drives: mobility is 1, but 2 coordinates are driven and 0 free; "
+        "expected as many as the mobility: remove a drive or a free coordinate"
+    ]
+
+
+def test_a_free_coordinate_too_many():
+    text = FOUR_BAR + "free:\n  crank: {angle: 1}\n  rocker: {angle: 1}\n"
+    (problem,) = refusal(text)
+    assert problem.startswith("line 6, column 1, free: mobility is 1, but 0 coordinates are driven")
+    assert "and 2 free" in problem
+
+
+def test_a_structure_that_cannot_move():
+    text = FOUR_BAR.replace("crank: {joints: [O, A]", "crank: {joints: [O, C]")
+    text = text.replace("coupler: {joints: [A,", "coupler: {joints: [O,")
+    (problem,) = refusal(text + "drives: {crank: {angle: 0, speed: 1}}\n")
+    assert "mobility is -1, but 1 coordinates are driven" in problem
+
+
+def test_unreachable_bodies_are_all_named():
+    text = FOUR_BAR + "  lost: {joints: [X, Y], length: 1}\n  adrift: {joints: [Y, Z], length: 1}\n"
+    message = "not connected to the ground by any chain of joints"
+    assert refusal(text + "drives: {crank: {angle: 0, speed: 1}}\n") == [
+        f"line 6, column 3, bars.lost: {message}",
+        f"line 7, column 3, bars.adrift: {message}",
+    ]
+
+
+def test_no_ground_at_all():
+    found = refusal("bars:\n  a: {joints: [X, Y], length: 1}\n  b: {joints: [Y, Z], length: 1}\n")
+    assert len(found) == 2
+
+
+def test_under_and_over_constrained_parts():
+    text = FOUR_BAR + "  tail: {joints: [B, T], length: 0.2}\n"
+    drives = "drives:\n  crank: {angle: 1, speed: 1}\n  rocker: {angle: 1, speed: 1}\n"
+    found = refusal(text + drives)
+    assert found[1] == "line 6, column 3, bars.tail: nothing determines the coordinate of 'tail'"
+    assert "more constraints than coordinates at " in found[0]
+    assert "independent of each other" in found[0]
+
+
+def test_driving_a_bar_that_cannot_move():
+    """A triangle on the ground stands still: its drive and a missing one elsewhere cancel."""
+    text = """joints: {O: [0, 0], C: [1, 0]}
+bars:
+  left: {joints: [O, T], length: 1}
+  right: {joints: [C, T], length: 1}
+  hanging: {joints: [T, P], length: 1}
+drives:
+  left: {angle: 1, speed: 0}
+"""
+    found = refusal(text)
+    assert "line 5, column 3, bars.hanging: nothing determines the coordinate of 'hanging'" in found
+
+
+def test_a_triangle_on_the_ground_carries_a_pendulum():
+    """A dyad that time does not move is a block like any other."""
+    text = """joints: {O: [0, 0], C: [1, 0]}
+bars:
+  left: {joints: [O, T], length: 1}
+  right: {joints: [C, T], length: 1}
+  hanging: {joints: [T, P], length: 1}
+free:
+  hanging: {angle: 1}
+"""
+    topology = build_topology(mechanism(text))
+    assert [set(b.unknowns) for b in topology.solved_blocks] == [{"left", "right"}]
+
+
+# --- Assur groups of class III ------------------------------------------------------------------
+
+TRIAD = """joints: {O: [0, 0], C: [1, 0], D: [0.5, 1]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  plate: {points: {P: [0, 0], Q: [0.3, 0], R: [0.15, 0.2]}}
+  a: {joints: [A, P], length: 0.4}
+  b: {joints: [C, Q], length: 0.4}
+  c: {joints: [D, R], length: 0.4}
+drives: {crank: {angle: 0, speed: 1}}
+"""
+
+
+def test_a_plate_on_three_links_is_no_dyad():
+    assert refusal(TRIAD) == [
+        "line 4, column 3, bars.plate: plate, a, b, c form a group of 2 loops that must be solved "
+        "together (Assur group of class III or higher); expected a mechanism made of dyads"
+    ]
+
+
+def test_whether_a_group_is_a_dyad_depends_on_the_drive():
+    """Stephenson III: dyads from the crank, a triad from the other end."""
+    text = (FOLDER / "stephenson.yaml").read_text()
+    assert len(build_topology(mechanism(text)).solved_blocks) == 2
+    (problem,) = refusal(text.replace("  crank: {angle", "  arm: {angle"))
+    assert "crank, coupler, rocker, tie form a group of 2 loops" in problem
+    assert "class III" in problem
+
+
+def test_a_triad_behind_dyads_is_found():
+    extra = "  tie: {joints: [P, X], length: 1}\n  arm: {joints: [C, X], length: 1}\ndrives:"
+    (problem,) = refusal(TRIAD.replace("drives:", extra))
+    assert "plate, a, b, c form a group" in problem
+
+
+# --- where the drive is -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("driven", ["crank", "coupler", "rocker"])
+def test_the_drive_may_sit_on_any_bar(driven):
+    topology = build_topology(mechanism(FOUR_BAR + f"drives: {{{driven}: {{angle: 1, speed: 1}}}}"))
+    (block,) = topology.solved_blocks
+    assert set(block.unknowns) == {"crank", "coupler", "rocker"} - {driven}
+    assert block.kind == "RRR"
+
+
+def test_a_free_slider():
+    text = """joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.3}
+  rod: {joints: [A, B], length: 0.8}
+sliders: {piston: {joint: B, through: O}}
+free: {piston: {position: 0.9}}
+"""
+    topology = build_topology(mechanism(text))
+    assert [(b.kind, set(b.unknowns)) for b in topology.solved_blocks] == [
+        ("RRR", {"crank", "rod"})
+    ]

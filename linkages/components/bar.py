@@ -58,7 +58,7 @@ class Bar(Component):
     @property
     def central_inertia(self) -> float:
         """Moment of inertia about the centre of mass in kg·m²."""
-        uniform = self.mass * self.length**2 / 12.0
+        uniform = self.mass * self.length * self.length / 12.0
         return uniform if self.inertia is None else self.inertia
 
     def terms(self) -> tuple[Body, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -64,7 +65,8 @@ def _write_table(data: xr.Dataset, path: Path) -> None:
             element = ".".join(str(names[i]) for names, i in zip(labels, place, strict=True))
             head = f"{name}[{element}]" if element else str(name)
             heads.append(f"{head} ({array.attrs['units']})")
-        columns.append(array.to_numpy().reshape(array.sizes["time"], -1))
+        # not −1: there may be no samples
+        columns.append(array.to_numpy().reshape(array.sizes["time"], math.prod(array.shape[1:])))
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heads)

@@ -92,6 +92,7 @@ def simulate(
         "energy_residual" in names,
         watch,
     )
+    _require_inertia(system)
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]
     values = evaluate_variables(system, motion, plain)
@@ -146,6 +147,9 @@ def _settings(
         raise _input(
             mechanism, "step", f"method {method!r} needs a step; expected a time in seconds"
         )
+    if method in FIXED_STEP_METHODS and step is not None and abs(end) > max_steps * step > 0:
+        message = f"step {step:g} s needs more than {max_steps} steps to reach {end:g} s"
+        raise _refused(mechanism, "step", step == defaults.step, message)
     return Settings(
         times=np.linspace(0.0, end, samples),
         method=method,
@@ -156,6 +160,31 @@ def _settings(
         work=work,
         watch=watch,
     )
+
+
+def _require_inertia(system: System) -> None:
+    """A free coordinate whose motion moves no mass has no equation of motion.
+
+    Raises
+    ------
+    InputError
+        If J_ij of the free coordinates is singular at t = 0.
+    """
+    free = system.topology.free
+    matrix = np.zeros((len(free), len(free)))
+    for i, row in enumerate(system.model.mass_matrix):
+        matrix[i, : i + 1] = system.evaluate(row)[:, 0]
+    diagonal = np.diag(matrix)
+    idle = [name for name, value in zip(free, diagonal, strict=True) if value == 0]
+    if not idle and len(free):
+        scaled = matrix / np.sqrt(np.outer(diagonal, diagonal))
+        values, vectors = np.linalg.eigh(scaled, UPLO="L")
+        if values[0] < 1e-14:
+            idle = [name for name, part in zip(free, vectors[:, 0], strict=True) if abs(part) > 0.1]
+    if idle:
+        message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
+        paths = [system.mechanism.initial[name].path for name in idle]
+        raise system.mechanism.error([(paths[0], message)])
 
 
 def _refused(mechanism: Mechanism, key: str, from_file: bool, message: str) -> Exception:

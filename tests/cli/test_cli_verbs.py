@@ -1,0 +1,292 @@
+"""What each verb prints and writes when all goes well."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import linkages
+from linkages.reading.locate import shipped
+
+VERBS = ("simulate", "check", "equations", "list")
+# A short run of a mechanism that nothing integrates: fast.
+SHORT = ("--set", "simulate.end=0.02", "--set", "simulate.samples=21")
+
+
+def plain(text):
+    """Without the colours that a terminal gets."""
+    return re.sub("\x1b\\[[0-9;]*m", "", text)
+
+
+@pytest.mark.parametrize("flag", ["--help", "-h"])
+def test_help_names_every_verb(cli, flag):
+    result = cli(flag)
+    assert (result.code, result.err) == (0, "")
+    assert all(f" {verb} " in plain(result.out) for verb in VERBS)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_of_a_verb(cli, verb):
+    result = cli(verb, "--help")
+    assert (result.code, result.err) == (0, "")
+    text = plain(result.out)
+    assert f"linkages {verb}" in text
+    assert "--json" in text
+    assert ("--set" in text) == ("FILE" in text) == (verb != "list")
+
+
+def test_no_arguments_shows_help_and_fails(cli):
+    result = cli()
+    assert result.code == 2
+    assert "simulate" in plain(result.out + result.err)
+
+
+def test_version_is_the_packages(cli):
+    result = cli("--version")
+    assert (result.code, result.out, result.err) == (0, f"linkages {linkages.__version__}\n", "")
+
+
+def test_list_shows_every_shipped_mechanism_with_its_name(cli):
+    result = cli("list")
+    assert (result.code, result.err) == (0, "")
+    rows = dict(line.split(None, 1) for line in plain(result.out).splitlines()[2:])
+    assert {name: title.strip() for name, title in rows.items()} == {
+        name: linkages.load(path).name for name, path in shipped().items()
+    }
+
+
+def test_list_as_json(cli):
+    result = cli("list", "--json")
+    assert json.loads(result.out)["mechanisms"] == {
+        name: {"title": linkages.load(path).name, "file": str(path)}
+        for name, path in shipped().items()
+    }
+
+
+# check
+
+
+def test_check_as_json_counts_the_nine_bar(cli):
+    """Counted by hand: nine moving bodies with the clearance link; pins A, B (three bodies), C, C',
+    D, E (three), F, O (two on the ground): eleven pairs; three loops (the paper's Eq. 1).
+    """
+    result = cli("check", "ninebar", "--json")
+    assert (result.code, result.err) == (0, "")
+    content = json.loads(result.out)
+    assert content["mobility"] == {"gruebler": 3, "numerical": 3}
+    assert (content["revolute_pairs"], content["prismatic_pairs"], content["loops"]) == (11, 1, 3)
+    assert (content["driven"], content["free"]) == (["crank1", "crank4"], ["r1"])
+    assert {body["name"]: body["mass"] for body in content["bodies"]} == {
+        "crank1": 0.985, "link2": 2.836, "link3": 3.051, "crank4": 0.361, "rocker6": 2.701,
+        "link7": 1.993, "link8": 2.701, "slider9": 4.288, "r1": 0.0,
+    }  # fmt: skip
+    assert [(b["unknowns"], b["apex"], b["side"]) for b in content["blocks"]] == [
+        (["link2", "link3"], "B", "left"),
+        (["rocker6", "link7"], "E", "right"),
+        (["link8", "slider9"], "F", "forward"),
+    ]
+    assert all(1 <= block["condition"] < 10 for block in content["blocks"])
+    assert "kernel" not in content
+
+
+def test_check_places_joints_where_the_lengths_say(cli):
+    joints = {j["joint"]: j["position"] for j in json.loads(cli("check", "ninebar", "--json").out)[
+        "joints"
+    ]}  # fmt: skip
+    distance = {
+        ("O", "A"): 0.3, ("A", "B"): 0.893, ("C.r1", "B"): 0.962, ("D", "C"): 0.1,
+        ("O", "E"): 0.85, ("E", "B"): 0.623, ("E", "F"): 0.85, ("C", "C.r1"): 0.15e-3,
+    }  # fmt: skip
+    for (first, second), length in distance.items():
+        # a few roundings of positions of order 1
+        assert np.hypot(*np.subtract(joints[first], joints[second])) == pytest.approx(
+            length, abs=1e-15
+        )
+    assert joints["F"][1] == 0
+
+
+def test_check_as_text_says_the_same(cli):
+    result = cli("check", "ninebar", "--kernel")
+    text = plain(result.out)
+    assert (result.code, result.err) == (0, "")
+    for expected in (
+        "11 revolute and 1 prismatic pairs, 3 independent loops",
+        "mobility 3 by Grübler's formula, 3 by the rank",
+        "driven: crank1, crank4",
+        "free: r1",
+        "RRR dyad, closed form",
+        "RRP dyad, closed form",
+        "Operations of the kernel",
+    ):
+        assert expected in text
+
+
+def test_kernel_leaves_out_what_a_driven_crank_carries(cli):
+    """Both cranks turn at constant speed: their mass and inertia enter no equation of motion."""
+    kernel = json.loads(cli("check", "ninebar", "--kernel", "--json").out)["kernel"]
+    assert kernel["left_out"] == [
+        "bars.crank1.mass", "bars.crank1.inertia", "bars.crank4.mass", "bars.crank4.inertia",
+    ]  # fmt: skip
+    counts = kernel["operations"]
+    assert set(counts) == {"once per run", "once per distinct time", "once per state"}
+    # cos and sin: of the clearance per state, of both cranks per time; one root per dyad
+    assert [part["trigonometric calls"] for part in counts.values()] == [0, 4, 2]
+    assert counts["once per state"]["square roots"] == 3
+
+
+def test_kernel_of_a_driven_mechanism_is_none(cli):
+    kernel = json.loads(cli("check", "four-bar", "--kernel", "--json").out)["kernel"]
+    assert "nothing is free" in kernel["note"]
+
+
+def test_check_mentions_free_ends_and_what_it_chose(cli, tmp_path):
+    assert "joint P is a free end" in plain(cli("check", "four-bar").out)
+    (tmp_path / "m.yaml").write_text(
+        "joints: {O: [0, 0]}\nbars:\n  rod: {joints: [O, P], length: 1, mass: 1}\n"
+        "assembly: {P: [0, -1]}\n"
+    )
+    notes = json.loads(cli("check", "m.yaml", "--json").out)["notes"]
+    assert any(note.startswith("rod was chosen as a free coordinate") for note in notes)
+
+
+def test_markup_in_a_name_is_text(cli, tmp_path):
+    title = "Press [/b] [bold]x[/red] :smile:"
+    text = shipped()["four-bar"].read_text().replace("Four-bar linkage (crank-rocker)", "TITLE")
+    (tmp_path / "m.yaml").write_text(text.replace("name: TITLE", f'name: "{title}"'))
+    assert cli("check", "m.yaml").out.splitlines()[0] == title
+    result = cli("simulate", "m.yaml", "--no-figures", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith(f"{title}: ")
+
+
+# equations
+
+
+@pytest.mark.parametrize(
+    ("form", "expected"),
+    [
+        ("text", ("Closure", "θ_rod", "s_piston", "θ_crank")),
+        ("latex", (r"\begin{align*}", r"\theta_{\text{rod}}")),
+        ("python", ("from numpy import", "def ")),
+    ],
+)
+def test_equations(cli, form, expected):
+    result = cli("equations", "slider-crank", "--format", form)
+    assert (result.code, result.err) == (0, "")
+    assert all(fragment in result.out for fragment in expected)
+    whole = json.loads(cli("equations", "slider-crank", "--format", form, "--json").out)
+    assert whole == {
+        "mechanism": "Slider-crank", "format": form, "equations": result.out.removesuffix("\n"),
+    }  # fmt: skip
+
+
+def test_equations_as_python_are_python(cli):
+    source = cli("equations", "slider-crank", "--format", "python").out
+    compile(source, "equations", "exec")
+
+
+# simulate
+
+
+def table_of(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    return head, np.array(rows, dtype=float)
+
+
+def test_files_hold_what_python_computes(cli, tmp_path):
+    result = cli("simulate", "slider-crank", "--no-figures", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    folder = tmp_path / "results" / "slider-crank"
+    assert sorted(p.name for p in folder.iterdir()) == ["simulate.csv", "simulate.nc"]
+    expected = linkages.simulate(linkages.load("slider-crank"), end=0.02, samples=21).data
+    with xr.open_dataset(folder / "simulate.nc", engine="h5netcdf") as found:
+        # the same computation, and NetCDF keeps doubles: not one bit may differ
+        xr.testing.assert_identical(found.load(), expected)
+    head, rows = table_of(folder / "simulate.csv")
+    assert rows.shape == (21, len(head))
+    assert np.array_equal(rows[:, head.index("time (s)")], expected.time)
+    piston = rows[:, head.index("slider_position[piston] (m)")]
+    assert np.array_equal(piston, expected.slider_position.sel(slider="piston"))
+    reached = rows[:, head.index("joint_velocity[A.y] (m/s)")]
+    assert np.array_equal(reached, expected.joint_velocity.sel(joint="A", axis="y"))
+
+
+def test_json_is_one_object_and_nothing_else(cli, tmp_path):
+    result = cli("simulate", "slider-crank", "--no-figures", "--json", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    content = json.loads(result.out)
+    assert content["completed"] is True
+    assert content["stopped"] is None
+    assert content["samples"] == 21
+    assert content["method"] is None  # nothing is integrated
+    assert all((tmp_path / path).is_file() for path in content["files"])
+    data = linkages.simulate(linkages.load("slider-crank"), end=0.02, samples=21).data
+    efforts = data.drive_effort.sel(drive="crank")
+    (row,) = [row for row in content["maxima"] if row["variable"] == "drive_effort"]
+    place = int(np.argmax(np.abs(efforts.to_numpy())))
+    assert (row["element"], row["units"]) == ("crank", "N m")
+    assert row["value"] == float(efforts[place])
+    assert row["time"] == float(data.time[place])
+
+
+def test_table_of_maxima(cli):
+    """Like the paper's: quantities with element, value, unit and time."""
+    text = plain(cli("simulate", "slider-crank", "--no-figures", *SHORT).out)
+    assert text.startswith("Slider-crank: 21 samples to t = 0.02 s, all coordinates driven")
+    for words in ("driving torque", "displacement", "velocity", "acceleration", "piston", "at t"):
+        assert words in text
+    assert "2 files in results/slider-crank" in text
+
+
+@pytest.mark.slow
+def test_figures_are_written_beside_the_data(cli, tmp_path):
+    result = cli("simulate", "four-bar", "--json", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    files = [tmp_path / path for path in json.loads(result.out)["files"]]
+    figures = [path for path in files if path.suffix == ".png"]
+    assert {"mechanism", "drive_effort"} <= {path.stem for path in figures}
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
+    assert {path.name for path in (tmp_path / "results/four-bar").iterdir()} == {
+        path.name for path in files
+    }
+
+
+def test_out_and_several_assignments(cli, tmp_path):
+    result = cli(
+        "simulate", "four-bar", "--no-figures", "--json", "--out", "deep/er",
+        "--set", "simulate={end: 0.5, samples: 11}", "--set", "drives.crank.speed=120 rpm",
+        "--set", "bars.rocker.mass=0.6",
+    )  # fmt: skip
+    assert (result.code, result.err) == (0, "")
+    assert not (tmp_path / "results").exists()
+    with xr.open_dataset(tmp_path / "deep/er/simulate.nc", engine="h5netcdf") as data:
+        assert data.sizes["time"] == 11
+        speed = data.bar_speed.sel(bar="crank").to_numpy()
+        assert speed == pytest.approx(4 * np.pi, rel=1e-15)  # one rounding of the unit
+
+
+def test_outputs_chooses_what_is_written(cli, tmp_path):
+    result = cli("simulate", "four-bar", "--no-figures", "--outputs", "bar_angle", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    with xr.open_dataset(tmp_path / "results/four-bar/simulate.nc", engine="h5netcdf") as data:
+        assert list(data.data_vars) == ["bar_angle"]
+
+
+def test_own_file_comes_before_a_shipped_one(cli, tmp_path):
+    text = shipped()["four-bar"].read_text().replace("Four-bar linkage", "Mine")
+    (tmp_path / "four-bar.yaml").write_text(text)
+    assert cli("check", "four-bar.yaml").out.startswith("Mine")
+    assert cli("check", str(shipped()["four-bar"])).out.startswith("Four-bar linkage")
+    assert cli("check", "four-bar").out.startswith("Four-bar linkage")
+
+
+def test_second_run_replaces_the_first(cli, tmp_path):
+    assert cli("simulate", "four-bar", "--no-figures", *SHORT).code == 0
+    assert cli("simulate", "four-bar", "--no-figures", *SHORT[:2]).code == 0
+    folder = tmp_path / "results/four-bar"
+    assert sorted(p.name for p in folder.iterdir()) == ["simulate.csv", "simulate.nc"]
+    assert len(table_of(folder / "simulate.csv")[1]) == 1001

@@ -140,8 +140,8 @@ class _Limits:
         """Per interval: whether a margin heads for zero within it, seen from both of its ends."""
         span = np.diff(times)
         sign = np.sign(margins[:, :-1])
-        ahead = sign * (margins[:, :-1] + rates[:, :-1] * span)
-        behind = sign * (margins[:, 1:] - rates[:, 1:] * span)
+        ahead = sign * (margins[:, :-1] + 1.1 * rates[:, :-1] * span)
+        behind = sign * (margins[:, 1:] - 1.1 * rates[:, 1:] * span)
         return np.any((ahead < 0) & (behind < 0), axis=0)
 
     def _inspect(self, start: float, end: float, depth: int) -> _Stop | None:

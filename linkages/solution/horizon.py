@@ -1,0 +1,91 @@
+"""How long a solution can be believed: comparison with a run at a tighter tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.system import System
+from linkages.solution.motion import Motion, Settings, compute_motion
+from linkages.solvers.integrate import LEAST_RTOL
+
+TIGHTER = 0.01
+"""Factor on the tolerance of the comparison run (on the step of a fixed-step method: one half)."""
+
+DIGITS = 3
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Until when a solution has at least three correct digits.
+
+    Parameters
+    ----------
+    time
+        The last sample time before a free coordinate (or its rate) differs from the comparison
+        run by more than half a unit in the third digit of its amplitude.
+    whole
+        Whether that is the end of the solution: then the horizon lies beyond it.
+    error
+        Largest difference of a free coordinate over the solution, in units of its amplitude.
+    """
+
+    time: float
+    whole: bool
+    error: float
+
+
+def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon | None:
+    """Compare a motion with one at a tighter tolerance.
+
+    Returns
+    -------
+    None where there is nothing to compare: nothing was integrated, no sample was reached, or the
+    tolerance cannot be made tighter.
+    """
+    if not system.topology.free or len(motion.time) < 2:
+        return None
+    tighter = _tighter(settings, motion)
+    if tighter is None:
+        return None
+    other = compute_motion(system, tighter)
+    count = min(len(motion.time), len(other.time))
+    if count < 2:
+        return None
+    differences = _relative(motion, other, count)
+    wrong = differences > 0.5 * 10.0**-DIGITS
+    first = int(np.argmax(wrong)) if wrong.any() else count
+    last = max(0, first - 1)
+    return Horizon(
+        time=float(motion.time[last]),
+        whole=first == len(motion.time),
+        error=float(differences.max()),
+    )
+
+
+def _tighter(settings: Settings, motion: Motion) -> Settings | None:
+    times = motion.time
+    if settings.step is not None:
+        return replace(settings, times=times, step=settings.step / 2, work=False, watch=None)
+    if settings.rtol <= LEAST_RTOL:
+        return None
+    rtol = max(LEAST_RTOL, settings.rtol * TIGHTER)
+    atol = None if settings.atol is None else settings.atol * rtol / settings.rtol
+    return replace(settings, times=times, rtol=rtol, atol=atol, work=False, watch=None)
+
+
+def _relative(motion: Motion, other: Motion, count: int) -> NDArray[np.float64]:
+    """Largest difference at each sample in units of the amplitudes, shape (count,)."""
+    own, better = _full(motion)[:, :count], _full(other)[:, :count]
+    amplitude = 0.5 * (better.max(axis=1) - better.min(axis=1))
+    scale = np.where(amplitude > 0, amplitude, 1.0)[:, None]
+    return (np.abs(own - better) / scale).max(axis=0)
+
+
+def _full(motion: Motion) -> NDArray[np.float64]:
+    """Coordinates with their turns, then rates, shape (2n, samples)."""
+    state = motion.state.copy()
+    state[: len(motion.turns)] += 2 * np.pi * motion.turns
+    return state

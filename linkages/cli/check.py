@@ -110,10 +110,10 @@ def _kernel(system: System) -> dict[str, Any]:
     if not system.topology.free:
         return {"note": "nothing is free to move: no kernel is compiled, nothing is integrated"}
     from linkages.kernel.counting import report_kernel
-    from linkages.solution.integration import build_program
+    from linkages.solution.integration import kernel_source
 
-    model, program = build_program(system)
-    report = report_kernel(model, program)
+    source = kernel_source(system)
+    report = report_kernel(source.model, source.program)
     return {"operations": report.counts, "left_out": [dotted(path) for path in report.left_out]}
 
 

@@ -71,11 +71,18 @@ def simulate(
             help="Comma-separated variables to compute, or 'all'; default: kinematics, efforts."
         ),
     ] = None,
+    verify: Annotated[
+        bool | None,
+        typer.Option(
+            help="Integrate again at a tighter tolerance and say until when the answer holds; "
+            "default: for adaptive methods."
+        ),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
     from linkages.cli.simulate import run_simulate
 
-    raise typer.Exit(run_simulate(file, assignments or [], out, json, figures, outputs))
+    raise typer.Exit(run_simulate(file, assignments or [], out, json, figures, outputs, verify))
 
 
 @app.command()
@@ -106,6 +113,21 @@ def equations(
     from linkages.cli.equations import run_equations
 
     raise typer.Exit(run_equations(file, assignments or [], form, json))
+
+
+@app.command()
+def bench(
+    file: File,
+    assignments: Set = None,
+    out: Out = None,
+    json: Json = False,
+    figures: Annotated[bool, typer.Option(help="Draw work against error.")] = True,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
+) -> None:
+    """Measure time against error of every method and of installed peers."""
+    from linkages.cli.bench import run_bench
+
+    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
 
 
 @app.command("list")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,10 @@ from rich.markup import escape
 from linkages.cli.loading import mechanism_from
 from linkages.cli.terminal import console, number, print_json, progress, table
 from linkages.errors import InputError, Problem
+from linkages.solution.horizon import Horizon
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
+from linkages.solvers.choice import AUTO
 
 SUMMARY = (
     "slider_position_error",
@@ -39,6 +42,7 @@ def run_simulate(
     json: bool,
     figures: bool,
     outputs: str | None,
+    verify: bool | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     mechanism = mechanism_from(file, assignments)
@@ -53,13 +57,25 @@ def run_simulate(
         solution, failure = error.solution, str(error)
     except ValueError as error:
         raise InputError(file, [Problem(message=str(error))]) from None
+    horizon = _horizon(solution, verify)
     written = solution.save(folder)
     if figures:
         from linkages.plots.figures import save_figures
 
         written += save_figures(solution.data, solution.mechanism, folder)
-    _report(solution, written, failure, json)
+    _report(solution, horizon, written, failure, json)
     return 0 if failure is None else 1
+
+
+def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
+    """Until when the solution holds, noted in its data for figures and files."""
+    adaptive = solution.settings.step is None
+    if verify is False or (verify is None and not adaptive):
+        return None
+    horizon = solution.horizon
+    if horizon is not None and not horizon.whole:
+        solution.data.attrs["horizon"] = horizon.time
+    return horizon
 
 
 def _require_folder(folder: Path) -> None:
@@ -74,9 +90,15 @@ def _require_folder(folder: Path) -> None:
     raise InputError(str(folder), [Problem(message=message)])
 
 
-def _report(solution: Solution, written: list[Path], failure: str | None, json: bool) -> None:
+def _report(
+    solution: Solution,
+    horizon: Horizon | None,
+    written: list[Path],
+    failure: str | None,
+    json: bool,
+) -> None:
     if json:
-        print_json(_content(solution, written, failure))
+        print_json(_content(solution, horizon, written, failure))
         return
     screen = console()
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
@@ -89,12 +111,26 @@ def _report(solution: Solution, written: list[Path], failure: str | None, json: 
     screen.print(
         table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], rows)
     )
+    if solution.settings.method == AUTO and solution.motion.reason:
+        screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
+    if horizon is not None:
+        screen.print(_believable(horizon))
     for note in solution.notes:
         screen.print(note, markup=False)
     if written:
         screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
     if failure is not None:
         print(f"stopped {failure}", file=sys.stderr)
+
+
+def _believable(horizon: Horizon) -> str:
+    error = f"{horizon.error:.1e} of its amplitude"
+    if horizon.whole:
+        return f"predictable throughout: the free motion is off by at most {error}"
+    return (
+        f"predictable to t = {number(horizon.time)} s: later fewer than three digits of the free "
+        f"motion are correct (off by up to {error})"
+    )
 
 
 def _how(solution: Solution) -> str:
@@ -104,13 +140,15 @@ def _how(solution: Solution) -> str:
         return f"{span}, all coordinates driven, nothing integrated"
     settings, cost = solution.settings, solution.motion.cost
     if settings.step is not None:
-        how = f"{settings.method}, step {number(settings.step)} s"
+        how = f"{solution.motion.method}, step {number(settings.step)} s"
     else:
-        how = f"{settings.method}, rtol {settings.rtol:g}, {cost['rejected']} rejected"
+        how = f"{solution.motion.method}, rtol {settings.rtol:g}, {cost['rejected']} rejected"
     return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"
 
 
-def _content(solution: Solution, written: list[Path], failure: str | None) -> dict[str, Any]:
+def _content(
+    solution: Solution, horizon: Horizon | None, written: list[Path], failure: str | None
+) -> dict[str, Any]:
     return {
         "mechanism": solution.mechanism.name,
         "completed": failure is None,
@@ -118,8 +156,10 @@ def _content(solution: Solution, written: list[Path], failure: str | None) -> di
         if failure is None
         else {"time": solution.motion.stop_time, "reason": failure},
         "samples": int(solution.data.sizes["time"]),
-        "method": solution.settings.method if solution.system.topology.free else None,
+        "method": solution.motion.method or None,
+        "reason": solution.motion.reason or None,
         "cost": solution.motion.cost,
+        "horizon": None if horizon is None else asdict(horizon),
         "maxima": solution.maxima,
         "notes": list(solution.notes),
         "files": [str(path) for path in written],

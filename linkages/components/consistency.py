@@ -63,7 +63,6 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
         found += _unknown_names(components, declared)
         found += _sliders_on_air(declared)
     found += _repeated_entries(components)
-    found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
     found += _contested_coordinates(declared)
@@ -108,16 +107,6 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
             found.append((component.path, "given already; expected once"))
         seen.add(component.path)
     return found
-
-
-def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
-    """A file cannot have the same entry twice, but Python code can."""
-    counts = Counter(component.path for component in components)
-    return [
-        (path, f"found {count} components with this name or index; expected one")
-        for path, count in counts.items()
-        if count > 1
-    ]
 
 
 def _repeated_names(declared: Declared) -> list[Finding]:

@@ -106,6 +106,7 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
         if peak:
             mark_peak(ax, peak, scales, look["color"])
     _finish(ax, time, scales, quantity.label)
+    _shade_beyond_horizon(ax, data, time, scales[0])
     show_steady(ax, values * scales[1].factor)
     if len(names) > 1:
         entries = [_entry(name, peak, scales) for name, peak in zip(names, peaks, strict=True)]
@@ -124,6 +125,25 @@ def _finish(ax: Axes, time: np.ndarray, scales: tuple[Scale, Scale], label: str)
         ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
     ax.set_xlabel(scales[0].label("time"))
     ax.set_ylabel(scales[1].label(label))
+
+
+def _shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: np.ndarray, scale: Scale) -> None:
+    """Shade the times at which the solution has fewer than three correct digits."""
+    horizon = data.attrs.get("horizon")
+    if horizon is None or not time.size:
+        return
+    begin, end = horizon * scale.factor, time[-1] * scale.factor
+    ax.axvspan(begin, end, color="0.88", zorder=0, linewidth=0)
+    ax.annotate(
+        "not predictable",
+        (begin, 0.015),
+        xycoords=("data", "axes fraction"),
+        xytext=(3, 0),
+        textcoords="offset points",
+        fontsize=8,
+        color="0.35",
+        ha="left" if abs(end - begin) > 0.25 * abs(time[-1] - time[0]) * scale.factor else "right",
+    )
 
 
 def _entry(name: str, peak: Peak | None, scales: tuple[Scale, Scale]) -> str:

@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from linkages.kernel.assembly import parameter_values
 from linkages.kernel.compiled import compile_kernel
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program, write_program
-from linkages.kernel.scalars import Evaluator
+from linkages.kernel.scalars import Evaluator, Scalar
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings, block_failure
-from linkages.solvers.flow import Flow
+from linkages.solvers.flow import Flow, Linearisation
 from linkages.solvers.integrate import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 
 
-def build_program(system: System, work: bool = False) -> tuple[Model, Program]:
-    """The kernel of a system.
+@dataclass(frozen=True)
+class KernelSource:
+    """What a kernel is made of: a model and the second derivatives of its coordinates."""
+
+    model: Model
+    accelerations: tuple[Scalar, ...]
+
+    @property
+    def program(self) -> Program:
+        """The printed kernel."""
+        return write_program(self.model, self.accelerations)
+
+
+def kernel_source(system: System, work: bool = False) -> KernelSource:
+    """The equations that are integrated for a system.
 
     Parameters
     ----------
@@ -29,15 +44,30 @@ def build_program(system: System, work: bool = False) -> tuple[Model, Program]:
         whose acceleration is their power.
     """
     model = Model(system.topology, quadratures=int(work))
-    accelerations = [*model.free_accelerations, *([model.power] if work else [])]
-    return model, write_program(model, accelerations)
+    power = (model.power,) if work else ()
+    return KernelSource(model, (*model.free_accelerations, *power))
 
 
 def build_flow(system: System, work: bool = False) -> Flow:
     """The differential equation of a system, compiled."""
-    model, program = build_program(system, work)
+    source = kernel_source(system, work)
+    model = source.model
+    program = source.program  # asks the model for all parameters before they are counted
     parameters = parameter_values(model, system.sides)
     kernel = compile_kernel(program, parameters)
+
+    def linearise() -> Linearisation:
+        from linkages.kernel.derivatives import compile_jacobian
+
+        jacobian = compile_jacobian(model, source.accelerations, parameters)
+        return Linearisation(
+            clock=jacobian.clock,
+            rates=jacobian.rates,
+            parameters=jacobian.parameters,
+            timed_size=jacobian.timed,
+            keepalive=jacobian,
+        )
+
     rotates = [system.mechanism.bodies[name].rotates for name in system.topology.free]
     scales = Evaluator(model.margin_scales)(p=parameters)
     return Flow(
@@ -49,6 +79,7 @@ def build_flow(system: System, work: bool = False) -> Flow:
         rotates=np.array([*rotates, *([False] if work else [])]),
         margin_scale=np.array([float(scale) for scale in scales]),
         keepalive=kernel,
+        linearise=linearise,
     )
 
 
@@ -79,6 +110,8 @@ def integrated_motion(system: System, settings: Settings) -> Motion:
         work=rates[count] if settings.work else None,
         failure=_failure(system, trajectory),
         stop_time=trajectory.stop_time,
+        method=trajectory.method,
+        reason=trajectory.reason,
         cost={
             "steps": trajectory.steps,
             "rejected": trajectory.rejected,

@@ -63,6 +63,9 @@ class Motion:
         Where it stopped.
     cost
         Numbers for the summary: steps, rejected steps, evaluations.
+    method, reason
+        The method that was used, and why if it was chosen automatically; empty where nothing was
+        integrated.
     """
 
     time: Floats
@@ -73,6 +76,8 @@ class Motion:
     failure: str | None
     stop_time: float
     cost: dict[str, int]
+    method: str = ""
+    reason: str = ""
 
 
 def compute_motion(system: System, settings: Settings) -> Motion:

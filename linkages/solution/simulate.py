@@ -17,6 +17,7 @@ from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solvers.choice import AUTO
 from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
 from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
 
@@ -53,8 +54,9 @@ def simulate(
     samples
         Number of equally spaced output times, both ends included.
     method
-        Solver: ``"dop853"`` (adaptive, order 8) or ``"rk4"`` (fixed step, order 4). Not used
-        where nothing is free to move: such a motion is solved without integrating.
+        A solver of `linkages.solvers.methods.METHODS`, such as ``"dop853"`` (adaptive, order 8)
+        or ``"rk4"`` (fixed step, order 4), or ``"auto"``, which picks one by the tolerance. Not
+        used where nothing is free to move: such a motion is solved without integrating.
     rtol, atol
         Tolerances of an adaptive method; `atol` (rad, m, rad/s, m/s) is `rtol` if not given.
     step
@@ -139,10 +141,9 @@ def _settings(
     if not LEAST_RTOL <= rtol < 1:
         message = f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}"
         raise _refused(mechanism, "rtol", rtol == defaults.rtol, message)
-    if method not in METHODS:
-        raise _input(
-            mechanism, "method", f"unknown method {method!r}; expected one of: {', '.join(METHODS)}"
-        )
+    if method not in (*METHODS, AUTO):
+        known = ", ".join([*METHODS, AUTO])
+        raise _input(mechanism, "method", f"unknown method {method!r}; expected one of: {known}")
     if method in FIXED_STEP_METHODS and step is None:
         raise _input(
             mechanism, "step", f"method {method!r} needs a step; expected a time in seconds"

@@ -1,6 +1,8 @@
-"""Compiled integrators over any generated kernel: fixed RK4, adaptive DOP853."""
+"""Integrators over any generated kernel, explicit and implicit, with events."""
 
-from linkages.solvers.flow import Flow
+from linkages.solvers.choice import choose
+from linkages.solvers.events import Crossings, Event
+from linkages.solvers.flow import Flow, Linearisation
 from linkages.solvers.integrate import integrate
 from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS
 from linkages.solvers.outcome import Outcome
@@ -10,8 +12,12 @@ __all__ = [
     "ADAPTIVE_METHODS",
     "FIXED_STEP_METHODS",
     "METHODS",
+    "Crossings",
+    "Event",
     "Flow",
+    "Linearisation",
     "Outcome",
     "Trajectory",
+    "choose",
     "integrate",
 ]

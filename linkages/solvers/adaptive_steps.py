@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkages.solvers.commit import (
     DONE,
+    EVENT,
     INTERRUPTED,
     SINGULAR,
     STEP_BUDGET,
@@ -14,12 +15,18 @@ from linkages.solvers.commit import (
     margin_outcome,
     outcome_of,
 )
-from linkages.solvers.compiled import entry, floats, integers
-from linkages.solvers.margins import check_margins
+from linkages.solvers.compiled import call_hook, entry, floats, integers
+from linkages.solvers.margins import check_margins, turns_too_far
 from linkages.solvers.sampling import take_samples
 from linkages.solvers.stages import try_step
-from linkages.solvers.step_size import SHRINK_BLOCKED, error_norm, first_step, next_factor
-from linkages.solvers.views import EVALUATIONS, REJECTED, STEPS, STOP, Record, System, Table
+from linkages.solvers.step_size import (
+    SHRINK_BLOCKED,
+    SHRINK_TURNING,
+    error_norm,
+    first_step,
+    next_factor,
+)
+from linkages.solvers.views import EVALUATIONS, REJECTED, STEPS, STOP, Hook, Record, System, Table
 
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
@@ -30,6 +37,7 @@ def adaptive_steps(
     system: System,
     table: Table,
     record: Record,
+    hook: Hook,
     start: float,
     end: float,
     rtol: float,
@@ -71,10 +79,16 @@ def adaptive_steps(
             error = error_norm(system, table, h, rtol, atol)
             factor = next_factor(error, exponent)
             accepted = error <= 1.0
+            if accepted and turns_too_far(system, table.end, h):
+                accepted, factor = False, SHRINK_TURNING
         if accepted:
             part = check_margins(system, table, record, t, h, t_end)
             if part < 1.0:
                 return cut_short(system, table, record, t, h, part, SINGULAR)
+            if hook.function != 0:
+                part = call_hook(hook.function, hook.context, t, h, t_end)
+                if part <= 1.0:
+                    return cut_short(system, table, record, t, h, part, EVENT)
             status = take_samples(system, table, record, t, h, t_end, 0.0)
         if status != 0:
             # A sample that cannot be evaluated belongs to a step that should not be made.

@@ -5,10 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.collocation import Collocation
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.tableau import Tableau
-from linkages.solvers.views import KEEP, NODE, STEP_END, Record, System, Table
+from linkages.solvers.views import (
+    KEEP,
+    NODE,
+    STEP_END,
+    Events,
+    Hook,
+    Nodes,
+    Record,
+    System,
+    Table,
+)
 
 
 class Memory:
@@ -78,6 +89,52 @@ def table(memory: Memory, tableau: Tableau, flow: Flow) -> Table:
         rows=len(A),
         end=end,
         degree=tableau.dense.shape[1],
+    )
+
+
+def hook(memory: Memory, job: Job, system: System, table: Table, record: Record) -> Hook:
+    """What watches the steps of a job for its events; nothing where it has none."""
+    log = job.log
+    if not log.events:
+        return Hook(0, 0)
+    # Compiled by the first run that has events.
+    from linkages.solvers.crossings import watch_step
+
+    events = Events(
+        events=len(log.events),
+        weights=memory.floats(log.weights),
+        level=memory.floats([event.level for event in log.events]),
+        period=memory.floats(log.periods),
+        direction=memory.integers([event.direction for event in log.events]),
+        terminal=memory.integers([event.terminal for event in log.events]),
+        first=memory.integers(log.first),
+        found=memory.integers(log.found),
+        time=memory.floats(log.time),
+        state=memory.floats(log.state),
+        turns=memory.integers(log.turns),
+    )
+    context = memory.integers([*system, *table, *record, *events])
+    return Hook(watch_step.address, context)
+
+
+def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
+    """Coefficients of a collocation method, with its stages from a row `first` on."""
+    s, n = method.stages, flow.coordinates
+    return Nodes(
+        stages=s,
+        first=first,
+        c=memory.floats(method.c),
+        A=memory.floats(method.A),
+        AA=memory.floats(method.A @ method.A),
+        b=memory.floats(method.b),
+        bA=memory.floats(method.b @ method.A),
+        ahead=memory.floats(method.ahead),
+        timed=memory.floats(np.zeros((s, flow.timed_size))),
+        timed_size=flow.timed_size,
+        kept=memory.floats(np.zeros(max(n, s))),
+        carry=memory.floats(np.zeros(2 * n)),
+        next_carry=memory.floats(np.zeros(2 * n)),
+        held=memory.floats(np.zeros(2 * n)),
     )
 
 

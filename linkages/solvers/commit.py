@@ -27,6 +27,8 @@ STEP_TOO_SMALL = int(Outcome.STEP_TOO_SMALL)
 DIVERGED = int(Outcome.NOT_FINITE)
 STEP_BUDGET = int(Outcome.STEP_BUDGET)
 INTERRUPTED = int(Outcome.INTERRUPTED)
+NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
+EVENT = int(Outcome.EVENT)
 
 
 @compiled

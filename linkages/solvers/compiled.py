@@ -51,6 +51,13 @@ def compiled(function: Callable) -> Callable:
         return njit(_signature(function), **options)(function)
 
 
+def callback(function: Callable) -> Any:
+    """Compile a function that compiled loops call through its ``address``."""
+    options = {name: OPTIONS[name] for name in ("cache", "error_model", "fastmath")}
+    with _own_cache():
+        return numba.cfunc(_signature(function), **options)(function)
+
+
 @cache
 def _cache_of_this_version() -> Path:
     """Numba stamps only the file of a function, but inlines what it calls from other files."""
@@ -99,9 +106,24 @@ def _pointer_to(element: Any) -> Any:
     return intrinsic(cast)
 
 
-def _generate_call(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+def tuple_at(named: Any) -> Any:
+    """Make the function that reads a named tuple of integers at an address."""
+    words = _native(named)
+
+    def read(_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+            pointer = context.get_value_type(words).as_pointer()
+            return builder.load(builder.inttoptr(arguments[0], pointer))
+
+        return words(address), generate
+
+    return intrinsic(read)
+
+
+def _generate_call(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     address, *rest = arguments
-    function = ir.FunctionType(ir.IntType(64), [argument.type for argument in rest])
+    result = context.get_value_type(signature.return_type)
+    function = ir.FunctionType(result, [argument.type for argument in rest])
     return builder.call(builder.inttoptr(address, function.as_pointer()), rest)
 
 
@@ -115,7 +137,12 @@ def _clock(_context: Any, address: Any, time: Any, parameters: Any, timed: Any) 
     return types.int64(address, time, parameters, timed), _generate_call
 
 
+def _hook(_context: Any, address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Any:
+    return types.float64(address, context, t, h, t_end), _generate_call
+
+
 floats: Any = _pointer_to(types.float64)
 integers: Any = _pointer_to(types.int64)
 call_rates: Any = intrinsic(_rates)
 call_clock: Any = intrinsic(_clock)
+call_hook: Any = intrinsic(_hook)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from linkages.solvers.commit import (
     DIVERGED,
     DONE,
+    EVENT,
     INTERRUPTED,
     SINGULAR,
     STEP_BUDGET,
@@ -14,31 +15,12 @@ from linkages.solvers.commit import (
     margin_outcome,
     outcome_of,
 )
-from linkages.solvers.compiled import compiled, entry, floats, integers
+from linkages.solvers.compiled import call_hook, entry, floats, integers
 from linkages.solvers.margins import check_margins
-from linkages.solvers.sampling import take_samples
+from linkages.solvers.reach import reachable_part
+from linkages.solvers.sampling import SNAP, take_samples
 from linkages.solvers.stages import NOT_FINITE, try_step
-from linkages.solvers.views import EVALUATIONS, STOP, Record, System, Table
-
-# Relative to the step, below this distance a sample time is meant to be the step's end.
-SNAP = 1e-9
-BISECTIONS = 60
-
-
-@compiled
-def reachable_part(system: System, table: Table, record: Record, t: float, h: float) -> float:
-    """Longest fraction of a failed step that can be made, left in the workspace."""
-    made, failed = 0.0, 1.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (made + failed)
-        if try_step(system, table, t, middle * h, t + middle * h) == 0:
-            made = middle
-        else:
-            failed = middle
-    integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.end
-    if made > 0.0:
-        try_step(system, table, t, made * h, t + made * h)
-    return made
+from linkages.solvers.views import EVALUATIONS, STOP, Hook, Record, System, Table
 
 
 @entry
@@ -46,6 +28,7 @@ def fixed_steps(
     system: System,
     table: Table,
     record: Record,
+    hook: Hook,
     start: float,
     end: float,
     count: int,
@@ -83,6 +66,10 @@ def fixed_steps(
         part = check_margins(system, table, record, t, h, t_end)
         if part < 1.0:
             return cut_short(system, table, record, t, h, part, SINGULAR)
+        if hook.function != 0:
+            part = call_hook(hook.function, hook.context, t, h, t_end)
+            if part <= 1.0:
+                return cut_short(system, table, record, t, h, part, EVENT)
         status = take_samples(system, table, record, t, h, t_end, slack)
         if status != 0:
             return outcome_of(record, status)

@@ -2,10 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Linearisation:
+    """The derivatives of a flow's accelerations, by functions of the same kind as its own.
+
+    Its `rates` writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b numbers that are of
+    no concern.
+
+    Parameters
+    ----------
+    clock, rates
+        Addresses of the compiled functions.
+    parameters : (p,)
+        Numbers passed to both functions.
+    timed_size
+        Length of what `clock` writes.
+    keepalive
+        Whatever must live as long as the two addresses are in use.
+    """
+
+    clock: int
+    rates: int
+    parameters: NDArray[np.float64]
+    timed_size: int
+    keepalive: object = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +65,8 @@ class Flow:
         Size of each block's margin away from singular positions, in the margin's unit; > 0.
     keepalive
         Whatever must live as long as the two addresses are in use.
+    linearise
+        Compiles the derivatives of the accelerations; called by methods that need them.
     """
 
     clock: int
@@ -48,6 +77,7 @@ class Flow:
     rotates: NDArray[np.bool_]
     margin_scale: NDArray[np.float64]
     keepalive: object = None
+    linearise: Callable[[], Linearisation] | None = None
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

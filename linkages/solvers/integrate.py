@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.solvers.choice import AUTO, Choice, choose
+from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.method import Method
@@ -32,6 +34,7 @@ def integrate(
     atol: ArrayLike | None = None,
     step: float | None = None,
     max_steps: int = MAX_STEPS,
+    events: Sequence[Event] = (),
     watch: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion and sample the motion at given times.
@@ -48,7 +51,7 @@ def integrate(
     start
         Time of the initial state; default: the first sample time.
     method
-        One of `METHODS`.
+        One of `METHODS`, or "auto", which lets the tolerance decide (see `choice`).
     rtol, atol
         Tolerances: the error of a step is kept below ``atol + rtol·|state|``, angles within one
         turn. `atol` is one number or one for each entry of the state; default: `rtol`.
@@ -58,6 +61,8 @@ def integrate(
         that are.
     max_steps
         Number of steps that may be made.
+    events
+        Crossings to locate and record; the trajectory has one entry of `crossings` for each.
     watch
         Called about 20 times a second, and once at the end, with the fraction of simulated time
         that is done.
@@ -72,7 +77,8 @@ def integrate(
     ValueError
         For arguments that make no sense.
     """
-    chosen = _method(method)
+    choice = choose(rtol) if method == AUTO else Choice(method, "asked for")
+    chosen = _method(choice.name)
     samples = _times(times)
     begin = float(samples[0]) if start is None else float(start)
     _require_monotonic(begin, samples)
@@ -91,8 +97,9 @@ def integrate(
         atol=_atol(flow, rtol if atol is None else atol),
         step=step,
         max_steps=max_steps,
+        events=tuple(events),
     )
-    return job.trajectory(supervise(chosen, job, watch))
+    return job.trajectory(supervise(chosen, job, watch), choice)
 
 
 def _method(name: str) -> Method:

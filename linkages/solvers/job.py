@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.choice import Choice
+from linkages.solvers.events import Event, EventLog
 from linkages.solvers.flow import Flow
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
@@ -32,6 +35,8 @@ class Job:
         Length of a fixed step in seconds, > 0; None where steps follow the tolerance.
     max_steps
         Number of steps that may be made.
+    events
+        Crossings to locate and record.
     """
 
     flow: Flow
@@ -42,7 +47,9 @@ class Job:
     atol: NDArray[np.float64]
     step: float | None
     max_steps: int
+    events: Sequence[Event] = ()
 
+    log: EventLog = field(init=False)
     states: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
     accelerations: NDArray[np.float64] = field(init=False)
@@ -62,6 +69,7 @@ class Job:
             # Time reached, and whether to stop.
             "control": np.array([self.start, 0.0]),
         }
+        object.__setattr__(self, "log", EventLog(self.events, self.flow))
         for name, array in arrays.items():
             object.__setattr__(self, name, array)
 
@@ -80,7 +88,7 @@ class Job:
         """Ask a running loop to stop after its present step."""
         self.control[1] = 1.0
 
-    def trajectory(self, outcome: Outcome) -> Trajectory:
+    def trajectory(self, outcome: Outcome, choice: Choice) -> Trajectory:
         """Collect the results once the loop has returned."""
         samples, steps, rejected, evaluations, block = (int(count) for count in self.counters)
         return Trajectory(
@@ -96,4 +104,7 @@ class Job:
             evaluations=evaluations,
             final_state=self.state,
             final_turns=self.final_turns,
+            crossings=self.log.crossings,
+            method=choice.name,
+            reason=choice.reason,
         )

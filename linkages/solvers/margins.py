@@ -18,6 +18,11 @@ from linkages.solvers.views import BLOCK, EVALUATIONS, WORD, Record, System, Tab
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
+# Most that a relative margin, the sine of an angle, may change by within a step at the rates of its
+# stages: over longer steps its extrapolation from the ends says nothing about what lies between.
+MOST_CHANGE = 0.35
+# The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
+CONCAVITY = 1.1
 
 
 @compiled
@@ -27,13 +32,25 @@ def margins_of(system: System, row: int) -> int:
 
 
 @compiled
+def turns_too_far(system: System, end: int, h: float) -> bool:
+    """Whether links turn so far within a step that a singular position could be overlooked."""
+    scale = floats(system.margin_scale)
+    for row in range(end + 1):
+        rates = floats(margins_of(system, row) + WORD * system.blocks)
+        for block in range(system.blocks):
+            if abs(h * rates[block]) > MOST_CHANGE * scale[block]:
+                return True
+    return False
+
+
+@compiled
 def is_suspicious(system: System, end: int, block: int, h: float) -> bool:
     """Whether a block's margin, extrapolated from both ends of a step, crosses zero within."""
     first, last = floats(margins_of(system, 0)), floats(margins_of(system, end))
     rate = block + system.blocks
     side = 1.0 if first[block] >= 0.0 else -1.0
-    ahead = side * (first[block] + h * first[rate])
-    behind = side * (last[block] - h * last[rate])
+    ahead = side * (first[block] + CONCAVITY * h * first[rate])
+    behind = side * (last[block] - CONCAVITY * h * last[rate])
     return ahead < 0.0 and behind < 0.0
 
 

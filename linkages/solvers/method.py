@@ -70,10 +70,14 @@ class RungeKutta(Method):
 
         tableau, memory = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
+        system = arrays.system(memory, job.flow, rows)
+        table = arrays.table(memory, tableau, job.flow)
+        record = arrays.record(memory, job)
         shared = (
-            arrays.system(memory, job.flow, rows),
-            arrays.table(memory, tableau, job.flow),
-            arrays.record(memory, job),
+            system,
+            table,
+            record,
+            arrays.hook(memory, job, system, table, record),
             job.start,
             job.end,
         )
@@ -86,13 +90,18 @@ class RungeKutta(Method):
         else:
             from linkages.solvers.fixed_steps import fixed_steps
 
-            # The allowance keeps a span of a whole number of steps from getting one more.
-            count = max(1, math.ceil(abs(job.end - job.start) / job.step - 1e-9))
-            loop = partial(fixed_steps, *shared, count, job.max_steps)
-        return partial(_run, loop, job, rows, memory)
+            loop = partial(fixed_steps, *shared, step_count(job), job.max_steps)
+        return partial(run, loop, job, rows, memory)
 
 
-def _run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
+def step_count(job: Job) -> int:
+    """Number of equal steps, none longer than ``job.step``, that reach the end."""
+    assert job.step is not None
+    # The allowance keeps a span of a whole number of steps from getting one more.
+    return max(1, math.ceil(abs(job.end - job.start) / job.step - 1e-9))
+
+
+def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
     """Run a loop and hand over its final state; `_memory` lives as long as this call."""
     outcome = loop()
     np.copyto(job.state, rows[0, : len(job.state)])

@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from linkages.solvers.dop853 import DOP853
+from linkages.solvers.gauss8 import GAUSS8
 from linkages.solvers.method import Method
+from linkages.solvers.radau import RADAU
 from linkages.solvers.rk4 import RK4
+from linkages.solvers.tsit5 import TSIT5
+from linkages.solvers.vern9 import VERN9
 
 METHODS: Mapping[str, Method] = MappingProxyType(
-    {method.name: method for method in (DOP853, RK4)},
+    {method.name: method for method in (DOP853, TSIT5, VERN9, RADAU, RK4, GAUSS8)},
 )
 ADAPTIVE_METHODS = tuple(name for name, method in METHODS.items() if method.adaptive)
 FIXED_STEP_METHODS = tuple(name for name, method in METHODS.items() if not method.adaptive)

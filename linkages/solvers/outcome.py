@@ -48,6 +48,17 @@ class Outcome(IntEnum):
         "What was computed so far is kept; start again from the final state to go on.",
     )
 
+    NOT_CONVERGED = (
+        7,
+        "The equations of an implicit step could not be solved: its stages did not settle.",
+        "Take a smaller step: the iteration converges if accelerations change little within one.",
+    )
+    EVENT = (
+        8,
+        "The integration ended at an event, as asked for.",
+        "Start again from the final state to go on.",
+    )
+
     def __new__(cls, value: int, sentence: str = "", remedy: str = "") -> Outcome:
         """Make a member from its value and its two sentences."""
         member = int.__new__(cls, value)

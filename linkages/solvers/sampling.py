@@ -7,6 +7,9 @@ from linkages.solvers.stages import address_of, evaluate, run_stages, set_clock
 from linkages.solvers.turns import wrap_angles
 from linkages.solvers.views import EVALUATIONS, SAMPLES, WORD, Record, System, Table
 
+# Relative to a fixed step, below this distance a sample time is meant to be the step's end.
+SNAP = 1e-9
+
 
 @compiled
 def write_sample(system: System, record: Record, row: int) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.events import Crossings
 from linkages.solvers.outcome import Outcome
 
 
@@ -38,6 +39,10 @@ class Trajectory:
         State at `stop_time`.
     final_turns : (n,) of int
         Turns at `stop_time`.
+    crossings
+        What was found of each event.
+    method, reason
+        Name of the method, and why it was taken.
     """
 
     time: NDArray[np.float64]
@@ -52,6 +57,9 @@ class Trajectory:
     evaluations: int
     final_state: NDArray[np.float64]
     final_turns: NDArray[np.int64]
+    crossings: tuple[Crossings, ...] = ()
+    method: str = ""
+    reason: str = ""
 
     @property
     def unwrapped(self) -> NDArray[np.float64]:

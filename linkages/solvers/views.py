@@ -50,6 +50,28 @@ class Table(NamedTuple):
     degree: int
 
 
+class Nodes(NamedTuple):
+    """A collocation method with s stages, and what its iterations write.
+
+    Its stages are s rows of the workspace from `first` on; another s rows serve samples.
+    """
+
+    stages: int
+    first: int
+    c: int  # (s,) of float64
+    A: int  # (s, s) of float64
+    AA: int  # (s, s) of float64: A²
+    b: int  # (s,) of float64
+    bA: int  # noqa: N815 (s,) of float64: b A
+    ahead: int  # (s, s + 1) of float64: see `Collocation.ahead`
+    timed: int  # (s, timed_size) of float64: what `clock` wrote for each stage
+    timed_size: int
+    kept: int  # (max(n, s),) of float64: room for old values
+    carry: int  # (2n,) of float64: what the state in row 0 is too small by
+    next_carry: int  # (2n,) of float64
+    held: int  # (2n,) of float64
+
+
 class Record(NamedTuple):
     """Where results are written."""
 
@@ -61,6 +83,33 @@ class Record(NamedTuple):
     final_turns: int  # (n,) of int64
     counters: int  # (5,) of int64
     control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
+
+
+class Events(NamedTuple):
+    """What crossings are looked for, and where they are written."""
+
+    events: int  # their number e
+    weights: int  # (e, 2n) of float64
+    level: int  # (e,) of float64
+    period: int  # (e,) of float64, 0 where the level stands for itself alone
+    direction: int  # (e,) of int64: -1, 0 or 1
+    terminal: int  # (e,) of int64: number of the crossing that ends the run, or 0
+    first: int  # (e + 1,) of int64: row at which each event's record begins
+    found: int  # (e,) of int64
+    time: int  # (rows,) of float64
+    state: int  # (rows, 2n) of float64
+    turns: int  # (rows, n) of int64
+
+
+class Hook(NamedTuple):
+    """A compiled function that sees every accepted step; both are 0 if there is none.
+
+    ``function(context, t, h, t_end)`` returns the fraction of the step at which the run ends, or
+    more than 1. `context` is the address of a `System`, `Table`, `Record` and `Events` in a row.
+    """
+
+    function: int
+    context: int
 
 
 # When a row is evaluated: at the time of the row before, at its node, at the end of the step.

@@ -89,6 +89,34 @@ def decay_rates(y, p, timed, out):
 
 
 @cfunc(RATES)
+def damped_slopes(y, p, timed, out):
+    """Derivatives of -p0 (v + sin q)."""
+    p[1] += 1.0
+    out[0] = -p[0] * math.cos(y[0])
+    out[1] = -p[0]
+    return 0
+
+
+@cfunc(RATES)
+def damped_rates(y, p, timed, out):
+    """Stiff for large p0: the speed follows -sin q within a time of 1/p0."""
+    out[0] = -p[0] * (y[1] + math.sin(y[0]))
+    return 0
+
+
+@cfunc(RATES)
+def arenstorf_rates(y, p, timed, out):
+    """The restricted three-body problem (Hairer, Nørsett & Wanner, II.0)."""
+    mass = p[0]
+    near, far = y[0] + mass, y[0] - (1.0 - mass)
+    first = (1.0 - mass) / (near * near + y[1] * y[1]) ** 1.5
+    second = mass / (far * far + y[1] * y[1]) ** 1.5
+    out[0] = y[0] + 2.0 * y[3] - first * near - second * far
+    out[1] = y[1] - 2.0 * y[2] - (first + second) * y[1]
+    return 0
+
+
+@cfunc(RATES)
 def explosion_rates(y, p, timed, out):
     """Blow-up in finite time: v = v0 / (1 - v0 t)."""
     out[0] = y[1] * y[1]
@@ -116,6 +144,15 @@ def flow(rates, parameters=(), *, clock=no_clock, rotates=(False,), blocks=0, ti
 def pendulum():
     """A pendulum with unit natural frequency."""
     return flow(pendulum_rates, [1.0], rotates=[True])
+
+
+def arenstorf():
+    """Equations of a periodic orbit past earth and moon."""
+    return flow(arenstorf_rates, [0.012277471], rotates=[False, False])
+
+
+ORBIT = [0.994, 0.0, 0.0, -2.00158510637908252240537862224]
+PERIOD = 17.0652165601579625588917206249
 
 
 def swing(amplitude, times):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from linkages.solvers import (
     ("change", "message"),
     [
         ({"method": "dopri853"}, "did you mean 'dop853'"),
-        ({"method": "euler"}, "known are 'dop853', 'rk4'"),
+        ({"method": "euler"}, "known are 'dop853', 'tsit5', 'vern9', 'radau', 'rk4', 'gauss8'"),
         ({"method": "rk4"}, "needs a step"),
         ({"method": "rk4", "step": -0.1}, "step must be .* > 0"),
         ({"rtol": 1e-16}, "rtol must be from 1e-14"),
@@ -88,5 +89,16 @@ def test_listing_methods_loads_no_compiler():
     code = (
         "import sys; from linkages.solvers import METHODS; METHODS['rk4'].tableau;"
         "sys.exit('numba' in sys.modules or 'scipy.integrate' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_runs_compile_only_their_own_loop():
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r});"
+        "from solver_kernels import pendulum; from linkages.solvers import integrate;"
+        "integrate(pendulum(), [1.0, 0.0], [0.0, 1.0]);"
+        "others = ['fixed_steps', 'implicit_steps', 'crossings', 'stiff_steps'];"
+        "sys.exit(any('linkages.solvers.' + name in sys.modules for name in others))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

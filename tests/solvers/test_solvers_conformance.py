@@ -25,7 +25,14 @@ from solver_kernels import (
 from linkages.solvers import METHODS, Outcome, integrate
 
 # Fixed steps at which the global error of each method is about 1e-9 on the motions below.
-STEPS = {"rk4": 1 / 256, "dop853": None}
+STEPS = {
+    "rk4": 1 / 256,
+    "gauss8": 1 / 16,
+    "dop853": None,
+    "tsit5": None,
+    "vern9": None,
+    "radau": None,
+}
 TOLERANCE = 1e-8
 
 
@@ -175,7 +182,8 @@ def test_out_of_reach_at_the_start(method):
 
 def test_explosion_is_no_motion(method):
     result = integrate(flow(explosion_rates), [0.0, 1.0], np.linspace(0, 2, 201), **method)
-    assert result.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL)
+    ends = (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NOT_CONVERGED)
+    assert result.outcome in ends
     assert np.isfinite(result.state).all()
     # A fixed step leaps over the pole at t = 1 and takes a few steps to overflow.
     assert result.stop_time == pytest.approx(1.0, abs=20 * (method["step"] or 1e-9))
@@ -204,7 +212,9 @@ def test_control_c_keeps_what_was_computed(method):
 
 def test_watch_sees_progress_and_the_end(method):
     seen = []
-    integrate(pendulum(), [2.0, 0.0], [0.0, 2e4], watch=seen.append, **method)
+    # Steps of radau run in Python.
+    end = 10.0 if method["method"] == "radau" else 2e4
+    integrate(pendulum(), [2.0, 0.0], [0.0, end], watch=seen.append, **method)
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
 

@@ -1,0 +1,1 @@
+"""Work against error: every method, and other programs on the same equations."""

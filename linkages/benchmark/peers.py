@@ -1,0 +1,121 @@
+"""Other integrators on the same equations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.benchmark.problem import Problem
+from linkages.kernel.assembly import parameter_values
+from linkages.kernel.scalars import reachable
+
+SCIPY_LEAST_RTOL = 2.3e-14
+Solve = Callable[[float], NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another integrator.
+
+    Parameters
+    ----------
+    name
+        As printed.
+    available
+        Whether it is installed.
+    prepare
+        Problem → function of the relative tolerance that returns the coordinates at the end.
+    """
+
+    name: str
+    available: bool
+    prepare: Callable[[Problem], Solve]
+
+
+def _scipy(problem: Problem) -> Solve:
+    """`scipy.integrate.solve_ivp` with DOP853 and our compiled right-hand side."""
+    from scipy.integrate import solve_ivp
+
+    from linkages.benchmark.calls import derivative
+
+    right_hand_side = derivative(problem.flow)
+
+    def solve(rtol: float) -> NDArray[np.float64]:
+        found = solve_ivp(
+            right_hand_side,
+            (0.0, problem.end),
+            problem.system.state,
+            method="DOP853",
+            rtol=max(rtol, SCIPY_LEAST_RTOL),
+            atol=rtol,
+        )
+        return found.y[: problem.flow.coordinates, -1]
+
+    return solve
+
+
+def _heyoka(problem: Problem) -> Solve:
+    """Heyoka's adaptive Taylor method, which compiles the same graph of operations itself."""
+    import heyoka
+
+    names = [f"y{i}" for i in range(2 * problem.flow.coordinates)]
+    variables = heyoka.make_vars(*names)
+    accelerations = _expressions(problem, variables, heyoka)
+    rates = [*variables[problem.flow.coordinates :], *accelerations]
+    system = list(zip(variables, rates, strict=True))
+    built: dict[float, Any] = {}
+
+    def solve(rtol: float) -> NDArray[np.float64]:
+        if rtol not in built:  # compiled once per tolerance, outside of what is timed
+            built[rtol] = heyoka.taylor_adaptive(
+                system, problem.system.state.tolist(), tol=rtol, compact_mode=True
+            )
+        integrator = built[rtol]
+        integrator.time = 0.0
+        integrator.state[:] = problem.system.state
+        integrator.propagate_until(problem.end)
+        return np.array(integrator.state[: problem.flow.coordinates])
+
+    return solve
+
+
+def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any]:
+    """The accelerations of the free coordinates in heyoka's expression system."""
+    model = problem.system.model
+    roots = model.free_accelerations
+    numbers = parameter_values(model, problem.system.sides)
+    inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
+    inputs["y"] = variables.__getitem__
+    operations: dict[str, Callable[..., Any]] = {
+        "add": lambda a, b: a + b,
+        "sub": lambda a, b: a - b,
+        "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b,
+        "neg": lambda a: -a,
+        "sqrt": heyoka.sqrt,
+        "sin": heyoka.sin,
+        "cos": heyoka.cos,
+        "atan2": heyoka.atan2,
+    }
+    values: dict[int, Any] = {}
+    for node in reachable(roots):
+        if node.constant is not None:
+            values[node.index] = heyoka.expression(node.constant)
+        elif node.operation == "input":
+            name, index = node.arguments
+            values[node.index] = inputs[name](index)
+        else:
+            arguments = [values[operand.index] for operand in node.operands]
+            values[node.index] = operations[node.operation](*arguments)
+    return [values[root.index] for root in roots]
+
+
+PEERS = (
+    Peer("scipy solve_ivp DOP853", True, _scipy),
+    Peer("heyoka Taylor", find_spec("heyoka") is not None, _heyoka),
+)

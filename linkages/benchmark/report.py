@@ -1,0 +1,113 @@
+"""Everything that `bench` measures about one mechanism."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from linkages.benchmark.calls import seconds_per_evaluation
+from linkages.benchmark.costs import Costs, measure_costs
+from linkages.benchmark.problem import Problem
+from linkages.benchmark.work_precision import Point, seconds_at, work_precision
+from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError
+from linkages.errors import Problem as InputProblem
+
+TARGETS = (1e-3, 1e-6, 1e-9, 1e-11)
+"""Errors (rad or m) for which times are compared."""
+
+
+@dataclass(frozen=True)
+class BenchReport:
+    """Results of a benchmark.
+
+    Parameters
+    ----------
+    mechanism, end
+        What was solved, and for how many seconds.
+    points
+        Work against error.
+    uncertainty
+        Of the reference solution (rad or m).
+    seconds_per_evaluation
+        Of the right-hand side in compiled code.
+    costs
+        Compiling, starting, memory.
+    """
+
+    mechanism: str
+    end: float
+    points: tuple[Point, ...]
+    uncertainty: float
+    seconds_per_evaluation: float
+    costs: Costs
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Methods and peers in the order in which they were run."""
+        return tuple(dict.fromkeys(point.method for point in self.points))
+
+    def seconds_at(self, method: str, error: float) -> float | None:
+        """Time that a method needs for an error; None where it never gets there."""
+        return seconds_at(list(self.points), method, error)
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON, with the machine that it was measured on."""
+        return {
+            "mechanism": self.mechanism,
+            "end": self.end,
+            "machine": f"{platform.machine()}, Python {platform.python_version()}",
+            "reference_uncertainty": self.uncertainty,
+            "seconds_per_evaluation": self.seconds_per_evaluation,
+            "costs": asdict(self.costs),
+            "seconds_at_error": {
+                f"{error:g}": {method: self.seconds_at(method, error) for method in self.methods}
+                for error in TARGETS
+            },
+            "points": [point.as_dict() for point in self.points],
+        }
+
+
+def run_benchmark(
+    mechanism: Mechanism,
+    file: str,
+    assignments: Sequence[str] = (),
+    *,
+    repeats: int = 5,
+    watch: Callable[[Point], None] | None = None,
+) -> BenchReport:
+    """Measure a mechanism over its `simulate.end`.
+
+    Parameters
+    ----------
+    mechanism, file, assignments
+        What to solve; the file and assignments again for processes of their own.
+    repeats
+        Runs per point; the median counts.
+    watch
+        Called with every point.
+
+    Raises
+    ------
+    InputError
+        If nothing is free to move: there is nothing to integrate.
+    """
+    problem = Problem(mechanism, mechanism.simulation.end)
+    if not problem.system.topology.free:
+        message = "all coordinates are driven, so nothing is integrated; expected a free coordinate"
+        raise InputError(mechanism.source, [InputProblem(message=message)])
+    points = []
+    for point in work_precision(problem, repeats=repeats):
+        points.append(point)
+        if watch is not None:
+            watch(point)
+    return BenchReport(
+        mechanism=mechanism.name,
+        end=problem.end,
+        points=tuple(points),
+        uncertainty=problem.uncertainty,
+        seconds_per_evaluation=seconds_per_evaluation(problem.flow, problem.system.state),
+        costs=measure_costs(file, assignments),
+    )

@@ -1,0 +1,170 @@
+"""Work against error of every method and of installed peers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from itertools import takewhile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.benchmark.peers import PEERS
+from linkages.benchmark.problem import Problem
+from linkages.errors import ComputationError
+from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS
+
+TOLERANCES = tuple(10.0**-k for k in range(4, 15))
+HALVINGS = 8
+"""Number of fixed steps tried, each half as long as the one before."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run.
+
+    Parameters
+    ----------
+    method
+        Method or peer.
+    setting
+        Relative tolerance, or step in seconds.
+    adaptive
+        Which of the two `setting` is.
+    error
+        Largest absolute error of the coordinates at the end (rad or m); None if it failed.
+    seconds
+        Median wall time.
+    evaluations
+        Of the right-hand side; None where it is not known.
+    failure
+        Why there is no error.
+    """
+
+    method: str
+    setting: float
+    adaptive: bool
+    error: float | None
+    seconds: float
+    evaluations: int | None
+    failure: str | None = None
+
+    def as_dict(self) -> dict:
+        """For JSON."""
+        return asdict(self)
+
+
+Solve = Callable[[float], tuple[NDArray[np.float64], int | None]]
+"""Setting → coordinates at the end, number of evaluations."""
+
+
+@dataclass(frozen=True)
+class _Series:
+    """One method over its settings, loosest first."""
+
+    method: str
+    settings: tuple[float, ...]
+    adaptive: bool
+    solve: Solve
+
+
+def work_precision(problem: Problem, repeats: int = 5, longest: float = 5.0) -> Iterator[Point]:
+    """Run everything, method by method.
+
+    Parameters
+    ----------
+    problem
+        What to solve.
+    repeats
+        Runs per point; the median counts.
+    longest
+        A method is not tried at tighter settings once a run has taken this many seconds.
+    """
+    for series in (*_methods(problem), *_peers(problem)):
+        for setting in series.settings:
+            point = _point(series, setting, problem, repeats, longest)
+            yield point
+            if point.seconds > longest:
+                break
+
+
+def _methods(problem: Problem) -> Iterator[_Series]:
+    for name in ADAPTIVE_METHODS:
+
+        def at_tolerance(rtol: float, method: str = name) -> tuple[NDArray[np.float64], int]:
+            return problem.solve(method, rtol=rtol)
+
+        yield _Series(name, TOLERANCES, True, at_tolerance)
+    coarsest = _coarsest_step(problem)
+    steps = tuple(coarsest / 2**k for k in range(HALVINGS))
+    for name in FIXED_STEP_METHODS:
+
+        def with_step(step: float, method: str = name) -> tuple[NDArray[np.float64], int]:
+            return problem.solve(method, step=step)
+
+        yield _Series(name, steps, False, with_step)
+
+
+def _peers(problem: Problem) -> Iterator[_Series]:
+    for peer in PEERS:
+        if not peer.available:
+            continue
+        prepared = peer.prepare(problem)
+
+        def at_tolerance(
+            rtol: float, solve: Callable[[float], NDArray[np.float64]] = prepared
+        ) -> tuple[NDArray[np.float64], None]:
+            return solve(rtol), None
+
+        yield _Series(peer.name, TOLERANCES, True, at_tolerance)
+
+
+def _coarsest_step(problem: Problem) -> float:
+    """A quarter of the step that the default method takes on average at a tolerance of 1e-4."""
+    _, evaluations = problem.solve("dop853", rtol=1e-4)
+    return problem.end * 12 / evaluations / 4
+
+
+def _point(
+    series: _Series, setting: float, problem: Problem, repeats: int, longest: float
+) -> Point:
+    times: list[float] = []
+    try:
+        for _ in range(repeats + 1):
+            begin = time.perf_counter()
+            found, evaluations = series.solve(setting)
+            times.append(time.perf_counter() - begin)
+            if times[-1] > longest:
+                break
+    except ComputationError as error:
+        return Point(series.method, setting, series.adaptive, None, float("nan"), None, str(error))
+    if len(times) > 1:
+        del times[0]  # the first run may have compiled or loaded something
+    seconds = float(np.median(times))
+    off = problem.error(found)
+    return Point(series.method, setting, series.adaptive, off, seconds, evaluations)
+
+
+def seconds_at(points: list[Point], method: str, error: float) -> float | None:
+    """Time that a method needs for an error, interpolated between its runs on both log scales.
+
+    A setting counts as good enough only if all tighter ones are too: a run whose error happens to
+    pass through zero at the end proves nothing.
+
+    Returns None where the tightest setting is not good enough. Where every setting is, the method
+    may need still less time than is returned.
+    """
+    own = [(p.setting, p.error, p.seconds) for p in points if p.method == method and p.error]
+    own.sort()
+    good = list(takewhile(lambda run: run[1] <= error, own))
+    if not good:
+        return None
+    _, best_error, best = min(good, key=lambda run: run[2])
+    if len(good) == len(own):
+        return best
+    _, near_error, near = own[len(good)]
+    if near >= best:
+        return best
+    share = np.log(near_error / error) / np.log(near_error / best_error)
+    return float(near * (best / near) ** share)

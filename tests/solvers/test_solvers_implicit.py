@@ -1,0 +1,101 @@
+"""Implicit methods: Gauss for long motions, Radau for stiff ones."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from solver_kernels import (
+    damped_rates,
+    damped_slopes,
+    flow,
+    no_clock,
+    pendulum,
+    swing,
+)
+
+from linkages.solvers import Event, Linearisation, Outcome, integrate
+from linkages.solvers.collocation import Collocation
+
+
+@pytest.mark.parametrize("stages", [1, 2, 3, 4, 5])
+def test_collocation_has_twice_the_order_of_its_stages(stages):
+    method = Collocation(stages=stages)
+    assert method.A.sum(axis=1) == pytest.approx(method.c, abs=1e-15)
+    assert method.b.sum() == pytest.approx(1.0, abs=1e-15)
+
+
+def test_starting_values_continue_a_polynomial():
+    method = Collocation(stages=3)
+    nodes = np.append(method.c, 1.0)
+    assert method.ahead @ nodes**3 == pytest.approx((1.0 + method.c) ** 3, abs=1e-12)
+
+
+def energy(state):
+    return state[..., 1] ** 2 / 2 - np.cos(state[..., 0])
+
+
+def test_energy_does_not_drift():
+    times = np.linspace(0, 1e4, 101)
+    result = integrate(pendulum(), [2.0, 0.0], times, method="gauss8", step=0.25)
+    errors = energy(result.state) - energy(result.state[0])
+    # The error of a symmetric method swings with the motion and stays; here 40 000 steps.
+    assert np.abs(errors).max() < 1e-9
+    assert abs(np.polyfit(times, errors, 1)[0]) * 1e4 < 1e-10
+
+
+def test_round_off_grows_like_a_random_walk():
+    result = integrate(pendulum(), [2.0, 0.0], [0.0, 2000.0], method="gauss8", step=0.05)
+    # Sixty times less than ε for each of 40 000 steps.
+    assert abs(energy(result.final_state) - energy(np.array([2.0, 0.0]))) < 2e-13
+
+
+def test_samples_within_steps_have_the_order_of_the_steps():
+    times = np.linspace(0, 5, 333)
+    steps, errors = np.array([1 / 3, 1 / 4, 1 / 5]), []
+    for step in steps:
+        result = integrate(pendulum(), [2.0, 0.0], times, method="gauss8", step=step)
+        errors.append(np.abs(result.state[:, 0] - swing(2.0, times)[0]).max())
+    slope, _ = np.polyfit(np.log(steps), np.log(errors), 1)
+    assert slope > 7.5
+
+
+@pytest.mark.parametrize("step", [5.0, 100.0])
+def test_step_beyond_convergence_is_no_motion(step):
+    result = integrate(pendulum(), [2.0, 0.0], [0.0, 1000.0], method="gauss8", step=step)
+    assert result.outcome is Outcome.NOT_CONVERGED
+    assert "smaller step" in str(result.outcome)
+    assert result.stop_time < 1000.0
+
+
+def damped(rate, linearise):
+    """A stiff flow whose exact derivatives count their calls in the second parameter."""
+    parameters = np.array([rate, 0.0])
+    linear = Linearisation(
+        clock=no_clock.address, rates=damped_slopes.address, parameters=parameters, timed_size=0
+    )
+    plain = flow(damped_rates, [rate], rotates=[True])
+    return dataclasses.replace(plain, linearise=lambda: linear) if linearise else plain, parameters
+
+
+@pytest.mark.parametrize("linearise", [False, True])
+def test_stiff_motion_takes_few_steps(linearise):
+    rate = 1e8
+    stiff, parameters = damped(rate, linearise)
+    times = np.linspace(0, 5, 11)
+    result = integrate(stiff, [2.0, 0.0], times, method="radau", rtol=1e-8)
+    assert result.outcome is Outcome.DONE
+    assert result.steps < 500  # an explicit method is bound to some 1e8
+    assert (parameters[1] > 0) == linearise
+    # q' = -sin q up to 1/rate.
+    exact = 2 * np.arctan(math.tan(1.0) * np.exp(-times))
+    assert result.state[:, 0] == pytest.approx(exact, abs=1e-6)
+
+
+def test_stiff_method_refuses_what_it_cannot_do():
+    with pytest.raises(ValueError, match="leave out the step"):
+        integrate(pendulum(), [1.0, 0.0], [0.0, 1.0], method="radau", step=0.1)
+    with pytest.raises(ValueError, match="locates no events"):
+        integrate(
+            pendulum(), [1.0, 0.0], [0.0, 1.0], method="radau", events=[Event(weights=[1, 0])]
+        )

@@ -26,9 +26,9 @@ class StructureError(Exception):
     Parameters
     ----------
     surplus
-        Bodies whose coordinates no equation determines.
+        Bodies in the part that has more unknowns than equations.
     contested
-        Joints with more equations than unknowns.
+        Moving joints in the part that has more equations than unknowns.
     """
 
     def __init__(self, surplus: Collection[str], contested: Collection[str]) -> None:
@@ -58,9 +58,34 @@ def solution_order(mechanism: Mechanism, known: Collection[str]) -> list[tuple[s
     unknowns = [node for node in incidence if node not in equations]
     loose = [unknown for unknown in unknowns if unknown not in matching]
     if unmatched or loose:
-        surplus = {name for kind, name, _ in loose if kind != "joint"}
-        raise StructureError(sorted(surplus), sorted({joint for _, joint, _, _ in unmatched}))
+        under = _alternating(incidence, matching, loose)
+        over = _alternating(incidence, matching, unmatched)
+        surplus = {node[1] for node in under if node[0] in ("body", "coordinate")}
+        contested = {node[1] for node in over if node[0] == "at"} - set(mechanism.ground)
+        raise StructureError(sorted(surplus), sorted(contested))
     return _body_groups(mechanism, incidence, equations, matching)
+
+
+def _alternating(
+    incidence: nx.Graph,
+    matching: dict[Unknown | Equation, Unknown | Equation],
+    start: list[Unknown] | list[Equation],
+) -> set[Unknown | Equation]:
+    """What alternating paths from unmatched nodes reach on their own side.
+
+    It is the over- or underdetermined part, the same for every largest matching
+    (A. L. Dulmage and N. S. Mendelsohn, Can. J. Math. 10, 517, 1958), so that reports do not
+    depend on which one was found.
+    """
+    reached: set[Unknown | Equation] = set(start)
+    stack: list[Unknown | Equation] = list(start)
+    while stack:
+        for other in incidence[stack.pop()]:
+            mate = matching.get(other)
+            if mate is not None and mate not in reached:
+                reached.add(mate)
+                stack.append(mate)
+    return reached
 
 
 def _incidence(

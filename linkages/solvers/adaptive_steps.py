@@ -44,11 +44,13 @@ def adaptive_steps(
     atol: int,
     zeros: int,
     order: int,
+    memory: float,
     budget: int,
 ) -> int:
     """Integrate from start to end with an error estimate of an order kept at a tolerance.
 
-    Row 0 holds the state; `atol` and `zeros` are addresses of (2n,) numbers. Returns an
+    Row 0 holds the state; `atol` and `zeros` are addresses of (2n,) numbers; `memory` weighs the
+    error of the step before in the control of the next one. Returns an
     `Outcome`; the final state is in row 0, its time in ``control[NOW]``.
     """
     exponent = 1.0 / (order + 1)
@@ -59,7 +61,8 @@ def adaptive_steps(
     counters[EVALUATIONS] += 1
     h = first_step(system, start, end - start, order, rtol, atol, zeros)
     t, carry, first = start, 0.0, abs(h)
-    trouble, rejected = 0, False
+    trouble, rejected, before = 0, False, 1.0
+    error = 0.0
     while outcome == DONE and t != end:
         if control[STOP] != 0.0:
             return INTERRUPTED
@@ -77,7 +80,7 @@ def adaptive_steps(
         factor, accepted = SHRINK_BLOCKED, False
         if status == 0:
             error = error_norm(system, table, h, rtol, atol)
-            factor = next_factor(error, exponent)
+            factor = next_factor(error, before, exponent, memory)
             accepted = error <= 1.0
             if accepted and turns_too_far(system, table.end, h):
                 accepted, factor = False, SHRINK_TURNING
@@ -96,7 +99,7 @@ def adaptive_steps(
         if accepted:
             commit(system, table, record, t_end)
             outcome = margin_outcome(system, record)
-            t, carry = t_end, next_carry
+            t, carry, before = t_end, next_carry, error
             h *= min(factor, 1.0) if rejected else factor
             trouble, rejected = 0, False
         else:

@@ -53,9 +53,13 @@ class RungeKutta(Method):
     ----------
     build
         Makes the tableau; called once, when the method is first used.
+    memory
+        Exponent of the error of the step before in the step control: 0 for control by the last
+        error alone, about 0.4/order for PI control.
     """
 
     build: Callable[[], Tableau]
+    memory: float = 0.0
 
     @cached_property
     def tableau(self) -> Tableau:
@@ -68,30 +72,32 @@ class RungeKutta(Method):
         # nor a run with one loop for the other.
         from linkages.solvers import arrays
 
-        tableau, memory = self.tableau, arrays.Memory()
+        tableau, store = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
-        system = arrays.system(memory, job.flow, rows)
-        table = arrays.table(memory, tableau, job.flow)
-        record = arrays.record(memory, job)
+        system = arrays.system(store, job.flow, rows)
+        table = arrays.table(store, tableau, job.flow)
+        record = arrays.record(store, job)
         shared = (
             system,
             table,
             record,
-            arrays.hook(memory, job, system, table, record),
+            arrays.hook(store, job, system, table, record),
             job.start,
             job.end,
         )
         if job.step is None:
             from linkages.solvers.adaptive_steps import adaptive_steps
 
-            atol, zeros = memory.floats(job.atol), memory.floats(np.zeros(len(job.state)))
+            atol, zeros = store.floats(job.atol), store.floats(np.zeros(len(job.state)))
             order, budget = tableau.error_order, job.max_steps
-            loop = partial(adaptive_steps, *shared, job.rtol, atol, zeros, order, budget)
+            loop = partial(
+                adaptive_steps, *shared, job.rtol, atol, zeros, order, self.memory, budget
+            )
         else:
             from linkages.solvers.fixed_steps import fixed_steps
 
             loop = partial(fixed_steps, *shared, step_count(job), job.max_steps)
-        return partial(run, loop, job, rows, memory)
+        return partial(run, loop, job, rows, store)
 
 
 def step_count(job: Job) -> int:

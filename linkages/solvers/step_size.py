@@ -20,6 +20,8 @@ SHRINK_BLOCKED = 0.25
 # Halving is enough for links that turned too far to be watched.
 SHRINK_TURNING = 0.5
 OVERFLOW = 1e150
+# Steps that were much better than asked for say nothing about how the error develops.
+LEAST_BEFORE = 1e-4
 # The factor is measured: a nine-bar on its way to a change point scatters by 0.01 to 0.05 ε/m³
 # where its time and state are moved by units in their last place.
 ROUNDING, TINY = 0.05 * 2.220446049250313e-16, 1e-30
@@ -70,14 +72,22 @@ def error_norm(system: System, table: Table, h: float, rtol: float, atol: int) -
 
 
 @compiled
-def next_factor(error: float, exponent: float) -> float:
-    """Factor from a step to the next one, or to its repetition, from the error norm."""
+def next_factor(error: float, before: float, exponent: float, memory: float) -> float:
+    """Factor from a step to the next one, or to its repetition, from the error norm.
+
+    With `memory` > 0 this is Gustafsson's PI control in the form of Hairer & Wanner (IV.2):
+    ``safety · error^-(exponent - 0.75 memory) · before^memory``, where `before` is the error norm
+    of the step before. With 0 it is the elementary control by the last error alone.
+    """
     if error == 0.0:
         return GROW_MOST
     # Written so that nan, the quotient of two overflows, is caught as well.
     if not error < OVERFLOW:
         return SHRINK_MOST
-    return min(GROW_MOST, max(SHRINK_MOST, SAFETY * error**-exponent))
+    factor = SAFETY * error ** -(exponent - 0.75 * memory)
+    if memory > 0.0:
+        factor *= max(before, LEAST_BEFORE) ** memory
+    return min(GROW_MOST, max(SHRINK_MOST, factor))
 
 
 @compiled

@@ -106,4 +106,8 @@ TSIT5 = RungeKutta(
     adaptive=True,
     summary="Tsitouras of order 5(4), adaptive, dense output of order 4; for loose tolerances",
     build=tableau,
+    # Measured: 2 to 7 % fewer evaluations for the same error on a double pendulum and the nine-bar.
+    # With more memory, errors no longer follow the tolerance within a factor of 10; methods of
+    # order 8 and 9 gain on one problem and lose on the other, and go without.
+    memory=0.02,
 )

@@ -1,6 +1,8 @@
 """Errors of adaptive methods follow the tolerance, over all of its range."""
 
+import importlib
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +43,20 @@ def ninebar():
     times = np.linspace(0, 2, 201)
     reference = integrate(flow, system.state, times, method="gauss8", step=2 / 60_000)
     return flow, system.state, times, reference.state[:, 0]
+
+
+def test_memory_of_the_step_control_saves_rejected_steps(ninebar, monkeypatch):
+    """PI control damps the step size where the error changes quickly, as in each swing."""
+    flow, start, times, _ = ninebar
+    integration = importlib.import_module("linkages.solvers.integrate")
+    rejected = {}
+    for memory in (0.0, METHODS["tsit5"].memory):
+        method = replace(METHODS["tsit5"], memory=memory)
+        monkeypatch.setattr(integration, "METHODS", {"tsit5": method})
+        found = integrate(flow, start, times, method="tsit5", rtol=1e-7)
+        rejected[memory] = found.rejected / found.steps
+    with_memory, without = rejected[METHODS["tsit5"].memory], rejected[0.0]
+    assert with_memory < 0.95 * without
 
 
 def ninebar_errors(ninebar, **method):

@@ -84,7 +84,7 @@ def _make_private(folder: Path) -> None:
 
 def _holds(path: Path, text: str) -> bool:
     try:
-        return path.read_text(encoding="utf-8") == text
+        return path.read_bytes() == text.encode()
     except OSError:
         return False
 

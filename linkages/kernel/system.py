@@ -153,17 +153,21 @@ def choose_free(mechanism: Mechanism) -> Mechanism:
 
 
 def _candidate(mechanism: Mechanism, body: Body) -> FreeAngle | None:
-    """The angle of a bar on the ground, if the place of another of its joints is known."""
+    """The angle of a bar on the ground, if the place of another of its joints is known.
+
+    A point that a clearance displaces is as good as at its joint.
+    """
     taken = body.name in mechanism.prescribed or body.name in mechanism.initial
     pins = [joint for joint in body.points if joint in mechanism.ground]
-    hints = [mechanism.hints[j] for j in body.points if j in mechanism.hints and j not in pins]
-    hints = [hint for hint in hints if hint.position is not None]
-    if taken or not body.rotates or not pins or not hints or body.name == GROUND:
+    links = (link for link in mechanism.bodies.values() if link.kind == "clearance")
+    beside = {displaced: joint for joint, displaced in (link.points for link in links)}
+    hints = [(j, mechanism.hints.get(beside.get(j, j))) for j in body.points if j not in pins]
+    places = [(j, hint.position) for j, hint in hints if hint is not None and hint.position]
+    if taken or not body.rotates or not pins or not places or body.name == GROUND:
         return None
-    hint = hints[0]
-    assert hint.position is not None
+    joint, place = places[0]
     origin = [value.value for value in mechanism.ground[pins[0]]]
-    pin, point = ([value.value for value in body.points[j]] for j in (pins[0], hint.joint))
-    direction = np.arctan2(hint.position[1] - origin[1], hint.position[0] - origin[0])
+    pin, point = ([value.value for value in body.points[j]] for j in (pins[0], joint))
+    direction = np.arctan2(place[1] - origin[1], place[0] - origin[0])
     own = np.arctan2(point[1] - pin[1], point[0] - pin[0])
     return FreeAngle(name=body.name, angle=float(direction - own))

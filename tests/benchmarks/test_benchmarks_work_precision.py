@@ -1,0 +1,258 @@
+"""`linkages.benchmark` and the verb `bench`: errors are true errors, times are not flattered."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.benchmark.calls import derivative, seconds_per_evaluation
+from linkages.benchmark.peers import PEERS
+from linkages.benchmark.problem import Problem
+from linkages.benchmark.report import TARGETS
+from linkages.benchmark.work_precision import Point, seconds_at, work_precision
+from linkages.errors import ComputationError
+from linkages.plots.work_precision import figure
+from linkages.solvers.methods import METHODS
+
+REFERENCE = json.loads(
+    (Path(__file__).parents[1] / "data" / "ninebar_states.json").read_text(encoding="utf-8")
+)
+START = {
+    "drives.crank1.angle": REFERENCE["drives"]["crank1"]["angle"],
+    "drives.crank4.angle": REFERENCE["drives"]["crank4"]["angle"],
+    "clearances.r1.angle": 0.0,
+}
+TINY = ("--set", "simulate.end=0.02", "--repeats", "1")
+
+
+def points(*rows, method="m"):
+    """Runs of one method from (setting, error, seconds)."""
+    return [Point(method, setting, True, error, seconds, None) for setting, error, seconds in rows]
+
+
+# -- time for an error -----------------------------------------------------------------------
+
+
+def test_time_between_two_runs_is_interpolated_on_both_log_scales():
+    runs = points((1e-4, 1e-2, 1.0), (1e-6, 1e-4, 4.0))
+    assert seconds_at(runs, "m", 1e-3) == pytest.approx(2.0)
+    assert seconds_at(runs, "m", 1e-4) == pytest.approx(4.0)
+
+
+def test_time_for_an_error_that_is_never_reached():
+    assert seconds_at(points((1e-4, 1e-2, 1.0), (1e-6, 1e-4, 4.0)), "m", 1e-5) is None
+    assert seconds_at(points((1e-4, 1e-2, 1.0)), "another", 1.0) is None
+    assert seconds_at([], "m", 1.0) is None
+
+
+def test_time_where_every_run_is_good_enough():
+    assert seconds_at(points((1e-4, 1e-2, 1.0), (1e-6, 1e-4, 4.0)), "m", 0.5) == 1.0
+
+
+def test_lucky_zero_crossing_proves_nothing():
+    """The loosest run meets 1e-9 by accident, as the next one shows; only the tightest counts."""
+    runs = points((1e-4, 1e-10, 1.0), (1e-6, 1e-4, 2.0), (1e-8, 1e-6, 3.0), (1e-10, 1e-9, 6.0))
+    assert seconds_at(runs, "m", 1e-9) == pytest.approx(6.0)
+    assert seconds_at(runs, "m", 1e-6) == pytest.approx(3.0)
+    assert seconds_at(runs, "m", 1e-11) is None
+
+
+def test_time_does_not_fall_with_the_error():
+    runs = points(
+        (1e-4, 3e-2, 1.0), (1e-5, 5e-6, 1.4), (1e-6, 2e-4, 2.0), (1e-7, 1e-6, 3.1), (1e-8, 1e-9, 4)
+    )
+    times = [seconds_at(runs, "m", error) for error in np.geomspace(1e-2, 1e-9, 50)]
+    assert (np.diff(times) >= -1e-12).all()
+
+
+def test_failed_run_is_no_run():
+    runs = [*points((1e-6, 1e-4, 4.0)), Point("m", 1e-4, True, None, math.nan, None, "stopped")]
+    assert seconds_at(runs, "m", 1e-3) == 4.0
+
+
+# -- the problem and its reference -----------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def reference_problem():
+    end = REFERENCE["states"][-1]["t"]
+    return Problem(linkages.load("ninebar", set=START), end)
+
+
+def test_reference_agrees_with_states_of_extended_precision(reference_problem):
+    """Two seconds of the nine-bar against another program in more digits.
+
+    Round-off moves the state by 1e-16 per step; the motion amplifies it about 100-fold.
+    """
+    expected = float(REFERENCE["states"][-1]["clearance_angle"])
+    off = abs(reference_problem.exact[0] - expected)
+    assert off < 1e-12
+    assert reference_problem.uncertainty < 1e-12
+    # the uncertainty that is claimed is about the error that there is
+    assert off < 10 * reference_problem.uncertainty + 1e-13
+
+
+@pytest.fixture(scope="module")
+def short():
+    return Problem(linkages.load("ninebar", set=START), 0.1)
+
+
+def test_error_is_measured_from_the_reference(short):
+    assert short.error(short.exact) == 0.0
+    assert short.error(short.exact + 1e-3) == pytest.approx(1e-3)
+
+
+def test_problem_that_cannot_be_solved_says_when_and_why():
+    stuck = Problem(linkages.load("ninebar", set={"assembly.E": "left"}), 2.0)
+    with pytest.raises(ComputationError, match=r"dop853 stopped at t = 1\.5\d+ s") as caught:
+        stuck.solve("dop853")
+    assert caught.value.time == pytest.approx(1.546, abs=1e-3)
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
+def test_peer_agrees_within_its_tolerance(peer, short):
+    """The same equations in other hands; 1e-10 per step over some hundred steps."""
+    if not peer.available:
+        pytest.skip(f"{peer.name} is not installed")
+    solve = peer.prepare(short)
+    assert short.error(solve(1e-10)) < 1e-7
+    assert short.error(solve(1e-10)) < 1e-7  # a second run starts where the first one did
+    assert short.error(solve(1e-13)) < 1e-10
+
+
+def test_peers_name_themselves_once():
+    names = [peer.name for peer in PEERS]
+    assert len(set(names)) == len(names)
+    assert not set(names) & set(METHODS)
+
+
+def test_right_hand_side_for_peers_is_that_of_the_model(short):
+    """The compiled function against the graph of scalars evaluated by NumPy."""
+    system = short.system
+    right_hand_side = derivative(short.flow)
+    for time, state in ((0.0, [0.0, 0.0]), (0.7, [1.0, -200.0]), (1.3, [-2.0, 50.0])):
+        found = right_hand_side(time, np.array(state))
+        expected = system.evaluate(system.model.free_accelerations, time, np.array(state)[:, None])[
+            :, 0
+        ]
+        assert found[0] == state[1]
+        assert found[1:] == pytest.approx(expected, rel=1e-10)
+
+
+def test_right_hand_side_where_nothing_can_be_assembled_is_nan():
+    """A peer has no statuses; nan makes it shorten its step or fail."""
+    problem = Problem(linkages.load("ninebar"), 1.0)
+    rate = derivative(problem.flow)(0.0, np.array([np.nan, 0.0]))
+    assert np.isnan(rate).all()
+
+
+def test_time_per_evaluation_is_that_of_compiled_code(short):
+    assert 1e-9 < seconds_per_evaluation(short.flow, short.system.state, repeats=1) < 1e-5
+
+
+def test_every_method_is_measured():
+    problem = Problem(linkages.load("ninebar", set=START), 0.004)
+    found = list(work_precision(problem, repeats=1, longest=0.05))
+    names = [*METHODS, *(peer.name for peer in PEERS if peer.available)]
+    assert {point.method for point in found} == set(names)
+    best = {name: min(p.error for p in found if p.method == name) for name in names}
+    assert max(best.values()) < 1e-4
+    assert len(figure(found, "heading").axes[0].lines) == len(names)
+
+
+def test_pages_show_numbers_of_every_method():
+    """`python docs/figures_benchmark.py --measure` makes them anew."""
+    static = Path(__file__).parents[2] / "docs" / "_static"
+    content = json.loads((static / "bench-ninebar.json").read_text(encoding="utf-8"))
+    assert {point["method"] for point in content["points"]} >= set(METHODS)
+    assert content["machine"]
+    assert content["date"]
+    summaries = (static / "methods.md").read_text(encoding="utf-8")
+    assert all(f"| `{name}` | {METHODS[name].summary} |" in summaries for name in METHODS)
+
+
+# -- the verb --------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch, capsys):
+    """Run ``bench`` in this process with an empty working directory."""
+    from linkages.cli.main import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["linkages", "bench", *arguments])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        captured = capsys.readouterr()
+        return caught.value.code or 0, captured.out, captured.err
+
+    return run
+
+
+@pytest.mark.slow
+def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
+    code, out, err = bench("ninebar", *TINY, "--out", "found", "--json")
+    assert (code, err) == (0, "")
+    content = json.loads(out)
+    assert content["files"] == [
+        str(Path("found") / n) for n in ("bench.json", "work_precision.png")
+    ]
+    written = json.loads((tmp_path / "found" / "bench.json").read_text())
+    assert written == {key: value for key, value in content.items() if key != "files"}
+    assert (tmp_path / "found" / "work_precision.png").stat().st_size > 10_000
+    assert content["end"] == 0.02
+    assert {point["method"] for point in content["points"]} >= set(METHODS)
+    assert list(content["seconds_at_error"]) == [f"{target:g}" for target in TARGETS]
+    assert content["reference_uncertainty"] < 1e-12
+    costs = content["costs"]
+    # an empty cache costs seconds of compiling; a process with NumPy takes more than 10 MB
+    assert costs["compile_seconds"] > 0.5 > costs["simulation_seconds"] > 0
+    assert costs["peak_bytes"] is None or costs["peak_bytes"] > 1e7
+
+
+def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
+    """What is printed, of numbers that are not measured here."""
+    from linkages.benchmark.costs import Costs
+    from linkages.benchmark.report import BenchReport
+    from linkages.cli import bench as verb
+
+    runs = [
+        *points((1e-4, 1e-4, 0.001), (1e-8, 1e-10, 0.004), method="dop853"),
+        *points((1e-4, 1e-3, 0.01), method="another"),
+        Point("third", 1e-3, False, None, math.nan, None, "stopped"),
+    ]
+    costs = Costs(5.0, 2.0, 0.1, 100 * 2**20)
+    report = BenchReport("Press", 2.0, tuple(runs), 1e-14, 72e-9, costs)
+    monkeypatch.setattr(verb, "run_benchmark", lambda *_, **__: report)
+    code, out, err = bench("ninebar", "--no-figures")
+    assert (code, err) == (0, "")
+    for words in ("error (rad or m)", "ratio to the fastest", "72.0 ns per evaluation", "100 MiB"):
+        assert words in out
+    lines = [line.split() for line in out.splitlines() if line.strip()]
+    assert ["dop853", "rtol", "1.0e-08", "1.0e-10", "4"] in lines
+    assert any(line[:1] == ["third"] and "failed" in line for line in lines)
+    (row,) = [line for line in lines if line[0] == "another" and "rtol" not in line]
+    assert row == ["another", "10", "ms", "(10.0×)", "–", "–", "–"]
+    files = [path.name for path in tmp_path.rglob("*") if path.is_file()]
+    assert files == ["bench.json"]
+    assert json.loads((tmp_path / "results/ninebar/bench.json").read_text())["end"] == 2.0
+
+
+def test_bench_of_a_driven_mechanism_is_refused(bench, tmp_path):
+    code, out, err = bench("slider-crank")
+    assert (code, out) == (2, "")
+    assert "all coordinates are driven, so nothing is integrated" in err
+    assert "expected a free coordinate" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_bench_of_a_file_that_is_not_there(bench):
+    code, out, err = bench("ninebra")
+    assert (code, out) == (2, "")
+    assert "ninebar" in err

@@ -1,0 +1,72 @@
+from linkage_models import program, system, system_of, text_of
+
+from linkages.kernel.counting import KINDS, PARTS, report_kernel
+
+
+def report(of):
+    return report_kernel(of.model, program(of))
+
+
+def test_the_nine_bar_does_not_depend_on_the_inertia_of_its_cranks():
+    """Driven bodies have no equation of motion: their inertia enters the torques alone."""
+    left_out = report(system("ninebar")).left_out
+    assert left_out == (
+        ("bars", "crank1", "mass"),
+        ("bars", "crank1", "inertia"),
+        ("bars", "crank4", "mass"),
+        ("bars", "crank4", "inertia"),
+    )
+
+
+def test_a_motion_without_free_coordinates_needs_no_inertia_at_all():
+    left_out = report(system("slidercrank")).left_out
+    assert left_out == (
+        ("bars", "crank", "mass"),
+        ("bars", "crank", "inertia"),
+        ("bars", "rod", "mass"),
+        ("bars", "rod", "inertia"),
+        ("sliders", "piston", "mass"),
+        ("loads", 0, "force"),
+    )
+
+
+def test_a_free_mechanism_needs_everything():
+    assert report(system("clearance")).left_out == ()
+    assert report(system("doublependulum")).left_out == ()
+
+
+def test_what_is_absent_is_not_left_out():
+    massless = text_of("ninebar").replace("mass: 0.985, inertia: 8.390e-3", "mass: 0, inertia: 0")
+    left_out = report(system_of(massless)).left_out
+    assert left_out == (("bars", "crank4", "mass"), ("bars", "crank4", "inertia"))
+
+
+def test_counts_of_the_pendulum():
+    """The place of its end needs a cosine and a sine; there is no loop to solve."""
+    counts = report(system("pendulum")).counts
+    state = counts["once per state"]
+    assert set(counts) == set(PARTS)
+    assert set(state) == set(KINDS)
+    assert (state["trigonometric calls"], state["divisions"]) == (2, 1)
+    assert state["square roots"] == 0
+    assert sum(counts["once per distinct time"].values()) == 0
+
+
+def test_one_square_root_for_each_block_of_the_nine_bar():
+    counts = report(system("ninebar")).counts
+    roots = [counts[part]["square roots"] for part in PARTS]
+    assert sum(roots) - counts["once per run"]["square roots"] == 3
+    trigonometric = [counts[part]["trigonometric calls"] for part in PARTS]
+    assert trigonometric == [0, 4, 2]
+
+
+def test_counts_are_those_of_the_program():
+    of = system("ninebar")
+    written = program(of)
+    counts = report_kernel(of.model, written).counts
+    operations = {name for names in KINDS.values() for name in names}
+    for part, level in PARTS.items():
+        assert sum(counts[part].values()) == sum(
+            node.operation in operations for node in written.groups[level]
+        )
+        assert len(written.groups[level]) == sum(counts[part].values())

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.integration import build_flow
+from linkages.solution.integration import build_flow, failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
-from linkages.solvers.outcome import Outcome
 
 REFERENCE = "gauss8"
 
@@ -57,9 +56,9 @@ class Problem:
         found = integrate(
             self.flow, self.system.state, [0.0, self.end], method=method, rtol=rtol, step=step
         )
-        if found.outcome is not Outcome.DONE:
-            message = f"{method} stopped at t = {found.stop_time:.9g} s: {found.outcome}"
-            raise ComputationError(message, time=found.stop_time)
+        failure = failure_text(self.system, found)
+        if failure is not None:
+            raise ComputationError(f"{method} stopped {failure}", time=found.stop_time)
         return found.unwrapped[-1], found.evaluations
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -16,6 +17,7 @@ from linkages.errors import ComputationError
 from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS
 
 TOLERANCES = tuple(10.0**-k for k in range(4, 15))
+TINY = 1e-300
 HALVINGS = 8
 """Number of fixed steps tried, each half as long as the one before."""
 
@@ -33,7 +35,8 @@ class Point:
     adaptive
         Which of the two `setting` is.
     error
-        Largest absolute error of the coordinates at the end (rad or m); None if it failed.
+        Largest absolute error of the coordinates at the end (rad or m), but no less than the
+        uncertainty of the reference; None if it failed.
     seconds
         Median wall time.
     evaluations
@@ -142,7 +145,7 @@ def _point(
     if len(times) > 1:
         del times[0]  # the first run may have compiled or loaded something
     seconds = float(np.median(times))
-    off = problem.error(found)
+    off = max(problem.error(found), problem.uncertainty)
     return Point(series.method, setting, series.adaptive, off, seconds, evaluations)
 
 
@@ -155,8 +158,11 @@ def seconds_at(points: list[Point], method: str, error: float) -> float | None:
     Returns None where the tightest setting is not good enough. Where every setting is, the method
     may need still less time than is returned.
     """
-    own = [(p.setting, p.error, p.seconds) for p in points if p.method == method and p.error]
-    own.sort()
+    own = sorted(
+        (p.setting, math.inf if p.error is None else max(p.error, TINY), p.seconds)
+        for p in points
+        if p.method == method
+    )
     good = list(takewhile(lambda run: run[1] <= error, own))
     if not good:
         return None
@@ -164,7 +170,7 @@ def seconds_at(points: list[Point], method: str, error: float) -> float | None:
     if len(good) == len(own):
         return best
     _, near_error, near = own[len(good)]
-    if near >= best:
+    if not near < best or not math.isfinite(near_error):
         return best
     share = np.log(near_error / error) / np.log(near_error / best_error)
     return float(near * (best / near) ** share)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -124,6 +125,8 @@ def _report(
 
 
 def _believable(horizon: Horizon) -> str:
+    if not math.isfinite(horizon.error):
+        return "not predictable at all: a more accurate run goes elsewhere before the second sample"
     error = f"{horizon.error:.1e} of its amplitude"
     if horizon.whole:
         return f"predictable throughout: the free motion is off by at most {error}"

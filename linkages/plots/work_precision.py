@@ -42,7 +42,9 @@ def draw(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_major_formatter(
-            lambda value, _: "1" if value == 1 else f"{value:.0e}".replace("e-0", "e-")
+            lambda value, _: (
+                "1" if value == 1 else f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+            )
         )
         axis.set_minor_formatter(NullFormatter())
     ax.set_xlabel("error at the end [rad or m]")

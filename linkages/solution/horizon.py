@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,11 @@ from linkages.solvers.integrate import LEAST_RTOL
 TIGHTER = 0.01
 """Factor on the tolerance of the comparison run (on the step of a fixed-step method: one half)."""
 
-DIGITS = 3
+WRONG = 0.5e-3
+"""Difference from which on the third digit is wrong, in units of the amplitude."""
+
+
+ADDED_UP = 1e3
 
 
 @dataclass(frozen=True)
@@ -52,10 +57,10 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
         return None
     other = compute_motion(system, tighter)
     count = min(len(motion.time), len(other.time))
-    if count < 2:
-        return None
-    differences = _relative(motion, other, count)
-    wrong = differences > 0.5 * 10.0**-DIGITS
+    if count < 2:  # the comparison run went elsewhere at once
+        return Horizon(time=float(motion.time[0]), whole=False, error=math.inf)
+    differences = _relative(system, settings, motion, other, count)
+    wrong = differences > WRONG
     first = int(np.argmax(wrong)) if wrong.any() else count
     last = max(0, first - 1)
     return Horizon(
@@ -76,11 +81,22 @@ def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     return replace(settings, times=times, rtol=rtol, atol=atol, work=False, watch=None)
 
 
-def _relative(motion: Motion, other: Motion, count: int) -> NDArray[np.float64]:
-    """Largest difference at each sample in units of the amplitudes, shape (count,)."""
+def _relative(
+    system: System, settings: Settings, motion: Motion, other: Motion, count: int
+) -> NDArray[np.float64]:
+    """Largest difference at each sample in units of the amplitudes, shape (count,).
+
+    The amplitude of an angle is at most half a turn, however often it turns over. Differences
+    within some absolute tolerances are never wrong, for the errors of steps add up; in a mechanism
+    at rest they are all there is.
+    """
     own, better = _full(motion)[:, :count], _full(other)[:, :count]
     amplitude = 0.5 * (better.max(axis=1) - better.min(axis=1))
-    scale = np.where(amplitude > 0, amplitude, 1.0)[:, None]
+    for row, name in enumerate(system.topology.free):
+        if system.mechanism.bodies[name].rotates:
+            amplitude[row] = min(amplitude[row], np.pi)
+    within = settings.rtol if settings.atol is None else settings.atol
+    scale = np.maximum(amplitude, ADDED_UP * within / WRONG)[:, None]
     return (np.abs(own - better) / scale).max(axis=0)
 
 

@@ -108,7 +108,7 @@ def integrated_motion(system: System, settings: Settings) -> Motion:
         turns=trajectory.turns.T[:count].astype(float),
         acceleration=trajectory.acceleration.T[:count],
         work=rates[count] if settings.work else None,
-        failure=_failure(system, trajectory),
+        failure=failure_text(system, trajectory),
         stop_time=trajectory.stop_time,
         method=trajectory.method,
         reason=trajectory.reason,
@@ -120,7 +120,8 @@ def integrated_motion(system: System, settings: Settings) -> Motion:
     )
 
 
-def _failure(system: System, trajectory: Trajectory) -> str | None:
+def failure_text(system: System, trajectory: Trajectory) -> str | None:
+    """Why an integration stopped before its end, as a sentence; None if it did not."""
     outcome = trajectory.outcome
     if outcome is Outcome.DONE:
         return None

@@ -30,7 +30,8 @@ class Outcome(IntEnum):
     STEP_TOO_SMALL = (
         3,
         "The step fell below the resolution of time before the tolerance was met.",
-        "Loosen rtol and atol, or look for a force that grows without bound near this time.",
+        "Look for a force that grows without bound near this time; a loose tolerance can lead to "
+        "such places, and a very tight one can ask for more than round-off allows.",
     )
     NOT_FINITE = (
         4,

@@ -131,7 +131,6 @@ def test_horizon_of_a_run_that_was_cut_short():
     assert found.horizon.time <= found.motion.stop_time
 
 
-@pytest.mark.xfail(reason="amplitudes of round-off are not told from motion", strict=True)
 def test_mechanism_at_rest_is_predictable():
     """A pendulum that hangs still: what is compared is round-off, in units of round-off."""
     hanging = THROWN.replace("angle: 0.4", "angle: -pi/2").replace("angle: 0.9", "angle: -pi/2")
@@ -139,7 +138,6 @@ def test_mechanism_at_rest_is_predictable():
     assert linkages.simulate(mechanism, end=5.0, samples=11).horizon.whole
 
 
-@pytest.mark.xfail(reason="a comparison run that fails at once is taken for none", strict=True)
 def test_step_of_which_half_diverges_has_a_horizon():
     """One step of 50 ms, after which the clearance turns at 1e15 rad/s; halves of it diverge."""
     solution = linkages.simulate(

@@ -1,0 +1,133 @@
+"""Make the figure and the tables of docs/benchmark.md from docs/_static/bench-ninebar.json.
+
+    python docs/figures_benchmark.py               # figure and tables from the numbers there are
+    python docs/figures_benchmark.py --measure     # measure first (minutes; keep the machine idle)
+
+Times depend on the machine, which is named in the numbers; ratios and errors are what to look at.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+import math
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from figures import STATIC, machine, write_small
+from figures_stability import write
+
+from linkages.benchmark.work_precision import Point
+from linkages.plots.work_precision import figure
+from linkages.solvers.methods import METHODS
+
+NUMBERS = STATIC / "bench-ninebar.json"
+START = ["drives.crank1.angle=0.5", "drives.crank4.angle=1.0", "clearances.r1.angle=0"]
+DIGITS = 4
+
+
+def measure() -> None:
+    """Run ``bench`` and keep its numbers with the machine and the date."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "linkages", "bench", "ninebar", "--json"]
+        command += ["--out", folder, "--no-figures"]
+        for assignment in [*START, "simulate.end=2"]:
+            command += ["--set", assignment]
+        found = subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder)
+    content = json.loads(found.stdout)
+    del content["files"]
+    content |= {"machine": machine(), "date": f"{datetime.date.today():%Y-%m-%d}", "start": START}
+    NUMBERS.write_text(compact(content), encoding="utf-8")
+
+
+def compact(content: dict) -> str:
+    """JSON with rounded numbers and one run a line."""
+    points = content.pop("points")
+    head = json.dumps(rounded(content), indent=1, ensure_ascii=False).removesuffix("\n}")
+    rows = ",\n".join("  " + json.dumps(rounded(point)) for point in points)
+    return f'{head},\n "points": [\n{rows}\n ]\n}}\n'
+
+
+def rounded(value: object) -> object:
+    """The same with `DIGITS` significant digits."""
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    if isinstance(value, float) and value and math.isfinite(value):
+        return float(f"{value:.{DIGITS}g}")
+    return value
+
+
+def duration(seconds: float) -> str:
+    """Seconds or milliseconds, three digits."""
+    return f"{seconds:.2f} s" if seconds > 0.9995 else f"{1e3 * seconds:.3g} ms"
+
+
+def times(content: dict) -> str:
+    """Time of each method for an error, and its ratio to the fastest."""
+    targets = content["seconds_at_error"]
+    methods = list(next(iter(targets.values())))
+    lines = [
+        "| method | " + " | ".join(f"error {target}" for target in targets) + " |",
+        "|---" + "|--:" * len(targets) + "|",
+    ]
+    for method in methods:
+        cells = []
+        for seconds in targets.values():
+            own, best = seconds[method], min(s for s in seconds.values() if s is not None)
+            cells.append("–" if own is None else f"{duration(own)} ({own / best:.1f})")
+        name = f"`{method}`" if method in METHODS else method
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    note = (
+        f"Measured on {content['date']}: {content['machine']}. Reference uncertain by "
+        f"{content['reference_uncertainty']:.0e} rad."
+    )
+    return "\n".join([*lines, "", note, ""])
+
+
+def costs(content: dict) -> str:
+    """What a run costs beyond integrating."""
+    found = content["costs"]
+    peak = found["peak_bytes"]
+    rows = [
+        (
+            "one evaluation of the right-hand side",
+            f"{1e9 * content['seconds_per_evaluation']:.0f} ns",
+        ),
+        ("compiling, once per topology", f"{found['compile_seconds']:.1f} s"),
+        (
+            "from the start of a process to the end of its first simulation",
+            f"{found['warm_start_seconds']:.1f} s",
+        ),
+        (
+            "another simulation, with outputs at 2001 samples",
+            f"{1e3 * found['simulation_seconds']:.0f} ms",
+        ),
+        ("largest memory", "unknown" if peak is None else f"{peak / 2**20:.0f} MiB"),
+    ]
+    lines = ["| what | cost |", "|---|--:|", *(f"| {text} | {value} |" for text, value in rows)]
+    return "\n".join(lines) + "\n"
+
+
+def methods() -> str:
+    """What each method is, in its own words."""
+    lines = ["| method | what it is |", "|---|---|"]
+    lines += [f"| `{name}` | {method.summary} |" for name, method in METHODS.items()]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Write all files."""
+    if "--measure" in sys.argv:
+        measure()
+    content = json.loads(Path(NUMBERS).read_text(encoding="utf-8"))
+    points = [Point(**row) for row in content["points"]]
+    write_small(figure(points, "Nine-bar with one clearance, 2 s"), STATIC / "bench-ninebar.png")
+    write("bench-ninebar.md", times(content))
+    write("bench-costs.md", costs(content))
+    write("methods.md", methods())
+
+
+if __name__ == "__main__":
+    main()

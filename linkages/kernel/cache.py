@@ -40,7 +40,7 @@ def cached_module(text: str) -> ModuleType:
 
 @cache
 def cache_folder() -> Path:
-    """The folder for generated code: $LINKAGES_CACHE_DIR or the user's cache folder.
+    """The folder for generated code, in $LINKAGES_CACHE_DIR or the user's cache folder.
 
     Where neither can be made private, a temporary folder serves this process alone, with a
     warning: kernels are then compiled anew in each run.
@@ -62,7 +62,7 @@ def cache_folder() -> Path:
 def _wanted_folder() -> Path:
     named = os.environ.get(ENVIRONMENT_VARIABLE)
     if named:
-        return Path(named)
+        return Path(named) / "kernels"  # a folder of our own: its permissions are changed
     from platformdirs import user_cache_path
 
     return user_cache_path("linkages") / "kernels"

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
 def folder(tmp_path, monkeypatch):
     """An empty cache of this test's own."""
     place = tmp_path / "kernels"
-    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(place))
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
     cache_folder.cache_clear()
     known = {name for name in sys.modules if name.startswith("linkages_kernel_")}
     yield place
@@ -46,7 +46,14 @@ def test_the_folder_is_made_and_private(folder):
 @pytest.mark.usefixtures("folder")
 def test_parents_are_made(tmp_path, monkeypatch):
     monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path / "a" / "b"))
-    assert cache_folder() == tmp_path / "a" / "b"
+    assert cache_folder() == tmp_path / "a" / "b" / "kernels"
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_named_folder_itself_is_left_as_it_is(tmp_path):
+    tmp_path.chmod(0o755)
+    cache_folder()
+    assert mode(tmp_path) == 0o755
 
 
 def test_an_open_folder_is_closed(folder):

@@ -75,7 +75,7 @@ def simulate(
         bool | None,
         typer.Option(
             help="Integrate again at a tighter tolerance and say until when the answer holds; "
-            "default: for adaptive methods."
+            "default: for adaptive methods of high order."
         ),
     ] = None,
 ) -> None:

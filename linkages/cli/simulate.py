@@ -15,10 +15,13 @@ from rich.markup import escape
 from linkages.cli.loading import mechanism_from
 from linkages.cli.terminal import console, number, print_json, progress, table
 from linkages.errors import InputError, Problem
-from linkages.solution.horizon import Horizon
+from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solvers.choice import AUTO
+
+DEAREST = 3.0
+"""Runs are verified unasked if that makes them no more than this many times as expensive."""
 
 SUMMARY = (
     "slider_position_error",
@@ -70,8 +73,10 @@ def run_simulate(
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     """Until when the solution holds, noted in its data for figures and files."""
-    adaptive = solution.settings.step is None
-    if verify is False or (verify is None and not adaptive):
+    if verify is None:
+        cheap = solution.settings.step is None and bool(solution.motion.method)
+        verify = cheap and cost_factor(solution.motion.method) < DEAREST
+    if not verify:
         return None
     horizon = solution.horizon
     if horizon is not None and not horizon.whole:

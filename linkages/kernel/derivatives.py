@@ -39,7 +39,7 @@ def derivative(
 
     Raises
     ------
-    NotImplementedError
+    ValueError
         For an operation without a rule.
     """
     if not nodes:
@@ -103,7 +103,7 @@ def _partials(graph: ScalarGraph, node: Scalar) -> tuple[Scalar, ...]:
         case "atan2", (y, x):
             square = x * x + y * y
             return x / square, -y / square
-    raise NotImplementedError(f"no rule for the derivative of '{node.operation}'")
+    raise ValueError(f"no rule for the derivative of '{node.operation}'")
 
 
 def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[Scalar]]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings, compute_motion
 from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.methods import METHODS
 
 TIGHTER = 0.01
 """Factor on the tolerance of the comparison run (on the step of a fixed-step method: one half)."""
@@ -40,6 +41,14 @@ class Horizon:
     time: float
     whole: bool
     error: float
+
+
+def cost_factor(method: str) -> float:
+    """Cost of a run together with its comparison run, in units of the run alone.
+
+    The steps of a method of order p shrink with the tolerance to the power 1/p.
+    """
+    return 1.0 + TIGHTER ** (-1.0 / METHODS[method].order)
 
 
 def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon | None:

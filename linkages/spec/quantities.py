@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -19,20 +20,20 @@ _NAME = r"\w([\w -]*\w)?"
 _NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
 
-class FieldType:
+class FieldType(ABC):
     """A rule of one field: reads a raw value, says what it expects, and describes itself."""
 
+    @abstractmethod
     def read(self, value: Any) -> Any:
         """Return the value of the field, or raise QuantityError."""
-        raise NotImplementedError
 
+    @abstractmethod
     def expected(self) -> str:
         """Return what messages expect."""
-        raise NotImplementedError
 
+    @abstractmethod
     def json_schema(self) -> dict[str, Any]:
         """Return the JSON schema of the raw value."""
-        raise NotImplementedError
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self._validate)

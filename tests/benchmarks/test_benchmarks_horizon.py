@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.cli.main import main
 from linkages.components.definition import from_document
 from linkages.plots.figures import FIGURES
 from linkages.plots.style import panels
@@ -249,3 +250,19 @@ def test_horizon_of_fixed_steps_on_request(simulate, tmp_path):
 def test_driven_mechanism_says_nothing_of_a_horizon(simulate):
     code, out, _ = simulate("slider-crank", "--no-figures", "--json")
     assert (code, json.loads(out)["horizon"]) == (0, None)
+
+
+@pytest.mark.parametrize(
+    ("method", "verified"), [("dop853", True), ("vern9", True), ("tsit5", False)]
+)
+def test_runs_are_verified_unasked_where_that_is_cheap(
+    method, verified, capsys, monkeypatch, tmp_path
+):
+    """A hundredth of the tolerance costs an order-5 method 2.5 times the run, 3.5 in all."""
+    monkeypatch.chdir(tmp_path)
+    argv = ["linkages", "simulate", "ninebar.yaml", "--no-figures", "--set", "simulate.end=0.01"]
+    monkeypatch.setattr("sys.argv", [*argv, "--set", f"simulate.method={method}"])
+    with pytest.raises(SystemExit) as stopped:
+        main()
+    assert stopped.value.code in (0, None)
+    assert ("predictable" in capsys.readouterr().out) is verified

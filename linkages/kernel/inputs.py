@@ -6,7 +6,6 @@ from linkages.components.terms import Parameter, Path
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph
 from linkages.kernel.vectors import Vector
 
-Side = int
 _KEYS = frozenset(
     {"length", "mass", "inertia", "center", "points", "through", "size", "angle", "speed", "force"}
 )

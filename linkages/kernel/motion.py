@@ -34,9 +34,6 @@ class _Field(ABC):
                 self.graph.section = f"bodies with known coordinates, {label}"
             self._add(block)
 
-    def _rotates(self, name: str) -> bool:
-        return self.positions.topology.mechanism.bodies[name].rotates
-
     @abstractmethod
     def _along(self, name: str, start: str, end: str) -> Vector:
         """Derivative of the vector from one point of a body to another."""

@@ -137,11 +137,6 @@ def _closure(model: Model) -> list[Scalar]:
     return _components(residuals)
 
 
-def _margins(model: Model) -> list[Scalar]:
-    dyads = model.positions.dyads.values()
-    return [dyad.margin / dyad.margin_scale for dyad in dyads]
-
-
 VARIABLES: dict[str, Variable] = {
     "bar_angle": Variable(("bar",), "rad", "angle", _angles("bar")),
     "bar_speed": Variable(("bar",), "rad/s", "angular speed", _of_bodies("bar", "velocities")),

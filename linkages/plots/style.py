@@ -100,6 +100,20 @@ def fitted(text: str, inches: float, size: float = 9.0) -> str:
     return text if len(text) <= room else text[: room - 1] + "…"
 
 
+def legend_above(heading: str) -> dict[str, Any]:
+    """Options of a legend that stands above the axes, under a heading, and hides nothing."""
+    return {
+        "title": heading or None,
+        "title_fontsize": 9,
+        "alignment": "left",
+        "loc": "lower left",
+        "bbox_to_anchor": (0.0, 1.015),
+        "borderpad": 0.0,
+        "borderaxespad": 0.0,
+        "labelspacing": 0.35,
+    }
+
+
 def title(heading: str, name: str) -> str:
     """What is shown, after whose it is where that is said."""
     return f"{heading}: {name}" if heading else name

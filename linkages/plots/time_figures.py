@@ -24,7 +24,7 @@ from linkages.plots.curves import (
     show_steady,
 )
 from linkages.plots.prefixes import Scale, scale_of
-from linkages.plots.style import TOP, fitted, line_style, panels, styled, title
+from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -157,14 +157,7 @@ def _legend(ax: Axes, lines: list[Line2D], entries: list[str], heading: str, col
     ax.legend(
         lines,
         entries,
-        title=heading or None,
-        title_fontsize=9,
-        alignment="left",
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.015),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        labelspacing=0.35,
+        **legend_above(heading),
         ncols=columns,
     )
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from linkages.benchmark.work_precision import Point
-from linkages.plots.style import TOP, line_style, panels, styled
+from linkages.plots.style import TOP, legend_above, line_style, panels, styled
 
 HEIGHT, LEGEND = 3.4, 0.5
 MARKERS = "osD^vP*X"
@@ -49,17 +49,7 @@ def draw(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
         axis.set_minor_formatter(NullFormatter())
     ax.set_xlabel("error at the end [rad or m]")
     ax.set_ylabel("time of a run [s]")
-    ax.legend(
-        title=heading or None,
-        title_fontsize=9,
-        alignment="left",
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.015),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        labelspacing=0.35,
-        ncols=4,
-    )
+    ax.legend(**legend_above(heading), ncols=4)
     return ax
 
 

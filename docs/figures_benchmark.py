@@ -1,7 +1,8 @@
-"""Make the figure and the tables of docs/benchmark.md from docs/_static/bench-ninebar.json.
+"""Make figures and tables of docs/benchmark.md from docs/_static/bench-….json.
 
-    python docs/figures_benchmark.py               # figure and tables from the numbers there are
-    python docs/figures_benchmark.py --measure     # measure first (minutes; keep the machine idle)
+    python docs/figures_benchmark.py                    # from the numbers that there are
+    python docs/figures_benchmark.py --measure          # measure first (minutes; machine idle)
+    python docs/figures_benchmark.py --measure andrews  # measure one mechanism only
 
 Times depend on the machine, which is named in the numbers; ratios and errors are what to look at.
 """
@@ -23,23 +24,33 @@ from linkages.benchmark.work_precision import Point
 from linkages.plots.work_precision import figure
 from linkages.solvers.methods import METHODS
 
-NUMBERS = STATIC / "bench-ninebar.json"
 START = ["drives.crank1.angle=0.5", "drives.crank4.angle=1.0", "clearances.r1.angle=0"]
+CASES = {
+    "ninebar": ("Nine-bar with one clearance, 2 s", [*START, "simulate.end=2"]),
+    "andrews": ("Andrews' squeezer, 30 ms", ["simulate.end=0.03"]),
+}
 DIGITS = 4
 
 
-def measure() -> None:
+def numbers(name: str) -> Path:
+    """Where the numbers of a mechanism are kept."""
+    return STATIC / f"bench-{name}.json"
+
+
+def measure(name: str) -> None:
     """Run ``bench`` and keep its numbers with the machine and the date."""
+    _, assignments = CASES[name]
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "linkages", "bench", "ninebar", "--json"]
-        command += ["--out", folder, "--no-figures"]
-        for assignment in [*START, "simulate.end=2"]:
+        command = [sys.executable, "-m", "linkages", "bench", name, "--json"]
+        command += ["--out", folder, "--no-figures", "--repeats", "11"]
+        for assignment in assignments:
             command += ["--set", assignment]
         found = subprocess.run(command, check=True, capture_output=True, text=True, cwd=folder)
     content = json.loads(found.stdout)
     del content["files"]
-    content |= {"machine": machine(), "date": f"{datetime.date.today():%Y-%m-%d}", "start": START}
-    NUMBERS.write_text(compact(content), encoding="utf-8")
+    content |= {"machine": machine(), "date": f"{datetime.date.today():%Y-%m-%d}"}
+    content["start"] = assignments
+    numbers(name).write_text(compact(content), encoding="utf-8")
 
 
 def compact(content: dict) -> str:
@@ -119,13 +130,17 @@ def methods() -> str:
 
 def main() -> None:
     """Write all files."""
+    asked = [name for name in CASES if name in sys.argv] or list(CASES)
     if "--measure" in sys.argv:
-        measure()
-    content = json.loads(Path(NUMBERS).read_text(encoding="utf-8"))
-    points = [Point(**row) for row in content["points"]]
-    write_small(figure(points, "Nine-bar with one clearance, 2 s"), STATIC / "bench-ninebar.png")
-    write("bench-ninebar.md", times(content))
-    write("bench-costs.md", costs(content))
+        for name in asked:
+            measure(name)
+    for name in asked:
+        content = json.loads(numbers(name).read_text(encoding="utf-8"))
+        points = [Point(**row) for row in content["points"]]
+        write_small(figure(points, CASES[name][0]), STATIC / f"bench-{name}.png")
+        write(f"bench-{name}.md", times(content))
+        if name == "ninebar":
+            write("bench-costs.md", costs(content))
     write("methods.md", methods())
 
 

@@ -22,7 +22,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Level, reachable
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.integration import build_flow, kernel_source
+from linkages.solution.flows import build_flow, kernel_source
 from linkages.solution.reactions import joint_reactions
 from linkages.solution.requests import DEFAULT
 
@@ -94,12 +94,12 @@ def outputs() -> str:
     """What is evaluated per sample for each request."""
     solution = linkages.simulate(linkages.load("ninebar"), outputs=["clearance_angle"])
     system, motion = solution.system, solution.motion
-    cases = {name: _evaluation(system, motion, names) for name, names in REQUESTS.items()}
+    cases = {name: _evaluation(motion, names) for name, names in REQUESTS.items()}
     rounds: dict[str, list[float]] = {name: [] for name in [*cases, "`joint_reaction`"]}
     for _ in range(ROUNDS):
         for name, action in [*cases.items()]:
             rounds[name].append(_seconds(action))
-        rounds["`joint_reaction`"].append(_seconds(lambda: joint_reactions(system, motion)))
+        rounds["`joint_reaction`"].append(_seconds(lambda: joint_reactions(motion)))
     full = min(rounds["default"])
     lines = ["| outputs | operations per sample | time |", "|---|--:|--:|"]
     for name, times in rounds.items():
@@ -108,8 +108,8 @@ def outputs() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _evaluation(system, motion, names):
-    return lambda: evaluate_variables(system, motion, names)
+def _evaluation(motion, names):
+    return lambda: evaluate_variables(motion, names)
 
 
 def _seconds(action) -> float:

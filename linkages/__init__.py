@@ -12,19 +12,31 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from linkages.chaos.bifurcation import bifurcation
+    from linkages.chaos.lyapunov import lyapunov
+    from linkages.chaos.maps import chaos_map
+    from linkages.chaos.section import poincare
     from linkages.components.assembly import AssemblyHint
     from linkages.components.bar import Bar
     from linkages.components.clearance import Clearance
+    from linkages.components.damper import GuideDamper, LineDamper
     from linkages.components.definition import load
-    from linkages.components.drive import Drive
+    from linkages.components.drive import Drive, SliderDrive
     from linkages.components.free import FreeAngle, FreePosition
+    from linkages.components.gear import Gear
     from linkages.components.gravity import UniformGravity
     from linkages.components.ground import GroundJoint
-    from linkages.components.load import SliderForce
+    from linkages.components.load import JointForce, SliderForce
+    from linkages.components.mass import JointMass
     from linkages.components.mechanism import Mechanism
     from linkages.components.plate import Plate
     from linkages.components.simulation import SimulationDefaults
     from linkages.components.slider import Slider
+    from linkages.components.spring import JointSpring
+    from linkages.components.torque import BarTorque, TorqueBetweenBars
+    from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper
+    from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
+    from linkages.components.weld import Weld
     from linkages.errors import ComputationError, InputError, LinkagesError
     from linkages.solution.simulate import simulate
     from linkages.solution.solution import IncompleteError, Solution
@@ -33,46 +45,84 @@ if TYPE_CHECKING:
 _HOMES = {
     "AssemblyHint": "linkages.components.assembly",
     "Bar": "linkages.components.bar",
+    "BarSpring": "linkages.components.torsional_spring",
+    "BarTorque": "linkages.components.torque",
     "Clearance": "linkages.components.clearance",
+    "ClearanceDamper": "linkages.components.torsional_damper",
     "ComputationError": "linkages.errors",
+    "DamperBetweenBars": "linkages.components.torsional_damper",
     "Drive": "linkages.components.drive",
     "FreeAngle": "linkages.components.free",
     "FreePosition": "linkages.components.free",
+    "Gear": "linkages.components.gear",
     "GroundJoint": "linkages.components.ground",
+    "GuideDamper": "linkages.components.damper",
     "IncompleteError": "linkages.solution.solution",
     "InputError": "linkages.errors",
+    "JointDamper": "linkages.components.torsional_damper",
+    "JointForce": "linkages.components.load",
+    "JointMass": "linkages.components.mass",
+    "JointSpring": "linkages.components.spring",
+    "LineDamper": "linkages.components.damper",
     "LinkagesError": "linkages.errors",
     "Mechanism": "linkages.components.mechanism",
     "Plate": "linkages.components.plate",
     "SimulationDefaults": "linkages.components.simulation",
     "Slider": "linkages.components.slider",
+    "SliderDrive": "linkages.components.drive",
     "SliderForce": "linkages.components.load",
     "Solution": "linkages.solution.solution",
+    "SpringBetweenBars": "linkages.components.torsional_spring",
+    "TorqueBetweenBars": "linkages.components.torque",
     "UniformGravity": "linkages.components.gravity",
+    "Weld": "linkages.components.weld",
+    "bifurcation": "linkages.chaos.bifurcation",
+    "chaos_map": "linkages.chaos.maps",
     "load": "linkages.components.definition",
+    "lyapunov": "linkages.chaos.lyapunov",
+    "poincare": "linkages.chaos.section",
     "simulate": "linkages.solution.simulate",
 }
 
 __all__ = [
     "AssemblyHint",
     "Bar",
+    "BarSpring",
+    "BarTorque",
     "Clearance",
+    "ClearanceDamper",
     "ComputationError",
+    "DamperBetweenBars",
     "Drive",
     "FreeAngle",
     "FreePosition",
+    "Gear",
     "GroundJoint",
+    "GuideDamper",
     "IncompleteError",
     "InputError",
+    "JointDamper",
+    "JointForce",
+    "JointMass",
+    "JointSpring",
+    "LineDamper",
     "LinkagesError",
     "Mechanism",
     "Plate",
     "SimulationDefaults",
     "Slider",
+    "SliderDrive",
     "SliderForce",
     "Solution",
+    "SpringBetweenBars",
+    "TorqueBetweenBars",
     "UniformGravity",
+    "Weld",
+    "bifurcation",
+    "chaos_map",
     "load",
+    "lyapunov",
+    "poincare",
     "simulate",
 ]
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.benchmark.problem import Problem
-from linkages.kernel.assembly import parameter_values
+from linkages.errors import ComputationError
+from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import reachable
 
 SCIPY_LEAST_RTOL = 2.3e-14
@@ -85,10 +86,16 @@ def _heyoka(problem: Problem) -> Solve:
 
 
 def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any]:
-    """The accelerations of the free coordinates in heyoka's expression system."""
+    """The accelerations of the free coordinates in heyoka's expression system.
+
+    Raises
+    ------
+    ComputationError
+        For what is no expression: iterations, splines, conditions.
+    """
     model = problem.system.model
     roots = model.free_accelerations
-    numbers = parameter_values(model, problem.system.sides)
+    numbers = parameter_values(model, problem.system.assembly)
     inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
     inputs["y"] = variables.__getitem__
     operations: dict[str, Callable[..., Any]] = {
@@ -100,6 +107,11 @@ def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[An
         "sqrt": heyoka.sqrt,
         "sin": heyoka.sin,
         "cos": heyoka.cos,
+        "tan": heyoka.tan,
+        "exp": heyoka.exp,
+        "log": heyoka.log,
+        "tanh": heyoka.tanh,
+        "atan": heyoka.atan,
         "atan2": heyoka.atan2,
     }
     values: dict[int, Any] = {}
@@ -109,6 +121,8 @@ def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[An
         elif node.operation == "input":
             name, index = node.arguments
             values[node.index] = inputs[name](index)
+        elif node.operation not in operations:
+            raise ComputationError(f"heyoka has no {node.operation!r}")
         else:
             arguments = [values[operand.index] for operand in node.operands]
             values[node.index] = operations[node.operation](*arguments)

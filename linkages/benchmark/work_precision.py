@@ -113,7 +113,10 @@ def _peers(problem: Problem) -> Iterator[_Series]:
     for peer in PEERS:
         if not peer.available:
             continue
-        prepared = peer.prepare(problem)
+        try:
+            prepared = peer.prepare(problem)
+        except ComputationError:
+            continue
 
         def at_tolerance(
             rtol: float, solve: Callable[[float], NDArray[np.float64]] = prepared

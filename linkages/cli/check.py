@@ -3,32 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-
-from linkages.cli.loading import mechanism_from
-from linkages.cli.terminal import console, number, print_json, table
-from linkages.components.terms import Body
+from linkages.cli.check_report import print_report
+from linkages.cli.contributions import loads, relations
+from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.terminal import console, print_json
+from linkages.components.terms import Body, axis_label
+from linkages.kernel.modes import Assembly
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
 from linkages.solution.assumptions import assumptions
-from linkages.topology.blocks import Block
+from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
 
 
-def run_check(file: str, assignments: Sequence[str], json: bool, kernel: bool) -> int:
-    """Print the report of a file; returns the exit code."""
-    system = System(mechanism_from(file, assignments))
+def run_check(
+    file: str,
+    assignments: Sequence[str],
+    json: bool,
+    kernel: bool,
+    modes: bool = False,
+    out: Path | None = None,
+) -> int:
+    """Print the report of a file; returns the exit code. A folder implies `modes`."""
+    mechanism = mechanism_from(file, assignments)
+    if out is not None:
+        require_folder(out)
+    system = System(mechanism)
     content = _content(system)
     if kernel:
         content["kernel"] = _kernel(system)
+    if modes or out is not None:
+        from linkages.cli.modes import modes_content
+
+        content["modes"] = modes_content(system, out)
     if json:
         print_json(content)
     else:
-        _print(content, console())
+        print_report(content, console())
     return 0
 
 
@@ -56,6 +71,9 @@ def _content(system: System) -> dict[str, Any]:
             _block(system, block, condition)
             for block, condition in zip(topology.solved_blocks, system.conditions, strict=True)
         ],
+        "redundant": list(topology.redundant),
+        "relations": relations(mechanism),
+        "loads": loads(mechanism),
         "notes": _notes(system),
     }
 
@@ -83,17 +101,25 @@ def _body(system: System, body: Body) -> dict[str, Any]:
 def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
     return {
         "block": block.index,
-        "kind": f"{block.kind} dyad, closed form",
+        "kind": f"{block.title}, {'iterated' if block.kind == ITERATED else 'closed form'}",
         "unknowns": list(block.unknowns),
-        "apex": block.loops[0].apex,
-        "side": _side(system, block),
+        "apex": joint_of(system, block),
+        "side": side_of(system.assembly, block),
         "condition": condition,
     }
 
 
-def _side(system: System, block: Block) -> str | None:
-    sign = system.sides.get(block.index)
-    if sign is None:
+def joint_of(system: System, block: Block) -> str:
+    """The joint at which a block closes; the pin of a slider that closes at its axis."""
+    apex = block.loops[0].apex
+    pins = {axis_label(n): next(iter(b.points)) for n, b in system.mechanism.bodies.items()}
+    return apex if apex in system.topology.joints else pins.get(apex, apex)
+
+
+def side_of(assembly: Assembly, block: Block) -> str | None:
+    """The assembly mode of a dyad in a word; None where there is only one, or values instead."""
+    sign = assembly.sides.get(block.index)
+    if sign is None or block.kind == "PP":
         return None
     words = ("left", "right") if block.kind == "RRR" else ("forward", "backward")
     return words[sign < 0]
@@ -101,6 +127,12 @@ def _side(system: System, block: Block) -> str | None:
 
 def _notes(system: System) -> list[str]:
     notes = assumptions(system)
+    redundant = system.topology.redundant
+    if redundant:
+        notes.append(
+            f"constraints at {', '.join(redundant)} are redundant: they repeat what others hold, "
+            "and joint reactions are not determined by rigid bodies alone"
+        )
     ends = system.topology.free_ends
     notes += [f"joint {joint} is a free end: only one body has it" for joint in ends]
     return notes
@@ -110,71 +142,8 @@ def _kernel(system: System) -> dict[str, Any]:
     if not system.topology.free:
         return {"note": "nothing is free to move: no kernel is compiled, nothing is integrated"}
     from linkages.kernel.counting import report_kernel
-    from linkages.solution.integration import kernel_source
+    from linkages.solution.flows import kernel_source
 
     source = kernel_source(system)
     report = report_kernel(source.model, source.program)
     return {"operations": report.counts, "left_out": [dotted(path) for path in report.left_out]}
-
-
-def _print(content: dict[str, Any], screen: Console) -> None:
-    screen.print(f"[bold]{escape(content['mechanism'])}[/bold]")
-    mobility = content["mobility"]
-    rows = [
-        [
-            b["name"],
-            b["kind"],
-            "–".join(b["joints"]),
-            number(b["mass"]),
-            number(b["inertia"]),
-            b["coordinate"],
-        ]
-        for b in content["bodies"]
-    ]
-    heads = ["body", "kind", "joints", "mass (kg)", "inertia (kg m²)", "coordinate"]
-    screen.print(table("\nBodies", heads, rows))
-    joints = [
-        [j["joint"], ", ".join(j["bodies"]), *(number(v) for v in j["position"])]
-        for j in content["joints"]
-    ]
-    screen.print(
-        table("\nJoints at t = 0", ["joint", "bodies", "x (m)", "y (m)"], joints, numbers=2)
-    )
-    screen.print(
-        f"\n{content['revolute_pairs']} revolute and {content['prismatic_pairs']} prismatic pairs, "
-        f"{content['loops']} independent loops\n"
-        f"mobility {mobility['gruebler']} by Grübler's formula, {mobility['numerical']} by the "
-        "rank of the closure Jacobian"
-    )
-    for what in ("driven", "free", "dependent"):
-        screen.print(f"{what}: {', '.join(content[what]) or 'none'}", markup=False)
-    blocks = [
-        [
-            str(b["block"]),
-            b["kind"],
-            ", ".join(b["unknowns"]),
-            b["apex"],
-            b["side"] or "",
-            number(b["condition"]),
-        ]
-        for b in content["blocks"]
-    ]
-    heads = ["block", "kind", "solves for", "at joint", "side", "condition number"]
-    if blocks:
-        screen.print(table("\nBlocks in their order of solution", heads, blocks, numbers=1))
-    for note in content["notes"]:
-        screen.print(f"note: {note}", markup=False)
-    if "kernel" in content:
-        _print_kernel(content["kernel"], screen)
-
-
-def _print_kernel(kernel: dict[str, Any], screen: Console) -> None:
-    if "note" in kernel:
-        screen.print(f"\nkernel: {kernel['note']}")
-        return
-    counts = kernel["operations"]
-    kinds = list(next(iter(counts.values())))
-    rows = [[part, *(str(count[kind]) for kind in kinds)] for part, count in counts.items()]
-    screen.print(table("\nOperations of the kernel", ["part", *kinds], rows, numbers=len(kinds)))
-    left_out = ", ".join(kernel["left_out"]) or "nothing"
-    screen.print(f"left out because the motion does not depend on it: {left_out}", markup=False)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from linkages.cli.loading import mechanism_from
 from linkages.cli.terminal import print_json
 from linkages.errors import InputError, Problem
-from linkages.kernel.system import choose_free
+from linkages.kernel.system import System, choose_free
 from linkages.reading.wording import suggestion
 from linkages.topology.topology import build_topology
 
@@ -21,6 +21,8 @@ def run_equations(file: str, assignments: Sequence[str], form: str, json: bool) 
         message = f"unknown format {form!r}{near}"
         raise InputError("--format", [Problem(message=message)])
     topology = build_topology(choose_free(mechanism_from(file, assignments)))
+    if topology.redundant:  # positions tell which blocks have to be solved together
+        topology = System(topology.mechanism).topology
     from linkages.equations import derive, render
 
     text = render(derive(topology), form)

@@ -1,8 +1,10 @@
-"""From command-line arguments to a mechanism."""
+"""From command-line arguments to a mechanism and to a folder for results."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 
 from linkages.components.definition import load
 from linkages.components.mechanism import Mechanism
@@ -30,3 +32,21 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
     if problems:
         raise InputError("--set", problems)
     return load(file, set=overrides)
+
+
+def require_folder(folder: Path) -> None:
+    """Results are computed only if they can be written.
+
+    Raises
+    ------
+    InputError
+        If a folder cannot be made or written to.
+    """
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir():
+        message = f"expected a folder for results, found a file: {existing}"
+    elif not os.access(existing, os.W_OK | os.X_OK):
+        message = f"expected a folder for results; {existing} cannot be written to"
+    else:
+        return
+    raise InputError(str(folder), [Problem(message=message)])

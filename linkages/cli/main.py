@@ -14,6 +14,9 @@ from typing import Annotated
 
 import typer
 
+from linkages.cli import analyses
+from linkages.cli.options import ChangePoints, File, Json, Out, Set
+
 app = typer.Typer(
     name="linkages",
     help="Dynamics of planar linkages: one YAML file in, motion, forces and figures out.",
@@ -23,22 +26,6 @@ app = typer.Typer(
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-File = Annotated[
-    str,
-    typer.Argument(metavar="FILE", help="A definition file, or the name of a shipped mechanism."),
-]
-Set = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
-    ),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
-Out = Annotated[
-    Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
-]
 
 
 def _version(wanted: bool) -> None:
@@ -78,11 +65,21 @@ def simulate(
             "default: for adaptive methods of high order."
         ),
     ] = None,
+    change_points: Annotated[
+        ChangePoints | None,
+        typer.Option(
+            help="Go on smoothly where the mechanism could go on in two ways, or stop there; "
+            "default: pass if a coordinate other than a clearance is free."
+        ),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
     from linkages.cli.simulate import run_simulate
 
-    raise typer.Exit(run_simulate(file, assignments or [], out, json, figures, outputs, verify))
+    wanted = None if change_points is None else change_points.value
+    raise typer.Exit(
+        run_simulate(file, assignments or [], out, json, figures, outputs, verify, wanted)
+    )
 
 
 @app.command()
@@ -93,11 +90,18 @@ def check(
     kernel: Annotated[
         bool, typer.Option("--kernel", help="Count the operations of the kernel.")
     ] = False,
+    modes: Annotated[
+        bool, typer.Option("--modes", help="List all ways to put the mechanism together.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
+    ] = None,
 ) -> None:
-    """Report bodies, joints, loops, mobility, coordinates, blocks and condition numbers."""
+    """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
     from linkages.cli.check import run_check
 
-    raise typer.Exit(run_check(file, assignments or [], json, kernel))
+    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out))
 
 
 @app.command()
@@ -113,6 +117,9 @@ def equations(
     from linkages.cli.equations import run_equations
 
     raise typer.Exit(run_equations(file, assignments or [], form, json))
+
+
+analyses.add_to(app)
 
 
 @app.command()

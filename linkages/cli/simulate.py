@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -12,8 +11,8 @@ from typing import Any
 
 from rich.markup import escape
 
-from linkages.cli.loading import mechanism_from
-from linkages.cli.terminal import console, number, print_json, progress, table
+from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 from linkages.errors import InputError, Problem
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.simulate import simulate
@@ -47,16 +46,17 @@ def run_simulate(
     figures: bool,
     outputs: str | None,
     verify: bool | None,
+    change_points: str | None = None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     mechanism = mechanism_from(file, assignments)
     folder = Path("results") / Path(file).stem if out is None else out
-    _require_folder(folder)
+    require_folder(folder)
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
     failure: str | None = None
     try:
         with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
-            solution = simulate(mechanism, outputs=names, watch=watch)
+            solution = simulate(mechanism, outputs=names, watch=watch, change_points=change_points)
     except IncompleteError as error:
         solution, failure = error.solution, str(error)
     except ValueError as error:
@@ -84,18 +84,6 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     return horizon
 
 
-def _require_folder(folder: Path) -> None:
-    """Results are computed only if they can be written."""
-    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not existing.is_dir():
-        message = f"expected a folder for results, found a file: {existing}"
-    elif not os.access(existing, os.W_OK | os.X_OK):
-        message = f"expected a folder for results; {existing} cannot be written to"
-    else:
-        return
-    raise InputError(str(folder), [Problem(message=message)])
-
-
 def _report(
     solution: Solution,
     horizon: Horizon | None,
@@ -121,8 +109,7 @@ def _report(
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
     if horizon is not None:
         screen.print(_believable(horizon))
-    for note in solution.notes:
-        screen.print(note, markup=False)
+    print_notes(solution.notes, screen)
     if written:
         screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
     if failure is not None:
@@ -144,7 +131,7 @@ def _believable(horizon: Horizon) -> str:
 def _how(solution: Solution) -> str:
     time = solution.data["time"].to_numpy()
     span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
-    if not solution.system.topology.free:
+    if not solution.motion.method:
         return f"{span}, all coordinates driven, nothing integrated"
     settings, cost = solution.settings, solution.motion.cost
     if settings.step is not None:

@@ -6,13 +6,14 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+MOST_NOTES = 10
 PATIENCE = 1.0
 """Seconds before a progress bar appears."""
 
@@ -28,7 +29,12 @@ def console(error: bool = False) -> Console:
 def print_json(content: dict[str, Any]) -> None:
     """One JSON object on standard output; numbers that are not finite become null."""
     unicode = (sys.stdout.encoding or "").lower().startswith("utf")
-    print(json.dumps(_plain(content), ensure_ascii=not unicode, indent=2, allow_nan=False))
+    print(json_text(content, ascii_only=not unicode))
+
+
+def json_text(content: dict[str, Any], ascii_only: bool = False) -> str:
+    """A JSON object as text; numbers that are not finite become null."""
+    return json.dumps(_plain(content), ensure_ascii=ascii_only, indent=2, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:
@@ -61,16 +67,26 @@ def table(title: str, columns: list[str], rows: list[list[str]], numbers: int = 
     return found
 
 
+def print_notes(notes: Sequence[str], screen: Console) -> None:
+    """One line for each note; of many, the first `MOST_NOTES`."""
+    for note in notes[:MOST_NOTES]:
+        screen.print(f"note: {note}", markup=False, soft_wrap=True)
+    if len(notes) > MOST_NOTES:
+        screen.print(f"{len(notes) - MOST_NOTES} more notes; --json lists all of them")
+
+
 def number(value: float) -> str:
     """Six significant digits."""
     return f"{value:.6g}"
 
 
 @contextmanager
-def progress(label: str, shown: bool) -> Iterator[Callable[[float], None]]:
+def progress(
+    label: str, shown: bool, what: str = "of simulated time"
+) -> Iterator[Callable[[float], None]]:
     """A progress bar on standard error for anything that takes more than a second.
 
-    Yields a function that takes the fraction done.
+    Yields a function that takes the fraction done; `what` says of what.
     """
     from rich.progress import (
         BarColumn,
@@ -84,7 +100,7 @@ def progress(label: str, shown: bool) -> Iterator[Callable[[float], None]]:
         TextColumn("{task.description}"),
         BarColumn(),
         TaskProgressColumn(),
-        TextColumn("of simulated time, remaining"),
+        TextColumn(f"{what}, remaining"),
         TimeRemainingColumn(),
         console=console(error=True),
         transient=True,

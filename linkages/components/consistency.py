@@ -3,57 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from linkages.components.component import Component
-from linkages.components.terms import (
-    Body,
-    Displacement,
-    GroundPin,
-    Initial,
-    Path,
-    Prescribed,
-)
-from linkages.reading.wording import nearest
+from linkages.components.coordinates import coordinate_findings
+from linkages.components.declared import Declared, expected_one_of
+from linkages.components.friction import ambiguity, meeting
+from linkages.components.guides import circular_guides, sliders_on_air
+from linkages.components.revolute import GROUND
+from linkages.components.terms import Body, Displacement, Path, Relation
+
+__all__ = ["Declared", "Finding", "findings"]
 
 Finding = tuple[Path, str]
-
-
-class Declared:
-    """The names that a set of components declares.
-
-    Parameters
-    ----------
-    components
-        Components that could be built.
-    ground, joints, bodies
-        Ground joints, other joints, and names with kinds of bodies that entries declare
-        although they could not be built.
-    complete
-        Whether that is everything; if not, nothing can be said of a name that is not among it.
-    """
-
-    def __init__(
-        self,
-        components: Iterable[Component],
-        ground: Iterable[str] = (),
-        joints: Iterable[str] = (),
-        bodies: Iterable[tuple[str, str]] = (),
-        complete: bool = True,
-    ) -> None:
-        terms = [(c, term) for c in components for term in c.terms()]
-        self.ground = {t.joint for _, t in terms if isinstance(t, GroundPin)} | set(ground)
-        self.bodies = [(c.path, t) for c, t in terms if isinstance(t, Body)]
-        self.displacements = [(c.path, t) for c, t in terms if isinstance(t, Displacement)]
-        self.driven = {t.body: t.path for _, t in terms if isinstance(t, Prescribed)}
-        self.free = {t.body: t.path for _, t in terms if isinstance(t, Initial)}
-        self.kinds = dict(bodies)
-        self.kinds |= {body.name: body.kind for _, body in self.bodies}
-        self.kinds |= {term.link.name: "clearance" for _, term in self.displacements}
-        turning = {joint for _, body in self.bodies if body.rotates for joint in body.points}
-        self.joints = self.ground | set(joints) | turning
-        self.complete = complete
-        self.uncertain = set(joints)  # more bodies may be there than could be built
 
 
 def findings(components: Sequence[Component], declared: Declared) -> list[Finding]:
@@ -61,21 +23,15 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found = [problem for component in components for problem in component.problems()]
     if declared.complete:
         found += _unknown_names(components, declared)
-        found += _sliders_on_air(declared)
+        found += _missing_points(components, declared)
+        found += sliders_on_air(declared)
+        found += _ambiguous_frictions(declared)
     found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
-    found += _contested_coordinates(declared)
+    found += circular_guides(declared)
+    found += coordinate_findings(declared)
     return found
-
-
-def _expected(name: str, names: Iterable[str], what: str) -> str:
-    known = sorted(names)
-    near = nearest(name, known)
-    if near is not None:
-        return f"unknown {what} {name!r}; did you mean {near!r}?"
-    listed = ", ".join(known[:12]) or "none"
-    return f"unknown {what} {name!r}; expected one of: {listed}"
 
 
 def _unknown_names(components: Sequence[Component], declared: Declared) -> list[Finding]:
@@ -83,15 +39,43 @@ def _unknown_names(components: Sequence[Component], declared: Declared) -> list[
     for references in (component.references() for component in components):
         for path, joint in references.joints:
             if joint not in declared.joints:
-                found.append((path, _expected(joint, declared.joints, "joint")))
+                found.append((path, expected_one_of(joint, declared.joints, "joint")))
         for path, joint in references.ground:
             if joint not in declared.ground:
-                found.append((path, _expected(joint, declared.ground, "ground joint")))
+                found.append((path, expected_one_of(joint, declared.ground, "ground joint")))
+        for path, joint in references.moving:
+            if joint in declared.ground:
+                found.append((path, f"joint {joint!r} is fixed to the ground; expected another"))
+            elif joint not in declared.joints:
+                found.append((path, expected_one_of(joint, declared.joints, "joint")))
         for path, name, kinds in references.bodies:
-            if declared.kinds.get(name) not in kinds:
-                of_kind = [n for n, kind in declared.kinds.items() if kind in kinds]
-                found.append((path, _expected(name, of_kind, kinds[0])))
+            if not declared.kinds.get(name, set()) & set(kinds):
+                of_kind = [n for n, own in declared.kinds.items() if own & set(kinds)]
+                found.append((path, expected_one_of(name, of_kind, kinds[0])))
     return found
+
+
+def _missing_points(components: Sequence[Component], declared: Declared) -> list[Finding]:
+    """Joints that a body lacks which should have them."""
+    found: list[Finding] = []
+    references = [component.references() for component in components]
+    for path, name, joint in (p for r in references for p in r.points):
+        body = declared.by_name.get(name)
+        if body is not None and name not in declared.faulty and joint not in body.points:
+            found.append((path, _lacks(body, joint)))
+    for path, name, joint in (p for r in references for p in r.meeting):
+        if joint not in declared.joints or joint in declared.uncertain:
+            continue
+        here = meeting(joint, declared.by_name, declared.ground)
+        if name not in here and (name == GROUND or name in declared.by_name):
+            listed = ", ".join(here)
+            found.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
+    return found
+
+
+def _lacks(body: Body, joint: str) -> str:
+    what = "slider" if body.kind == "slider" else "bar"
+    return f"{what} {body.name!r} has no joint {joint!r}; it has {', '.join(body.points)}"
 
 
 def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
@@ -128,18 +112,21 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
     bodies = {body.name: body for _, body in declared.bodies}
     found: list[Finding] = []
     taken: dict[tuple[str, str], str] = {}
+
+    def welds(joint: str) -> list[Relation]:
+        return [r for r in declared.relations if r.path == ("welds", joint)]
+
     for path, term in declared.displacements:
         body = bodies.get(term.body)
         if body is None:
             continue
         if term.joint not in body.points:
-            ends = ", ".join(body.points)
-            found.append(
-                ((*path, "joint"), f"bar {body.name!r} has no joint {term.joint!r}; it has {ends}")
-            )
+            found.append(((*path, "joint"), _lacks(body, term.joint)))
         elif (term.joint, term.body) in taken:
             other = taken[term.joint, term.body]
             found.append((path, f"clearance {other!r} is between the same joint and bar"))
+        elif any(w.body == term.body or term.body in dict(w.parts) for w in welds(term.joint)):
+            found.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
         elif _only_one_at(term.joint, declared):
             found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
         taken[term.joint, term.body] = term.link.name
@@ -152,20 +139,10 @@ def _only_one_at(joint: str, declared: Declared) -> bool:
     return sum(joint in body.points for _, body in declared.bodies) < 2
 
 
-def _sliders_on_air(declared: Declared) -> list[Finding]:
-    return [
-        ((*path, "joint"), _expected(joint, declared.joints, "joint"))
-        for path, body in declared.bodies
-        if not body.rotates
-        for joint in body.points
-        if joint not in declared.joints
-    ]
-
-
-def _contested_coordinates(declared: Declared) -> list[Finding]:
-    return [
-        (path, f"the coordinate of {name!r} is both driven and free; expected one of the two")
-        for name in declared.driven
-        if name in declared.free
-        for path in (declared.driven[name], declared.free[name])
-    ]
+def _ambiguous_frictions(declared: Declared) -> list[Finding]:
+    found = (
+        ambiguity(term, declared.by_name, declared.ground)
+        for term in declared.frictions
+        if term.joint in declared.joints - declared.uncertain
+    )
+    return [finding for finding in found if finding is not None]

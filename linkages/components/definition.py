@@ -104,11 +104,21 @@ class _Gathered:
         for path, raw, given in self.entries(key, section):
             entry = raw if section.field is None else {section.field: raw}
             model = section.choose(entry)
+            if section.for_sliders is not None and path[-1] in self.sliders:
+                model = section.for_sliders
             built = validated(model, entry, self.document, path, self.problems, **given)
             if built is None:
                 self.remember(path, entry)
             else:
                 self.components.append(built)
+
+    @property
+    def sliders(self) -> set[object]:
+        """What the file calls sliders and nothing else, right or wrong."""
+        content = self.document.content
+        bars, sliders = (content.get(key) for key in ("bars", "sliders"))
+        taken = set(bars) if isinstance(bars, dict) else set()
+        return set(sliders) - taken if isinstance(sliders, dict) else set()
 
     def entries(self, key: str, section: Section) -> Iterator[tuple[Path, Any, dict[str, Any]]]:
         content = self.document.content[key]

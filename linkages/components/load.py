@@ -1,17 +1,19 @@
-"""Forces that act on a mechanism from outside."""
+"""Forces on sliders and joints from outside."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import Component, component
-from linkages.components.terms import AxialForce, Parameter, Path, References
-from linkages.spec.quantities import Force, Name
+from linkages.components.component import component
+from linkages.components.laws.law import ForceLaw, function_of
+from linkages.components.listed import ListedComponent
+from linkages.components.terms import AxialForce, PointForce, References
+from linkages.spec.quantities import Name
 
 
 @component
-class SliderForce(Component):
-    """A constant force on a slider along its axis.
+class SliderForce(ListedComponent):
+    """A force on a slider along its axis.
 
     Parameters
     ----------
@@ -20,19 +22,15 @@ class SliderForce(Component):
     slider
         Slider name.
     force
-        Newtons, positive along the axis.
+        Newtons, positive along the axis, or a law of time. What carries the axis gets the
+        opposite force.
     """
 
     section: ClassVar[str] = "loads"
 
     index: int
     slider: Name
-    force: Force
-
-    @property
-    def path(self) -> Path:
-        """Loads have no names: they stand in a list."""
-        return (self.section, self.index)
+    force: ForceLaw
 
     def references(self) -> References:
         """The slider."""
@@ -40,5 +38,37 @@ class SliderForce(Component):
 
     def terms(self) -> tuple[AxialForce, ...]:
         """One force."""
-        force = Parameter((*self.path, "force"), self.force, structural=True)
+        force = function_of(self.force, (*self.path, "force"))
         return (AxialForce(self.slider, force, self.path),)
+
+
+@component
+class JointForce(ListedComponent):
+    """A force at a joint with given components along x and y.
+
+    Parameters
+    ----------
+    index
+        Place in the list of loads.
+    joint
+        A joint that moves.
+    force
+        Two numbers in newtons, or laws of time.
+    """
+
+    section: ClassVar[str] = "loads"
+
+    index: int
+    joint: Name
+    force: tuple[ForceLaw, ForceLaw]
+
+    def references(self) -> References:
+        """The joint."""
+        return References(moving=(((*self.path, "joint"), self.joint),))
+
+    def terms(self) -> tuple[PointForce, ...]:
+        """One force."""
+        x, y = (
+            function_of(law, (*self.path, "force", place)) for place, law in enumerate(self.force)
+        )
+        return (PointForce(self.joint, (x, y), self.path),)

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from linkages.components.clearance import Clearance
 from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
+from linkages.components.free import FreeAngle, FreePosition
+from linkages.components.friction import resolved
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
     ZERO,
-    AxialForce,
     Body,
     Displacement,
+    Friction,
     Gravity,
     GroundPin,
     Hint,
     Initial,
+    Load,
     Parameter,
     Path,
+    PointMass,
     Prescribed,
+    Relation,
     Term,
+    axis_label,
 )
+from linkages.components.torsional_damper import ClearanceDamper
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document, dotted
+
+Place = tuple[Parameter, Parameter]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,18 +91,49 @@ class Mechanism:
 
     @cached_property
     def bodies(self) -> dict[str, Body]:
-        """All moving bodies; clearances have displaced the ends of their bars."""
+        """All moving bodies; clearances have displaced the ends of their bars.
+
+        The origin of every guide is resolved to coordinates in the frame that carries it.
+        """
         displaced = [t for t in self.terms if isinstance(t, Displacement)]
-        bodies = [self._resolved(t, displaced) for t in self.terms if isinstance(t, Body)]
+        given = {t.name: t for t in self.terms if isinstance(t, Body)}
+        bodies = [self._resolved(body, given, displaced) for body in given.values()]
         return {body.name: body for body in [*bodies, *(term.link for term in displaced)]}
 
-    def _resolved(self, body: Body, displaced: list[Displacement]) -> Body:
+    def _resolved(self, body: Body, given: dict[str, Body], displaced: list[Displacement]) -> Body:
         renamed = {t.joint: t.renamed for t in displaced if t.body == body.name}
         points = {renamed.get(joint, joint): place for joint, place in body.points.items()}
         guide = body.guide
         if guide is not None and isinstance(guide.origin, str):
-            guide = replace(guide, origin=self.ground[guide.origin])
+            places = self.ground if guide.body is None else given[guide.body].points
+            guide = replace(guide, origin=places[guide.origin])
         return replace(body, points=points, guide=guide)
+
+    @cached_property
+    def anchors(self) -> dict[str, Place]:
+        """Points of the ground: its joints, and where the axes that it carries begin."""
+        return {**self.ground, **self._axes(None)}
+
+    @cached_property
+    def attachments(self) -> dict[str, dict[str, Place]]:
+        """Body → its points in its own frame: its joints, and where the axes that it carries begin.
+
+        The axis point of a slider itself is not among its own, for it moves in its frame.
+        """
+        return {name: {**body.points, **self._axes(name)} for name, body in self.bodies.items()}
+
+    def _axes(self, carrier: str | None) -> dict[str, Place]:
+        guides = ((n, b.guide) for n, b in self.bodies.items() if b.guide is not None)
+        return {
+            axis_label(name): guide.origin
+            for name, guide in guides
+            if guide.body == carrier and not isinstance(guide.origin, str)
+        }
+
+    def labels(self, body: str) -> tuple[str, ...]:
+        """All points of a body, the axis point of a slider's own guide first."""
+        own = () if self.bodies[body].rotates else (axis_label(body),)
+        return (*own, *self.attachments[body])
 
     @cached_property
     def prescribed(self) -> dict[str, Prescribed]:
@@ -106,9 +146,25 @@ class Mechanism:
         return {t.body: t for t in self.terms if isinstance(t, Initial)}
 
     @cached_property
-    def forces(self) -> tuple[AxialForce, ...]:
-        """Forces on sliders."""
-        return tuple(t for t in self.terms if isinstance(t, AxialForce))
+    def loads(self) -> tuple[Load, ...]:
+        """Forces, torques, springs and dampers; friction has found its two bodies."""
+        bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
+        displaced = [t for t in self.terms if isinstance(t, Displacement)]
+        return tuple(
+            resolved(t, bodies, self.ground, displaced) if isinstance(t, Friction) else t
+            for t in self.terms
+            if isinstance(t, Load | Friction)
+        )
+
+    @cached_property
+    def point_masses(self) -> tuple[PointMass, ...]:
+        """Masses at joints."""
+        return tuple(t for t in self.terms if isinstance(t, PointMass))
+
+    @cached_property
+    def relations(self) -> tuple[Relation, ...]:
+        """Welds and gears."""
+        return tuple(t for t in self.terms if isinstance(t, Relation))
 
     @cached_property
     def gravity(self) -> Gravity:
@@ -130,7 +186,32 @@ class Mechanism:
         """The same mechanism with one more component."""
         return replace(self, components=(*self.components, component))
 
+    def with_state(self, state: Mapping[str, tuple[float, float]]) -> Mechanism:
+        """The same mechanism with other free coordinates, or the same in another state.
+
+        Parameters
+        ----------
+        state
+            Free coordinate → value and rate; clearances that are not named keep theirs.
+        """
+        kept: list[Component] = []
+        for component in self.components:
+            if isinstance(component, Clearance) and component.name in state:
+                angle, speed = state[component.name]
+                kept.append(replace(component, angle=angle, speed=speed))
+            elif not isinstance(component, FreeAngle | FreePosition):
+                kept.append(component)
+        for name, (value, rate) in state.items():
+            if self.bodies[name].kind == "clearance":
+                continue
+            if self.bodies[name].rotates:
+                kept.append(FreeAngle(name=name, angle=value, speed=rate))
+            else:
+                kept.append(FreePosition(name=name, position=value, speed=rate))
+        return replace(self, components=tuple(kept))
+
     def ideal(self) -> Mechanism:
-        """The same mechanism without its clearances."""
-        kept = tuple(c for c in self.components if not isinstance(c, Clearance))
+        """The same mechanism without its clearances and the friction in them."""
+        gone = (Clearance, ClearanceDamper)
+        kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")

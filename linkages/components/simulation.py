@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from linkages.components.component import Component, component
 from linkages.spec.quantities import Duration, Name, PositiveInteger, Tolerance
@@ -24,6 +24,10 @@ class SimulationDefaults(Component):
         Tolerances of an adaptive solver; `atol` is `rtol` (in rad, m, rad/s, m/s) if not given.
     step
         Step of a fixed-step solver in seconds.
+    change_points
+        Whether to ``pass`` smoothly through positions from which the mechanism could go on in two
+        ways, or to ``stop`` there. If it is not said, motions with a free coordinate other than a
+        clearance pass, and those that drives impose stop.
     """
 
     section: ClassVar[str] = "simulate"
@@ -34,6 +38,7 @@ class SimulationDefaults(Component):
     rtol: Tolerance = 1e-10
     atol: Tolerance | None = None
     step: Duration | None = None
+    change_points: Literal["pass", "stop"] | None = None
 
     def terms(self) -> tuple[()]:
         """None: it says nothing about the mechanism."""

@@ -7,6 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from linkages.components.functions import Function
 
 Path = tuple[str | int, ...]
 
@@ -43,10 +47,30 @@ Origin = str | tuple[Parameter, Parameter]
 
 @dataclass(frozen=True)
 class Guide:
-    """A straight axis fixed to the ground: a point on it (or a ground joint) and its direction."""
+    """A straight axis that a body slides along.
+
+    Parameters
+    ----------
+    origin
+        The point of the axis that displacements count from: a joint, or coordinates in the frame
+        of `body`.
+    angle
+        Direction of the axis in the frame of `body`.
+    body
+        The body that carries the axis; None for the ground.
+    """
 
     origin: Origin
     angle: Parameter
+    body: str | None = None
+
+
+def axis_label(slider: str) -> str:
+    """Return what the point is called that a slider's displacement counts from.
+
+    It is a point of the body that carries the axis; no name of a definition file contains a dot.
+    """
+    return f"{slider}.axis"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +82,8 @@ class Body:
     name, kind, path
         Name, what it is called in reports (``"bar"``, ``"plate"``, …), place in the file.
     points
-        Joint name → coordinates in the body's own frame.
+        Joint name → coordinates in the body's own frame. The frame of a sliding body has its
+        first axis along its guide and its origin at its first joint.
     mass, inertia
         ``inertia`` is about the centre of mass.
     centre
@@ -101,12 +126,42 @@ class Displacement:
 
 
 @dataclass(frozen=True)
-class Prescribed:
-    """A coordinate that is a given function of time: ``start + speed·t``."""
+class Relation:
+    """The angle of a body follows from others: θ = offset + Σ ratio·θ_other (welds, gears).
+
+    Parameters
+    ----------
+    body
+        A body that turns.
+    parts
+        Other bodies that turn, with their ratios. A ratio of exactly 1 is structure.
+    offset
+        In radians.
+    path
+        Where it stands in the definition file.
+    """
 
     body: str
-    start: Parameter
-    speed: Parameter
+    parts: tuple[tuple[str, Parameter], ...]
+    offset: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class PointMass:
+    """A mass concentrated at a joint (kg)."""
+
+    joint: str
+    mass: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """A coordinate (angle or displacement) that is a given function of time."""
+
+    body: str
+    law: Function
     path: Path
 
 
@@ -122,10 +177,94 @@ class Initial:
 
 @dataclass(frozen=True)
 class AxialForce:
-    """A constant force on a sliding body along its axis (N)."""
+    """A force on a sliding body along its axis (N); its guide gets the opposite one."""
 
     body: str
-    force: Parameter
+    force: Function
+    path: Path
+
+
+@dataclass(frozen=True)
+class AxialDamper:
+    """Viscous friction in a guide: the force −damping·ṡ (N·s/m)."""
+
+    body: str
+    damping: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A force at a joint with given components in the ground's frame (N)."""
+
+    joint: str
+    force: tuple[Function, Function]
+    path: Path
+
+
+@dataclass(frozen=True)
+class Torque:
+    """A torque on a body (N·m); ``reference`` gets the opposite one (None: the ground)."""
+
+    body: str
+    reference: str | None
+    torque: Function
+    path: Path
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A translational spring and damper between two joints.
+
+    It pulls with stiffness·(distance − length) + damping·(rate of the distance).
+    """
+
+    first: str
+    second: str
+    stiffness: Parameter
+    length: Parameter
+    damping: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class TorsionSpring:
+    """A torsional spring and damper that turns ``body`` against ``reference`` (None: ground).
+
+    Its torque on ``body`` is −stiffness·(θ_body − θ_reference − angle) − damping·(ω_body −
+    ω_reference); whole turns count.
+    """
+
+    body: str
+    reference: str | None
+    stiffness: Parameter
+    angle: Parameter
+    damping: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """Viscous friction at a joint between two bodies; if not named, between the only two there.
+
+    A mechanism turns it into a `TorsionSpring` without stiffness (N·m·s/rad).
+    """
+
+    joint: str
+    bodies: tuple[str, str] | None
+    damping: Parameter
+    path: Path
+
+
+@dataclass(frozen=True)
+class ClearanceFriction:
+    """Viscous friction that turns the link of a clearance with the bar that it displaces.
+
+    A mechanism turns it into a `TorsionSpring` without stiffness (N·m·s/rad).
+    """
+
+    clearance: str
+    damping: Parameter
     path: Path
 
 
@@ -147,13 +286,45 @@ class Hint:
     path: Path
 
 
-Term = Body | GroundPin | Displacement | Prescribed | Initial | AxialForce | Gravity | Hint
+Load = AxialForce | AxialDamper | PointForce | Torque | Spring | TorsionSpring
+
+Friction = JointFriction | ClearanceFriction
+
+Term = (
+    Body
+    | GroundPin
+    | Displacement
+    | Relation
+    | PointMass
+    | Prescribed
+    | Initial
+    | Gravity
+    | Hint
+    | Load
+    | Friction
+)
 
 
 @dataclass(frozen=True)
 class References:
-    """Names that a component uses: each must be declared by another component."""
+    """Names that a component uses: each must be declared by another component.
+
+    Parameters
+    ----------
+    joints, ground, moving
+        Paths and names of joints: any, of the ground, not of the ground.
+    bodies
+        Paths, names and the kinds of bodies that are expected.
+    points
+        Paths, bodies, and joints that these must have.
+    meeting
+        Paths, bodies, and joints at which these must turn, as they are or with a slider that they
+        carry; the body may be ``"ground"``.
+    """
 
     joints: tuple[tuple[Path, str], ...] = ()
     ground: tuple[tuple[Path, str], ...] = ()
-    bodies: tuple[tuple[Path, str, tuple[str, ...]], ...] = ()  # path, name, expected kinds
+    moving: tuple[tuple[Path, str], ...] = ()
+    bodies: tuple[tuple[Path, str, tuple[str, ...]], ...] = ()
+    points: tuple[tuple[Path, str, str], ...] = ()
+    meeting: tuple[tuple[Path, str, str], ...] = ()

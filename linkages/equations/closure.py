@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
+from linkages.components.terms import axis_label
 from linkages.equations.places import Places
 from linkages.equations.polar import Polar, Terms, collected, components
 from linkages.equations.symbols import Symbols
@@ -20,7 +22,7 @@ class LoopEquation:
     Parameters
     ----------
     apex
-        The joint at which the two unknown links meet.
+        The joint at which the two sides meet, or the axis of a slider.
     left, right
         Sums of vectors, positive terms only; what both ways share is cancelled.
     unknowns
@@ -43,27 +45,53 @@ class LoopEquation:
         return components(self.terms)
 
 
-def closure(topology: Topology, symbols: Symbols, places: Places) -> tuple[LoopEquation, ...]:
-    """One equation per independent loop, in the order in which blocks are solved."""
-    return tuple(
-        _loop_equation(loop, block.unknowns, symbols, places)
-        for block in topology.blocks
-        for loop in block.loops
-    )
+@dataclass(frozen=True)
+class BlockEquations:
+    """Loops that determine some coordinates together.
+
+    Parameters
+    ----------
+    loops
+        Two scalar equations each.
+    unknowns
+        The coordinates; fewer than there are equations if some of these are redundant.
+    """
+
+    loops: tuple[LoopEquation, ...]
+    unknowns: tuple[sp.Symbol, ...]
+
+    @property
+    def surplus(self) -> int:
+        """Number of redundant equations."""
+        return 2 * len(self.loops) - len(self.unknowns)
+
+
+def closure(topology: Topology, symbols: Symbols, places: Places) -> tuple[BlockEquations, ...]:
+    """One equation per independent loop, block by block in the order in which they are solved."""
+    axes = {axis_label(name): f"the axis of {name}" for name in topology.mechanism.bodies}
+    found = []
+    for block in topology.solved_blocks:
+        unknowns = tuple(symbols.coordinates[name] for name in block.unknowns)
+        loops = tuple(
+            _loop_equation(loop, axes.get(loop.apex, loop.apex), unknowns, symbols, places)
+            for loop in block.loops
+        )
+        found.append(BlockEquations(loops, unknowns))
+    return tuple(found)
 
 
 def _loop_equation(
-    loop: Loop, unknowns: tuple[str, ...], symbols: Symbols, places: Places
+    loop: Loop, apex: str, unknowns: Sequence[sp.Symbol], symbols: Symbols, places: Places
 ) -> LoopEquation:
     """Once around: from the ground through the loop, and from its other end back."""
-    out = (*places.start(loop.start, loop.steps), *places.along(loop.steps))
-    back = places.start(loop.end, reversed(loop.steps))
+    out = (*places.joint(loop.start), *places.along(loop.steps))
+    back = places.joint(loop.end)
     around = collected((*out, *(-term for term in reversed(back))), symbols.coordinates.values())
     left = tuple(term for term in around if not _negative(term))
     right = tuple(-term for term in reversed(around) if _negative(term))
     if _first_body(right, symbols) < _first_body(left, symbols):
         left, right = right, left
-    return LoopEquation(loop.apex, left, right, tuple(symbols.coordinates[u] for u in unknowns))
+    return LoopEquation(apex, left, right, tuple(unknowns))
 
 
 def _negative(term: Polar) -> bool:

@@ -6,16 +6,19 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.equations.closure import LoopEquation, closure
+from linkages.equations.closure import BlockEquations, LoopEquation, closure
+from linkages.equations.coefficients import Definition
 from linkages.equations.energies import (
     MassiveBody,
-    generalised_forces,
+    gravitational_energy,
     kinetic_energy,
     massive_bodies,
-    potential_energy,
 )
+from linkages.equations.forces import GeneralisedForces
 from linkages.equations.lagrange import ReducedEquations, reduce
+from linkages.equations.laws import law_of
 from linkages.equations.places import Places
+from linkages.equations.springs import Distance, distances, stored_energy
 from linkages.equations.symbols import Symbols
 from linkages.topology.topology import Topology
 
@@ -31,21 +34,30 @@ class Equations:
     symbols
         All symbols, with the values of parameters.
     coordinates
-        One per body, in the order of the file: angle or displacement.
+        One per body, in the order of the file: angle or displacement. A body that a weld or gear
+        turns has none of its own.
     driven, free, dependent
         Coordinates by what determines them.
+    followers
+        Angles of the bodies that welds and gears turn.
     drives
         Driven coordinate → its law, a function of time.
     efforts
         Driven coordinate → unknown effort of its drive (N·m, N).
-    loops
-        One vector equation per independent loop.
+    blocks
+        Vector equations, one per independent loop, and what they determine together.
     bodies
         Bodies with mass and their centres of mass.
-    kinetic_energy, potential_energy
-        T and V in J, over the coordinates of all bodies.
+    distances
+        Two joints → length of the springs and dampers between them; `elastic` and `forces` refer
+        to it.
+    kinetic_energy
+        T in J, over the coordinates of all bodies.
+    gravitational, elastic
+        The parts of the potential energy V in J.
     forces
-        Generalised forces Q over the coordinates of all bodies; others are zero.
+        Generalised forces Q over the coordinates of all bodies, their rates, and time; others are
+        zero.
     lagrange
         The same over the generalised coordinates.
     """
@@ -56,19 +68,45 @@ class Equations:
     driven: tuple[sp.Symbol, ...]
     free: tuple[sp.Symbol, ...]
     dependent: tuple[sp.Symbol, ...]
+    followers: tuple[Definition, ...]
     drives: dict[sp.Symbol, sp.Expr]
     efforts: dict[sp.Symbol, sp.Symbol]
-    loops: tuple[LoopEquation, ...]
+    blocks: tuple[BlockEquations, ...]
     bodies: tuple[MassiveBody, ...]
+    distances: dict[tuple[str, str], Distance]
     kinetic_energy: sp.Expr
-    potential_energy: sp.Expr
+    gravitational: sp.Expr
+    elastic: sp.Expr
     forces: dict[sp.Symbol, sp.Expr]
     lagrange: ReducedEquations
+
+    @property
+    def loops(self) -> tuple[LoopEquation, ...]:
+        """All loops, in the order in which blocks are solved."""
+        return tuple(loop for block in self.blocks for loop in block.loops)
 
     @property
     def closure(self) -> tuple[sp.Expr, ...]:
         """Φ: two scalar equations per loop, in metres."""
         return tuple(value for loop in self.loops for value in loop.residual)
+
+    @property
+    def potential_energy(self) -> sp.Expr:
+        """V in J, over the coordinates of all bodies."""
+        return self.gravitational + self.expanded(self.elastic)
+
+    @property
+    def intermediate(self) -> tuple[Definition, ...]:
+        """Distances and their rates, each from what stands before it."""
+        lengths = [Definition(d.symbol, d.length) for d in self.distances.values()]
+        rates = self.symbols.rates
+        return (*lengths, *(Definition(d.rate, d.speed(rates)) for d in self.distances.values()))
+
+    def expanded(self, expression: sp.Expr) -> sp.Expr:
+        """An expression over coordinates and rates, without `distances`."""
+        for definition in reversed(self.intermediate):
+            expression = expression.subs(definition.symbol, definition.value)
+        return expression
 
 
 def derive(topology: Topology) -> Equations:
@@ -80,17 +118,20 @@ def derive(topology: Topology) -> Equations:
         Its blocks give the loops and their order.
     """
     mechanism = topology.mechanism
-    symbols = Symbols(mechanism)
+    symbols = Symbols(mechanism, tuple(topology.slaves))
     places = Places(topology, symbols)
     driven, free, dependent = (
-        tuple(symbols.coordinates[name] for name in names)
+        tuple(symbols.coordinates[name] for name in names if name in symbols.coordinates)
         for names in (topology.driven, topology.free, topology.dependent)
     )
-    loops = closure(topology, symbols, places)
+    blocks = closure(topology, symbols, places)
     bodies = massive_bodies(mechanism, symbols, places)
-    potential = potential_energy(bodies, mechanism, symbols)
+    gravitational = gravitational_energy(bodies, mechanism, symbols)
+    between = distances(mechanism.loads, symbols, places)
+    elastic = stored_energy(mechanism.loads, between, symbols, places)
+    potential = gravitational + elastic
     efforts = _efforts(topology, symbols)
-    forces = generalised_forces(mechanism, symbols, efforts)
+    forces = GeneralisedForces(symbols, places, between).total(mechanism.loads, efforts)
     return Equations(
         title=mechanism.name,
         symbols=symbols,
@@ -98,14 +139,22 @@ def derive(topology: Topology) -> Equations:
         driven=driven,
         free=free,
         dependent=dependent,
+        followers=tuple(
+            Definition(symbol, places.orientation(name))
+            for name, symbol in symbols.followers.items()
+        ),
         drives=_drives(topology, symbols),
         efforts=efforts,
-        loops=loops,
+        blocks=blocks,
         bodies=bodies,
+        distances=between,
         kinetic_energy=kinetic_energy(bodies, symbols.rates),
-        potential_energy=potential,
+        gravitational=gravitational,
+        elastic=elastic,
         forces=forces,
-        lagrange=reduce(loops, (*driven, *free), bodies, potential, forces, symbols),
+        lagrange=reduce(
+            blocks, (*driven, *free), bodies, potential, between.values(), forces, symbols
+        ),
     )
 
 
@@ -118,9 +167,7 @@ def _efforts(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Symbol]
 
 
 def _drives(topology: Topology, symbols: Symbols) -> dict[sp.Symbol, sp.Expr]:
-    drives = topology.mechanism.prescribed
+    prescribed = topology.mechanism.prescribed
     return {
-        symbols.coordinates[name]: symbols.parameter(drives[name].start)
-        + symbols.parameter(drives[name].speed) * symbols.time
-        for name in topology.driven
+        symbols.coordinates[name]: law_of(prescribed[name].law, symbols) for name in topology.driven
     }

@@ -1,4 +1,4 @@
-"""Kinetic energy T, potential energy V and generalised forces Q over the bodies' coordinates.
+"""Kinetic energy T and potential energy V of gravity over the bodies' coordinates.
 
 Centres of mass are differentiated as they stand (paper, Eqs. 2 and 3, with the translation of
 every body).
@@ -19,16 +19,16 @@ from linkages.equations.symbols import Symbols
 
 @dataclass(frozen=True)
 class MassiveBody:
-    """A body with a mass or a moment of inertia.
+    """A body with a mass or a moment of inertia, or a mass at a joint.
 
     Parameters
     ----------
     name
-        Body name.
-    coordinate
-        Its angle or displacement.
+        Name of the body or joint.
+    angle
+        How it is turned, over the coordinates.
     mass, inertia
-        ``inertia`` is about the centre of mass; 0 for a body that does not turn.
+        ``inertia`` is about the centre of mass.
     centre
         Position of the centre of mass.
     position
@@ -36,7 +36,7 @@ class MassiveBody:
     """
 
     name: str
-    coordinate: sp.Symbol
+    angle: sp.Expr
     mass: sp.Expr
     inertia: sp.Expr
     centre: Terms
@@ -46,11 +46,11 @@ class MassiveBody:
 def massive_bodies(
     mechanism: Mechanism, symbols: Symbols, places: Places
 ) -> tuple[MassiveBody, ...]:
-    """All bodies that have a part in the energies."""
-    found = (
+    """All bodies that have a part in the energies, then the masses at joints."""
+    bodies = [
         MassiveBody(
             name=name,
-            coordinate=symbols.coordinates[name],
+            angle=places.orientation(name),
             mass=symbols.parameter(body.mass),
             inertia=symbols.parameter(body.inertia),
             centre=places.centre(name),
@@ -58,8 +58,20 @@ def massive_bodies(
         )
         for name, body in mechanism.bodies.items()
         if not (body.mass.absent and body.inertia.absent)
-    )
-    return tuple(found)
+    ]
+    points = [
+        MassiveBody(
+            name=term.joint,
+            angle=sp.S.Zero,
+            mass=symbols.parameter(term.mass),
+            inertia=sp.S.Zero,
+            centre=places.joint(term.joint),
+            position=symbols.define("X", term.joint),
+        )
+        for term in mechanism.point_masses
+        if not term.mass.absent
+    ]
+    return (*bodies, *points)
 
 
 def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
@@ -77,7 +89,8 @@ def kinetic_energy(bodies: Iterable[MassiveBody], rates: Mapping[sp.Symbol, sp.S
         if body.mass != 0:
             x, y = (time_derivative(value, rates) for value in components(body.centre))
             energy += body.mass * (x**2 + y**2) / 2
-        energy += body.inertia * rates[body.coordinate] ** 2 / 2
+        if body.inertia != 0:
+            energy += body.inertia * time_derivative(body.angle, rates) ** 2 / 2
     return energy
 
 
@@ -86,11 +99,11 @@ def time_derivative(expression: sp.Expr, rates: Mapping[sp.Symbol, sp.Symbol]) -
     return sp.Add(*(sp.diff(expression, q) * rate for q, rate in rates.items()))
 
 
-def potential_energy(
+def gravitational_energy(
     bodies: Iterable[MassiveBody], mechanism: Mechanism, symbols: Symbols
 ) -> sp.Expr:
     """V = −Σ m g·x in J, zero for centres of mass at the origin."""
-    gravity = symbols.parameter(mechanism.gravity.x), symbols.parameter(mechanism.gravity.y)
+    gravity = symbols.pair((mechanism.gravity.x, mechanism.gravity.y))
     energy = sp.S.Zero
     for body in bodies:
         x, y = components(body.centre)
@@ -98,22 +111,3 @@ def potential_energy(
     turning = sorted(energy.atoms(sp.cos, sp.sin), key=sp.default_sort_key)
     varying = [*symbols.coordinates.values(), *turning]
     return sp.Add(*map(sp.factor_terms, sp.Add.make_args(sp.collect(energy, varying))))
-
-
-def generalised_forces(
-    mechanism: Mechanism, symbols: Symbols, efforts: Mapping[sp.Symbol, sp.Symbol]
-) -> dict[sp.Symbol, sp.Expr]:
-    """Q of every coordinate that a load or a drive acts on, in N·m or N.
-
-    Parameters
-    ----------
-    mechanism, symbols
-        Its loads, and the symbols of their numbers.
-    efforts
-        Driven coordinate → symbol of the unknown effort of its drive.
-    """
-    forces: dict[sp.Symbol, sp.Expr] = dict(efforts)
-    for load in mechanism.forces:
-        coordinate = symbols.coordinates[load.body]
-        forces[coordinate] = forces.get(coordinate, sp.S.Zero) + symbols.parameter(load.force)
-    return {coordinate: force for coordinate, force in forces.items() if force != 0}

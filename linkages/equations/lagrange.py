@@ -1,30 +1,22 @@
 """Lagrange's equations over the generalised coordinates (paper, Eqs. 4–8).
 
-Dependent rates follow from the closure: ż = Σ_i K_zi q̇_i with velocity coefficients K_zi = ∂z/∂q_i
-that solve Φ_z K = −Φ_q block by block. They stay symbols, so no expression blows up.
+Dependent rates follow from the closure: ż = Σ_i K_zi q̇_i with the velocity coefficients of
+`linkages.equations.coefficients`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.equations.closure import LoopEquation
+from linkages.equations.closure import BlockEquations
+from linkages.equations.coefficients import BlockCoefficients, Definition, Row, solve_block
 from linkages.equations.energies import MassiveBody
-from linkages.equations.polar import cross, derivative, dot
+from linkages.equations.polar import derivative, dot
+from linkages.equations.springs import Distance
 from linkages.equations.symbols import Symbols
-
-Row = tuple[sp.Expr, ...]
-
-
-@dataclass(frozen=True)
-class Definition:
-    """A symbol and what it stands for."""
-
-    symbol: sp.Symbol
-    value: sp.Expr
 
 
 @dataclass(frozen=True)
@@ -38,11 +30,13 @@ class ReducedEquations:
     coefficients
         Coordinate u of a body → (∂u/∂q_1, …): 0, 1 or a symbol K.
     blocks
-        For each solved loop the definitions of its K, from earlier K and coordinates.
+        For each solved block what defines its K, from earlier K and coordinates.
     masses
         (u, v) → a_uv with 2 T = Σ a_uv u̇ v̇, for pairs of which v does not come before u.
     inertia
         J_ij for i ≤ j, from a and K.
+    slopes
+        ∂V/∂u of every coordinate u of a body.
     gradient
         ∂V/∂q_i, from ∂V/∂u and K.
     forces
@@ -51,68 +45,44 @@ class ReducedEquations:
 
     coordinates: tuple[sp.Symbol, ...]
     coefficients: dict[sp.Symbol, Row]
-    blocks: tuple[tuple[Definition, ...], ...]
+    blocks: tuple[BlockCoefficients, ...]
     masses: dict[tuple[sp.Symbol, sp.Symbol], Definition]
     inertia: dict[tuple[int, int], Definition]
+    slopes: dict[sp.Symbol, sp.Expr]
     gradient: Row
     forces: Row
 
 
 def reduce(
-    loops: tuple[LoopEquation, ...],
+    blocks: tuple[BlockEquations, ...],
     independent: tuple[sp.Symbol, ...],
     bodies: tuple[MassiveBody, ...],
     potential: sp.Expr,
+    between: Collection[Distance],
     forces: Mapping[sp.Symbol, sp.Expr],
     symbols: Symbols,
 ) -> ReducedEquations:
     """Eliminate the dependent rates from T, V and Q."""
     coefficients = {q: tuple(sp.eye(len(independent)).row(i)) for i, q in enumerate(independent)}
-    blocks = tuple(_solve(loop, coefficients, symbols) for loop in loops)
+    solved = tuple(solve_block(block, coefficients, symbols) for block in blocks)
     masses = _masses(bodies, symbols)
-    gradient = {u: sp.factor_terms(sp.diff(potential, u)) for u in coefficients}
+    slopes = {u: sp.factor_terms(_slope(potential, u, between)) for u in coefficients}
     return ReducedEquations(
         coordinates=independent,
         coefficients=coefficients,
-        blocks=blocks,
+        blocks=solved,
         masses=masses,
         inertia=_inertia(masses, coefficients, len(independent), symbols),
-        gradient=_projected(gradient, coefficients),
+        slopes=slopes,
+        gradient=_projected(slopes, coefficients),
         forces=_projected(forces, coefficients),
     )
 
 
-def _solve(
-    loop: LoopEquation, known: dict[sp.Symbol, Row], symbols: Symbols
-) -> tuple[Definition, ...]:
-    """Velocity coefficients of a loop's two unknowns, by Cramer's rule; adds them to `known`.
-
-    With a and b the derivatives of the loop by its unknowns and w the one by what is known,
-    K_a a + K_b b + w = 0 gives K_a = −(w × b)/(a × b).
-    """
-    first, second = loop.unknowns
-    given = {w: terms for w in known if (terms := derivative(loop.terms, w))}
-    definitions: list[Definition] = []
-    rows: dict[sp.Symbol, Row] = {}
-    for unknown, other in ((first, second), (second, first)):
-        b = derivative(loop.terms, other)
-        determinant = cross(derivative(loop.terms, unknown), b)
-        values = [
-            -sp.Add(*(known[w][i] * cross(terms, b) for w, terms in given.items())) / determinant
-            for i in range(len(next(iter(known.values()))))
-        ]
-        found = [_named(value, i, unknown, symbols) for i, value in enumerate(values)]
-        rows[unknown] = tuple(sp.S.Zero if d is None else d.symbol for d in found)
-        definitions += [d for d in found if d is not None]
-    known.update(rows)
-    return tuple(definitions)
-
-
-def _named(value: sp.Expr, index: int, unknown: sp.Symbol, symbols: Symbols) -> Definition | None:
-    if value == 0:
-        return None
-    (body,) = symbols.notations[unknown].subscripts
-    return Definition(symbols.define("K", body, str(index + 1)), sp.factor(value, deep=False))
+def _slope(potential: sp.Expr, u: sp.Symbol, between: Collection[Distance]) -> sp.Expr:
+    """∂V/∂u, directly and through the lengths of springs."""
+    through = (sp.diff(potential, d.symbol) * d.derivative(u) for d in between)
+    return sp.diff(potential, u) + sp.Add(*through)
 
 
 def _masses(
@@ -130,9 +100,9 @@ def _masses(
 
 
 def _mass(body: MassiveBody, u: sp.Symbol, v: sp.Symbol) -> sp.Expr:
-    """Return a body's part of a_uv: m ∂x/∂u·∂x/∂v, and J for its own angle."""
+    """Return a body's part of a_uv: m ∂x/∂u·∂x/∂v + J ∂θ/∂u ∂θ/∂v."""
     value = body.mass * dot(derivative(body.centre, u), derivative(body.centre, v))
-    return value + body.inertia if u == v == body.coordinate else value
+    return value + body.inertia * sp.diff(body.angle, u) * sp.diff(body.angle, v)
 
 
 def _inertia(

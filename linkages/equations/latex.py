@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sympy as sp
+from sympy.printing.latex import LatexPrinter
 
 from linkages.equations.polar import Polar
-from linkages.equations.sheet import Formula, Line, Section, Side, signed
+from linkages.equations.sheet import Formula, Line, Norm, Section, Side, signed
 from linkages.equations.symbols import Notation, Symbols
 
 _PER_ROW = 5
@@ -46,9 +47,25 @@ def symbol_latex(notation: Notation) -> str:
     return f"{letter}_{{{subscript}}}"
 
 
+class _Printer(LatexPrinter):
+    """Writes what SymPy does not know."""
+
+    def _print_Select(self, expression: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
+        condition, first, second = (self._print(argument) for argument in expression.args)
+        cases = rf"\begin{{cases}} {first} & {condition} \ge 0 \\ {second} & \text{{otherwise}}"
+        return rf"{cases} \end{{cases}}" + ("" if exp is None else f"^{{{exp}}}")
+
+    def _print_Spline(self, expression: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
+        number, order, time = expression.args
+        raised = "'" * int(order)
+        raised = raised if exp is None else f"^{{{raised} {exp}}}"
+        return rf"f_{{{number}}}{raised}({self._print(time)})"
+
+
 class _Writer:
     def __init__(self, symbols: Symbols) -> None:
-        self._looks = {symbol: symbol_latex(n) for symbol, n in symbols.notations.items()}
+        looks = {symbol: symbol_latex(n) for symbol, n in symbols.notations.items()}
+        self._print = _Printer({"symbol_names": looks, "full_prec": False})
 
     def line(self, line: Line) -> str:
         """Return related sides, the first relation aligned, long sums folded."""
@@ -61,6 +78,10 @@ class _Writer:
     def _summands(self, side: Side) -> list[str]:
         if isinstance(side, Formula):
             return [side.latex]
+        if isinstance(side, Norm):
+            *before, last = self._summands(side.terms)
+            leading, *rest = [*before, rf"{last} \bigr|"]
+            return [rf"\bigl| {leading}", *rest]
         (sign, first), *others = ((sign, self._term(term)) for sign, term in signed(side))
         start = first if sign == "+" else f"- {first}"
         return [start, *(f"{_SIGNS[sign]} {text}" for sign, text in others)]
@@ -69,7 +90,7 @@ class _Writer:
         return self._polar(term) if isinstance(term, Polar) else self._expression(term)
 
     def _expression(self, expression: sp.Expr) -> str:
-        return sp.latex(expression, symbol_names=self._looks)
+        return str(self._print.doprint(expression))
 
     def _polar(self, term: Polar) -> str:
         length, angle = self._expression(term.length), self._expression(term.angle)

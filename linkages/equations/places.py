@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from linkages.components.terms import Body, Guide
+from linkages.components.terms import Body, Parameter, axis_label
 from linkages.equations.polar import Polar, Terms, in_frame
 from linkages.equations.symbols import Symbols
 from linkages.topology.blocks import Step
@@ -15,73 +15,92 @@ from linkages.topology.topology import Topology
 
 
 class Places:
-    """Positions along the bodies that place each joint.
+    """Positions along the bodies that place each joint, and how bodies are turned.
 
     Parameters
     ----------
     topology
-        Says which body places a joint.
+        Says which body places a joint, and which bodies welds and gears turn.
     symbols
         Of the same mechanism.
     """
 
     def __init__(self, topology: Topology, symbols: Symbols) -> None:
         self._topology = topology
+        self._mechanism = topology.mechanism
         self._symbols = symbols
 
     def _body(self, name: str) -> Body:
-        return self._topology.mechanism.bodies[name]
+        return self._mechanism.bodies[name]
 
-    def joint(self, joint: str) -> Terms:
-        """Position of a joint."""
-        steps, start = self._topology.path(joint)
-        return (*self.start(start, steps), *self.along(steps))
-
-    def start(self, joint: str | None, steps: Iterable[Step]) -> Terms:
-        """Where a chain begins: a joint, or the axis point of the slider that it begins with."""
-        if joint is None:
-            return self._axis_point(next(iter(steps)).body)
-        if joint in self._topology.mechanism.ground:
-            return in_frame(sp.S.Zero, *self._symbols.pair(self._topology.mechanism.ground[joint]))
-        return self.joint(joint)
+    def joint(self, label: str) -> Terms:
+        """Position of a joint, or of the axis point of a slider."""
+        steps, start = self._topology.path(label)
+        anchor = self._symbols.pair(self._mechanism.anchors[start])
+        return (*in_frame(sp.S.Zero, *anchor), *self.along(steps))
 
     def along(self, steps: Iterable[Step]) -> Terms:
         """Sum of the vectors along bodies."""
         return tuple(term for step in steps for term in self._step(step))
 
     def centre(self, name: str) -> Terms:
-        """Position of a centre of mass."""
+        """Position of a centre of mass; a slider's is its first joint."""
         body = self._body(name)
-        if body.guide is not None:
-            return (*self._axis_point(name), self._displacement(name, body.guide))
-        entry = self._topology.entry[name]
-        assert entry is not None
-        return (*self.start(entry, ()), *self._within(name, body.points[entry], body.centre))
+        first = next(iter(body.points))
+        if body.guide is None:
+            entry = self._topology.entry[name]
+            start = self._mechanism.attachments[name][entry]
+            return (*self.joint(entry), *self._within(name, start, body.centre))
+        if body.guide.body is None:
+            axis = axis_label(name)
+            return (*self.joint(axis), *self._step(Step(name, axis, first)))
+        return self.joint(first)
+
+    def orientation(self, name: str) -> sp.Expr:
+        """The angle of a body's frame in radians; that of a guide up to whole turns."""
+        guide = self._body(name).guide
+        if guide is not None:
+            carrier = sp.S.Zero if guide.body is None else self.orientation(guide.body)
+            return carrier + self._angle(guide.angle, whole_turns=False)
+        if name in self._topology.slaves:
+            return self._following(name)
+        return self._symbols.coordinates[name]
+
+    def _following(self, name: str) -> sp.Expr:
+        """Solve θ_body = offset + Σ ratio·θ_other for the angle of one of the bodies."""
+        relation = self._topology.slaves[name]
+        rest, own = self._angle(relation.offset), sp.S.Zero
+        for other, ratio in relation.parts:
+            factor = sp.S.One if ratio.value == 1.0 else self._symbols.parameter(ratio)
+            if other == name:
+                own = factor
+            else:
+                rest += factor * self.orientation(other)
+        return rest if relation.body == name else (self.orientation(relation.body) - rest) / own
+
+    def _angle(self, angle: Parameter, whole_turns: bool = True) -> sp.Expr:
+        """A constant angle; exact multiples of 90° are structure, as a zero is elsewhere."""
+        quarters = angle.value / (math.pi / 2)
+        if quarters != round(quarters):
+            return self._symbols.parameter(angle)
+        count = round(quarters)
+        return (count if whole_turns else count % 4) * sp.pi / 2
 
     def _step(self, step: Step) -> Terms:
-        body = self._body(step.body)
-        if body.guide is not None:
-            along = self._displacement(step.body, body.guide)
-            return (along,) if step.start is None else (-along,)
-        assert step.start is not None
-        assert step.end is not None
-        return self._within(step.body, body.points[step.start], body.points[step.end])
+        """Along a body; a slider's axis point lies at its first joint, less the displacement."""
+        places, own = self._mechanism.attachments[step.body], axis_label(step.body)
+        slid: Terms = ()
+        if own in (step.start, step.end):
+            along = Polar(self._symbols.coordinates[step.body], self.orientation(step.body))
+            slid = (along if step.start == own else -along,)
+        origin = next(iter(places.values()))
+        within = self._within(
+            step.body, places.get(step.start, origin), places.get(step.end, origin)
+        )
+        return (*slid, *within)
 
-    def _within(self, name: str, start: tuple, end: tuple) -> Terms:
+    def _within(
+        self, name: str, start: tuple[Parameter, Parameter], end: tuple[Parameter, Parameter]
+    ) -> Terms:
         (x0, y0), (x, y) = self._symbols.pair(start), self._symbols.pair(end)
-        return in_frame(self._symbols.coordinates[name], x - x0, y - y0)
-
-    def _axis_point(self, name: str) -> Terms:
-        guide = self._body(name).guide
-        assert guide is not None
-        assert not isinstance(guide.origin, str)
-        return in_frame(sp.S.Zero, *self._symbols.pair(guide.origin))
-
-    def _displacement(self, name: str, guide: Guide) -> Polar:
-        """Along the axis; exact multiples of 90° are structure, as a zero is elsewhere."""
-        quarters = guide.angle.value / (math.pi / 2)
-        if quarters == round(quarters):
-            angle = (round(quarters) % 4) * sp.pi / 2
-        else:
-            angle = self._symbols.parameter(guide.angle)
-        return Polar(self._symbols.coordinates[name], angle)
+        return in_frame(self.orientation(name), x - x0, y - y0)

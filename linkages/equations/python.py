@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import ast
+from collections.abc import Mapping, Sequence
 
 import sympy as sp
-from sympy.printing.numpy import NumPyPrinter
 
 from linkages.equations.derivation import Equations
-
-Given = dict[str, Sequence[sp.Symbol]]
+from linkages.equations.python_functions import FunctionWriter
 
 _HEADER = '''"""Closure and energies of a planar linkage, written by linkages.
 
 q: one coordinate per body, in the order of COORDINATES (rad, m); dq: their rates; p: parameters
-in SI by name; efforts: of the drives, in the order of DRIVEN (N·m, N).
+in SI by name; t: time in s; efforts: of the drives, in the order of DRIVEN (N·m, N).
 """
 
-from numpy import array, cos, pi, sin, zeros  # noqa: F401
 '''
+_NUMPY = (
+    "arctan", "array", "cos", "exp", "linalg", "log", "pi", "sin", "sqrt", "tan", "tanh", "zeros",
+)  # fmt: skip
 
 
 def write_python(equations: Equations) -> str:
     """Return the text of the module; names of the definition file stand in comments only."""
-    parts = [_HEADER, _constants(equations), *_functions(equations)]
-    return "\n".join(parts)
+    parts = [_constants(equations), *_functions(equations)]
+    if equations.symbols.tables:
+        parts.insert(1, _tables(equations))
+    text = "\n".join(parts)
+    names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    imported = ", ".join(name for name in _NUMPY if name in names)
+    return f"{_HEADER}from numpy import {imported}\n\n{text}"
 
 
 def _constants(equations: Equations) -> str:
@@ -41,24 +47,79 @@ def _constants(equations: Equations) -> str:
     return "\n".join([*lines, "}", ""])
 
 
+def _tables(equations: Equations) -> str:
+    tables = equations.symbols.tables
+    rows = [f"    ({t.times!r}, {t.values!r}, {t.periodic!r})," for t in tables]
+    return "\n".join(["\nTABLES = (  # times, values, periodic", *rows, ")", _SPLINE])
+
+
+_SPLINE = '''
+def spline(times, values, periodic, t, order):
+    """Derivative of a cubic spline at time t, from its second derivatives at all times."""
+    steps = [b - a for a, b in zip(times, times[1:])]
+    slopes = [(b - a) / step for a, b, step in zip(values, values[1:], steps)]
+    last = len(steps)
+    matrix, right = zeros((last + 1, last + 1)), zeros(last + 1)
+    for k in range(1, last):
+        matrix[k, k - 1 : k + 2] = steps[k - 1], 2 * (steps[k - 1] + steps[k]), steps[k]
+        right[k] = 6 * (slopes[k] - slopes[k - 1])
+    matrix[0, 0] = matrix[last, last] = 1.0
+    if periodic:
+        matrix[0, last] = -1.0
+        matrix[last, 0], matrix[last, 1] = 2 * steps[0], steps[0]
+        matrix[last, last - 1], matrix[last, last] = steps[-1], 2 * steps[-1]
+        right[last] = 6 * (slopes[0] - slopes[-1])
+        t = times[0] + (t - times[0]) % (times[-1] - times[0])
+    curved = linalg.solve(matrix, right)
+    inner = min(max(t, times[0]), times[-1])
+    k = max(i for i in range(last) if i == 0 or times[i] <= inner)
+    step, before, after = steps[k], inner - times[k], times[k + 1] - inner
+    slope = slopes[k] + (
+        (3 * before**2 - step**2) * curved[k + 1] - (3 * after**2 - step**2) * curved[k]
+    ) / (6 * step)
+    if order == 0:
+        straight = (values[k] * after + values[k + 1] * before) / step
+        bent = before * (before**2 - step**2) * curved[k + 1]
+        bent = bent + after * (after**2 - step**2) * curved[k]
+        return straight + bent / (6 * step) + slope * (t - inner)
+    if order == 1:
+        return slope
+    return (curved[k] * after + curved[k + 1] * before) / step if inner == t else 0.0
+'''
+
+
 def _functions(equations: Equations) -> list[str]:
-    q = equations.coordinates
+    q, time = equations.coordinates, equations.symbols.time
     dq = [equations.symbols.rates[coordinate] for coordinate in q]
     closure = sp.Matrix(equations.closure)
     drives, efforts = (list(v.values()) for v in (equations.drives, equations.efforts))
-    potential = equations.potential_energy
-    write = _FunctionWriter(equations)
+    rates = [sp.diff(law, time) for law in drives]
+    potential = equations.gravitational + equations.elastic
+    acting: Mapping[str, Sequence[sp.Symbol]] = {"t": (), "q": q, "dq": dq, "efforts": efforts}
+    write = FunctionWriter(equations)
     return [
         write.vector("drives", {"t": ()}, "Coordinates of DRIVEN at time t.", drives),
+        write.vector("drive_rates", {"t": ()}, "Their rates.", rates),
+        write.vector(
+            "drive_accelerations",
+            {"t": ()},
+            "Their second derivatives.",
+            [sp.diff(rate, time) for rate in rates],
+        ),
         write.vector("closure", {"q": q}, "Φ(q) in m: zero where all loops close.", list(closure)),
         write.matrix("closure_jacobian", "∂Φ/∂q.", _jacobian(closure, q)),
         write.scalar("kinetic_energy", {"q": q, "dq": dq}, "T in J.", equations.kinetic_energy),
         write.scalar("potential_energy", {"q": q}, "V in J.", potential),
-        write.vector("potential_gradient", {"q": q}, "∂V/∂q.", [sp.diff(potential, c) for c in q]),
+        write.vector(
+            "potential_gradient",
+            {"q": q},
+            "∂V/∂q.",
+            [equations.lagrange.slopes.get(c, sp.S.Zero) for c in q],
+        ),
         write.vector(
             "generalised_forces",
-            {"efforts": efforts},
-            "Q of every coordinate.",
+            acting,
+            "Q of every coordinate: of loads, dampers and drives.",
             [equations.forces.get(c, sp.S.Zero) for c in q],
         ),
         write.matrix("mass_matrix", "a with 2 T = Σ a_uv u̇ v̇.", _masses(equations)),
@@ -84,56 +145,3 @@ def _masses(equations: Equations) -> sp.Matrix:
     masses = {pair: definition.value for pair, definition in equations.lagrange.masses.items()}
     zero = sp.S.Zero
     return sp.Matrix(len(q), len(q), lambda i, j: masses.get((q[min(i, j)], q[max(i, j)]), zero))
-
-
-class _FunctionWriter:
-    def __init__(self, equations: Equations) -> None:
-        self._equations = equations
-        self._print = NumPyPrinter({"fully_qualified_modules": False}).doprint
-
-    def scalar(self, name: str, given: Given, doc: str, value: sp.Expr) -> str:
-        """Write a function that returns one number."""
-        return self._function(name, given, doc, [value], [f"return {self._print(value)}"])
-
-    def vector(self, name: str, given: Given, doc: str, values: Sequence[sp.Expr]) -> str:
-        """Write a function that returns an array with one axis."""
-        rows = [f"    {self._print(value)}," for value in values]
-        body = ["return array([", *rows, "], dtype=float)"] if rows else ["return zeros(0)"]
-        return self._function(name, given, doc, values, body)
-
-    def matrix(self, name: str, doc: str, matrix: sp.Matrix) -> str:
-        """Write a function of q that returns an array with two axes, mostly zeros."""
-        body = [f"result = zeros(({matrix.rows}, {matrix.cols}))"]
-        for (i, j), value in matrix.todok().items():
-            body.append(f"result[{i}, {j}] = {self._print(value)}")
-        body.append("return result")
-        return self._function(name, {"q": self._equations.coordinates}, doc, list(matrix), body)
-
-    def coefficients(self) -> str:
-        """Write the function that returns K; later coefficients use earlier ones."""
-        q, reduced = self._equations.coordinates, self._equations.lagrange
-        definitions = [definition for block in reduced.blocks for definition in block]
-        body = [f"{d.symbol.name} = {self._print(d.value)}" for d in definitions]
-        rows = (", ".join(self._print(k) for k in reduced.coefficients[u]) for u in q)
-        body += ["return array([", *(f"    [{row}]," for row in rows), "], dtype=float)"]
-        doc = "K = ∂q/∂GENERALISED, where no block is singular."
-        values = [d.value for d in definitions]
-        return self._function("velocity_coefficients", {"q": q}, doc, values, body)
-
-    def _function(
-        self,
-        name: str,
-        given: Given,
-        doc: str,
-        values: Iterable[sp.Expr],
-        body: Sequence[str],
-    ) -> str:
-        used = set().union(*(value.free_symbols for value in values))
-        lines = [f"\ndef {name}({', '.join(given)}, p=PARAMETERS):", f'    """{doc}"""']
-        for argument, symbols in given.items():
-            names = [symbol.name for symbol in symbols]
-            if names and used & set(symbols):
-                lines.append(f"    {', '.join(names)}{',' * (len(names) == 1)} = {argument}")
-        parameters = [symbol for symbol in self._equations.symbols.values if symbol in used]
-        lines += [f'    {symbol.name} = p["{symbol.name}"]' for symbol in parameters]
-        return "\n".join([*lines, *(f"    {line}" for line in body), ""])

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import sympy as sp
 
+from linkages.equations.coefficients import Definition, LinearSystem
 from linkages.equations.derivation import Equations
-from linkages.equations.lagrange import Definition
 from linkages.equations.polar import Polar, Terms
+from linkages.reading.paths import dotted
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,14 @@ class Formula:
     latex: str
 
 
-Side: TypeAlias = sp.Expr | Terms | Formula
+@dataclass(frozen=True)
+class Norm:
+    """The length of a sum of vectors."""
+
+    terms: Terms
+
+
+Side: TypeAlias = sp.Expr | Terms | Formula | Norm
 
 
 @dataclass(frozen=True)
@@ -50,6 +58,7 @@ COEFFICIENTS = Formula(
     "u̇ = Σ_i K_u,i q̇_i  with  K_u,i = ∂u/∂q_i",
     r"\dot{u} = \sum_i K_{u,i} \dot{q}_i , \quad K_{u,i} = \partial u / \partial q_i",
 )
+SYSTEM = Formula("Φ_z K = −Φ_q", r"\Phi_z K = -\Phi_q")
 INERTIA = Formula("J_ij = Σ a_uv K_u,i K_v,j", r"J_{ij} = \sum_{u,v} a_{u,v} K_{u,i} K_{v,j}")
 LAGRANGE = Formula(
     "Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i",
@@ -77,8 +86,9 @@ def sections(equations: Equations) -> tuple[Section, ...]:
         Section("Coordinates", tuple(_coordinates(equations))),
         Section("Closure, loop by loop", tuple(_closure(equations))),
         Section("Centres of mass", tuple(_centres(equations))),
+        Section("Lengths of springs and dampers", tuple(_distances(equations))),
         Section("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
-        Section("Potential energy", (Line((Formula("V", "V"), equations.potential_energy)),)),
+        Section("Potential energy", (Line((Formula("V", "V"), _potential(equations))),)),
         Section("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
         Section("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
         Section("Lagrange's equations", tuple(_lagrange(equations))),
@@ -99,12 +109,49 @@ def _coordinates(equations: Equations) -> Iterator[Line]:
     for index, coordinate in enumerate(equations.lagrange.coordinates, 1):
         name = _indexed("q", index)
         if coordinate in equations.drives:
-            yield Line((name, coordinate, equations.drives[coordinate]), "driven")
+            law = equations.drives[coordinate]
+            yield Line((name, coordinate, law), "driven")
+            yield from _derivatives(index, law, equations.symbols.time)
         else:
             yield Line((name, coordinate), "free")
-    for loop in equations.loops:
-        for unknown in loop.unknowns:
-            yield Line((unknown,), f"dependent, from the loop closed at {loop.apex}")
+    for block in equations.blocks:
+        places = [loop.apex for loop in block.loops]
+        what = "loop" if len(places) == 1 else "loops"
+        for unknown in block.unknowns:
+            yield Line((unknown,), f"dependent, from the {what} closed at {_listed(places)}")
+    for definition in equations.followers:
+        yield Line((definition.symbol, definition.value), "by a weld or gear")
+    for number, table in enumerate(equations.symbols.tables, 1):
+        what = "periodic cubic spline" if table.periodic else "natural cubic spline"
+        function = Formula(f"f_{number}(t)", f"f_{{{number}}}(t)")
+        yield Line((function,), f"{what} through {len(table.times)} points: {dotted(table.path)}")
+
+
+def _derivatives(index: int, law: sp.Expr, time: sp.Symbol) -> Iterator[Line]:
+    """Speed and acceleration of a drive, unless its speed is constant."""
+    speed = sp.diff(law, time)
+    acceleration = sp.diff(speed, time)
+    if acceleration != 0:
+        yield Line((Formula(f"q̇_{index}", rf"\dot{{q}}_{{{index}}}"), speed))
+        yield Line((Formula(f"q̈_{index}", rf"\ddot{{q}}_{{{index}}}"), acceleration))
+
+
+def _listed(names: Sequence[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def _distances(equations: Equations) -> Iterator[Line]:
+    """Lengths, and the rates of those that have a damper."""
+    used = set().union(*(force.free_symbols for force in equations.forces.values()))
+    for distance in equations.distances.values():
+        yield Line((distance.symbol, Norm(distance.between)))
+        if distance.rate in used:
+            yield Line((distance.rate, distance.speed(equations.symbols.rates)))
+
+
+def _potential(equations: Equations) -> sp.Expr:
+    return equations.gravitational + equations.elastic
 
 
 def _closure(equations: Equations) -> Iterator[Line]:
@@ -132,7 +179,23 @@ def _coefficients(equations: Equations) -> Iterator[Line]:
     if equations.loops:
         yield Line((COEFFICIENTS,))
     for block in equations.lagrange.blocks:
-        yield from _definitions(iter(block))
+        yield from _definitions(iter(block.definitions))
+        if block.system is not None:
+            yield from _system(block.system)
+
+
+def _system(system: LinearSystem) -> Iterator[Line]:
+    """One equation per scalar loop equation and generalised coordinate."""
+    more = f"; {system.surplus} of them redundant: least squares" if system.surplus else ""
+    equations, unknowns = system.matrix.shape
+    size = f"{equations} equations for {unknowns} unknown{'s' if unknowns > 1 else ''}"
+    yield Line((SYSTEM,), f"{size} per coordinate{more}")
+    product = system.matrix * system.coefficients
+    for column in range(product.cols):
+        for row in range(product.rows):
+            left, right = product[row, column], system.right[row, column]
+            if left != 0 or right != 0:
+                yield Line((left, right))
 
 
 def _lagrange(equations: Equations) -> Iterator[Line]:

@@ -7,10 +7,12 @@ is kept apart from it, so a name of the definition file is never parsed, whateve
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from linkages.components.functions import Table
 from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Body, Parameter, Path
 from linkages.reading.paths import dotted
@@ -65,11 +67,15 @@ class Symbols:
     ----------
     mechanism
         Its bodies give the coordinates; parameters become symbols when they are first used.
+    followers
+        Bodies without a coordinate of their own: welds and gears turn them.
 
     Attributes
     ----------
     coordinates
         Body → its angle (rad) or displacement (m).
+    followers
+        Body that follows others → the symbol of its angle in print.
     rates
         Coordinate → its time derivative.
     values
@@ -78,16 +84,21 @@ class Symbols:
         Parameter symbol → its place in the definition file.
     notations
         Symbol → how it is written.
+    tables
+        Laws that are splines: f_1, f_2, …
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(self, mechanism: Mechanism, followers: Collection[str] = ()) -> None:
         self.notations: dict[sp.Symbol, Notation] = {}
         self.values: dict[sp.Symbol, float] = {}
         self.paths: dict[sp.Symbol, Path] = {}
+        self.tables: list[Table] = []
         self._parameters: dict[Path, sp.Symbol] = {}
-        bodies = mechanism.bodies.values()
+        self._sliders = {body.name for body in mechanism.bodies.values() if not body.rotates}
+        bodies = [body for body in mechanism.bodies.values() if body.name not in followers]
         self.time = self.define("t")
         self.coordinates = {b.name: self.define(_coordinate_letter(b), b.name) for b in bodies}
+        self.followers = {name: self.define("theta", name) for name in followers}
         self.rates = {q: self.dotted(q) for q in self.coordinates.values()}
 
     def define(self, letter: str, *subscripts: str, dots: int = 0) -> sp.Symbol:
@@ -111,16 +122,31 @@ class Symbols:
         notation = self.notations[symbol]
         return self.define(notation.letter, *notation.subscripts, dots=dots)
 
-    def parameter(self, parameter: Parameter) -> sp.Expr:
-        """Return the symbol of a number of the definition file; a structural zero is 0."""
+    def parameter(self, parameter: Parameter, notation: tuple[str, ...] = ()) -> sp.Expr:
+        """Return the symbol of a number of the definition file; a structural zero is 0.
+
+        Its letter and subscripts follow from its path unless they are given.
+        """
         if parameter.absent:
             return sp.S.Zero
         if parameter.path not in self._parameters:
-            symbol = self.define(*_parameter_notation(parameter.path))
+            symbol = self.define(*(notation or self._notation(parameter.path)))
             self._parameters[parameter.path] = symbol
             self.values[symbol] = parameter.value
             self.paths[symbol] = parameter.path
         return self._parameters[parameter.path]
+
+    def _notation(self, path: Path) -> tuple[str, ...]:
+        match path:
+            case ("drives", str(body), "speed") if body in self._sliders:
+                return "v", body
+        return _parameter_notation(path)
+
+    def table(self, table: Table) -> int:
+        """Return the number of a spline, from 1."""
+        if table not in self.tables:
+            self.tables.append(table)
+        return self.tables.index(table) + 1
 
     def pair(self, pair: tuple[Parameter, Parameter]) -> tuple[sp.Expr, sp.Expr]:
         """Return the symbols of two numbers of the definition file."""
@@ -152,10 +178,29 @@ def _parameter_notation(path: Path) -> tuple[str, ...]:
             return _AXES[axis], body, "0"
         case ("drives", str(body), "angle"):
             return "theta", body, "0"
-        case ("loads" | "springs" | "dampers", int(index), str(key)) if key in _BY_KEY:
-            return _BY_KEY[key], str(index + 1)
+        case ("drives", str(body), "position"):
+            return "s", body, "0"
+        case ("drives", str(body), "law", *place):
+            return "p", body, *map(_counted, place)
+        case ("masses", str(joint)):
+            return "m", joint
+        case ("gears", int(index), "ratio"):
+            return "i", str(index + 1)
+        case ("gears", int(index), "carrier"):
+            return "i", str(index + 1), "carrier"
+        case ("dampers", int(index), "damping"):
+            return "b", str(index + 1)
+        case ("loads" | "springs", int(index), str(key), *place) if key in _BY_KEY:
+            return _BY_KEY[key], str(index + 1), *map(_counted, place)
+        case ("springs" | "gears", int(index), "angle"):
+            return "phi", str(index + 1)
         case (_, str(body), "angle"):
             return "phi", body
         case (_, str(body), str(key)) if key in _BY_KEY:
             return _BY_KEY[key], body
     return "p", *(str(element) for element in path)
+
+
+def _counted(element: str | int) -> str:
+    """An element of a path, places of a list counted from 1."""
+    return str(element + 1) if isinstance(element, int) else element

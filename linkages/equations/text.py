@@ -7,14 +7,16 @@ import textwrap
 import unicodedata
 
 import sympy as sp
+from sympy.printing.str import StrPrinter
 
-from linkages.equations.polar import RIGHT_ANGLE, Polar
-from linkages.equations.sheet import Formula, Line, Section, Side, signed
+from linkages.equations.polar import Polar
+from linkages.equations.sheet import Formula, Line, Norm, Section, Side, signed
 from linkages.equations.symbols import Notation, Symbols
 
 WIDTH = 100
 _GLUE = "\xa0"  # no name contains it
 _GREEK = {"theta": "θ", "alpha": "α", "phi": "φ", "omega": "ω"}
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DOTS = ("", "\u0307", "\u0308")
 
 
@@ -39,6 +41,18 @@ def symbol_text(notation: Notation) -> str:
     return f"{letter}_{subscript}" if one_word else f"{letter}_{{{subscript}}}"
 
 
+class _Printer(StrPrinter):
+    """Writes what SymPy does not know."""
+
+    def _print_Select(self, expression: sp.Expr) -> str:  # noqa: N802
+        condition, first, second = (self._print(argument) for argument in expression.args)
+        return f"[{first} if {condition} ≥ 0, else {second}]"
+
+    def _print_Spline(self, expression: sp.Expr) -> str:  # noqa: N802
+        number, order, time = expression.args
+        return f"f_{number}{'′' * int(order)}({self._print(time)})"
+
+
 class _Writer:
     """Writes expressions: SymPy prints identifiers, which are then replaced by their looks."""
 
@@ -47,6 +61,7 @@ class _Writer:
             s.name: symbol_text(n).replace(" ", _GLUE) for s, n in symbols.notations.items()
         }
         self._looks["pi"] = "π"
+        self._print = _Printer({"full_prec": False})
 
     def line(self, line: Line) -> str:
         """Return sides joined by equal signs, folded at the page width."""
@@ -69,6 +84,10 @@ class _Writer:
     def _summands(self, side: Side) -> list[str]:
         if isinstance(side, Formula):
             return [side.text]
+        if isinstance(side, Norm):
+            *before, last = self._summands(side.terms)
+            leading, *rest = [*before, f"{last}|"]
+            return [f"|{leading}", *rest]
         (sign, first), *others = ((sign, self._term(term)) for sign, term in signed(side))
         start = first if sign == "+" else f"−{first}"
         return [start, *(f"{sign} {text}" for sign, text in others)]
@@ -77,21 +96,24 @@ class _Writer:
         return self._polar(term) if isinstance(term, Polar) else self._expression(term)
 
     def _expression(self, expression: sp.Expr) -> str:
-        text = sp.sstr(expression).replace("**2", "²").replace("*", "·").replace("-", "−")
+        text = self._print.doprint(expression)
+        text = re.sub(r"\*\*(\d+)", lambda m: m[1].translate(_RAISED), text)
+        text = text.replace("**", "^").replace("*", "·").replace("-", "−").replace("sqrt(", "√(")
         return re.sub(r"[A-Za-z_][A-Za-z0-9_]*", lambda m: self._looks.get(m[0], m[0]), text)
 
     def _polar(self, term: Polar) -> str:
         length = self._expression(term.length)
         if term.length.is_Add:
             length = f"({length})"
-        turned = term.angle - RIGHT_ANGLE
         if term.angle == 0:
             return length
-        if term.angle.is_number:
-            return f"{length}∠{self._expression(sp.deg(term.angle))}°"
-        if turned.is_Symbol:
-            return f"{length}∠({self._expression(turned)} + 90°)"
-        return f"{length}∠{self._expression(term.angle)}"
+        quarters, rest = term.angle.as_independent(*term.angle.free_symbols)
+        if rest == 0 or not term.angle.is_Add:
+            quarters, rest = (term.angle, 0) if term.angle.is_number else (0, term.angle)
+        parts = [] if rest == 0 else [self._expression(rest)]
+        parts += [] if quarters == 0 else [f"{self._expression(sp.deg(quarters))}°"]
+        angle = " + ".join(parts).replace("+ −", "− ")
+        return f"{length}∠({angle})" if " " in angle else f"{length}∠{angle}"
 
 
 def _glued(piece: str) -> str:

@@ -1,80 +1,87 @@
-"""The assembly mode at t = 0: the side of every dyad."""
+"""The assembly mode at the start: chosen from the hints of the definition file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.errors import InputError
-from linkages.kernel.dyads import LinkAndSlider, TwoLinks
+from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Evaluator, Scalar
-from linkages.topology.blocks import Block
-
-Evaluate = Callable[[list[Scalar], int], list[float]]
-"""Nodes and the side of the block under consideration → values at t = 0."""
+from linkages.kernel.modes import Assembly, Choice, Place
+from linkages.kernel.scalars import Scalar
+from linkages.topology.blocks import ITERATED, Block
 
 
-def assemble(model: Model, state: np.ndarray) -> tuple[dict[int, int], tuple[int, ...]]:
-    """Choose the side of each block from the hints of the definition file.
+def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None) -> Assembly:
+    """Choose among the modes of each block by the hints of the definition file.
 
     Parameters
     ----------
-    model
-        The equations.
-    state
-        Free coordinates and their rates at t = 0.
+    place
+        The equations at the initial time and state.
+    near
+        Where points are, shape (2,) each; taken instead of the hints.
 
     Returns
     -------
-    Block index → +1 or −1, and the blocks for which no hint was given (a slider then lies
-    forward of its link along the axis).
+    The assembly; where no hint is given, a slider lies forward of its link along the axis, and a
+    block that can be put together in one way only is.
 
     Raises
     ------
     InputError
-        For dyads that cannot be assembled, and joints that could be in two places.
+        For blocks that cannot be assembled, and joints that could be in two places.
     """
-    sides: dict[int, int] = {}
+    model = place.model
+    if near is None and not model.topology.redundant:
+        _check_hints(model)
+    found = Assembly()
     assumed: list[int] = []
-    _check_hints(model)
     for block in model.topology.solved_blocks:
-
-        def evaluate(nodes: list[Scalar], side: int, index: int = block.index) -> list[float]:
-            return _values(model, nodes, state, sides | {index: side})
-
-        _check_reach(model, block, evaluate)
-        if model.positions.dyads[block.index].radicand is None:
-            continue
-        side = _hinted_side(model, block, evaluate)
-        if side is None:
-            if block.kind == "RRR":
-                raise _missing_hint(model, block, evaluate)
-            side = 1
-            assumed.append(block.index)
-        sides[block.index] = side
-    return sides, tuple(assumed)
-
-
-def parameter_values(model: Model, sides: dict[int, int]) -> np.ndarray:
-    """The parameter array of a model, shape (parameters,)."""
-    values = dict(model.inputs.parameters)
-    values |= {
-        ("side", block): float(side) for block, side in sides.items() if ("side", block) in values
-    }
-    return np.array(list(values.values()), dtype=float)
+        _check_reach(place, block, found)
+        choices = place.choices(block, found)
+        if not choices:
+            raise _no_solution(model, block)
+        if near is None:
+            choice = _hinted(place, block, found, choices)
+        else:
+            choice = _nearest(place, block, found, choices, near)
+        if choice is None:
+            if len(choices) > 1 and block.kind not in ("RRP", "RPR"):
+                raise _missing_hint(place, block, found, choices)
+            choice = choices[0]
+            if len(choices) > 1:
+                assumed.append(block.index)
+        found = found.with_choice(block, choice)
+    return Assembly(found.sides, found.values, _turns(place, found), tuple(assumed))
 
 
-def _values(
-    model: Model, nodes: list[Scalar], state: np.ndarray, sides: dict[int, int]
-) -> list[float]:
-    found = Evaluator(nodes)(t=np.zeros(1), y=state, p=parameter_values(model, sides))
-    return [float(value) for value in found]
+def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
+    """Whole turns in the deflections of torsional springs.
+
+    Angles that the definition gives count as they are given. Of others only the direction is
+    known at the start: deflections from them are then taken within half a turn.
+    """
+    model = place.model
+    topology = model.topology
+    given = {*topology.driven, *topology.free}
+    found: dict[int, float] = {}
+    for index, (term, load) in enumerate(zip(model.mechanism.loads, model.loads, strict=True)):
+        deflection = getattr(load, "deflection", None)
+        bodies = [getattr(term, "body", None), getattr(term, "reference", None)]
+        masters = {m for b in bodies if b is not None for m in topology.orientations[b].masters}
+        if deflection is not None and not masters <= given:
+            (value,) = place.values([deflection], assembly)
+            found[index] = float(2 * np.pi * np.round(value / (2 * np.pi)))
+    return found
 
 
-def _joints(model: Model, block: Block) -> list[str]:
-    bodies = {body for body, _ in block.placements}
+def placed_joints(model: Model, block: Block) -> list[str]:
+    """Joints that a block places, in the order of the mechanism."""
+    bodies = {body for body, _, _ in block.placements}
     placed = model.topology.placing
     return [joint for joint in model.topology.joints if placed.get(joint) in bodies]
 
@@ -84,63 +91,100 @@ def _place_nodes(model: Model, joints: list[str]) -> list[Scalar]:
     return [node for joint in joints for node in (places[joint].x, places[joint].y)]
 
 
-def _check_reach(model: Model, block: Block, evaluate: Evaluate) -> None:
-    dyad = model.positions.dyads[block.index]
-    if dyad.radicand is None:
+def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
+    dyad = place.model.positions.dyads[block.index]
+    if not isinstance(dyad, TwoLinks | LinkAndSlider | LinkInGuide):
         return
-    radicand, bridge, first, second = _reach_numbers(dyad, evaluate)
+    (radicand,) = place.values([dyad.radicand], assembly)
     if radicand >= 0.0:
         return
-    loop = block.loops[0]
-    path = model.mechanism.bodies[block.unknowns[0]].path
-    names = " and ".join(block.unknowns)
+    model, loop = place.model, block.loops[0]
+    one, other = block.unknowns
     if isinstance(dyad, TwoLinks):
+        nodes = [dyad.gap_square, dyad.first_square, dyad.second_square]
+        bridge, first, second = (value**0.5 for value in place.values(nodes, assembly))
         message = (
-            f"{names} ({first:.6g} m and {second:.6g} m) cannot meet at {loop.apex}: their other "
-            f"ends {loop.start} and {loop.end} are {bridge:.6g} m apart at t = 0; expected between "
-            f"{abs(first - second):.6g} m and {first + second:.6g} m"
+            f"{one} and {other} ({first:.6g} m and {second:.6g} m) cannot meet at {loop.apex}: "
+            f"their other ends {loop.start} and {loop.end} are {bridge:.6g} m apart at t = 0; "
+            f"expected between {abs(first - second):.6g} m and {first + second:.6g} m"
+        )
+    elif isinstance(dyad, LinkAndSlider):
+        across, length = place.values([dyad.across, dyad.margin_scale], assembly)
+        message = (
+            f"{one} ({length:.6g} m) cannot reach the axis of {other}: {loop.start} is "
+            f"{abs(across):.6g} m away from it at t = 0; expected at most {length:.6g} m"
         )
     else:
+        square, across = place.values([dyad.gap.square, dyad.gap.square - dyad.radicand], assembly)
         message = (
-            f"{block.unknowns[0]} ({first:.6g} m) cannot reach the axis of {block.unknowns[1]}: "
-            f"{loop.start} is {bridge:.6g} m away from it at t = 0; expected at most {first:.6g} m"
+            f"the axis of {other} on {one} cannot reach its pin: {loop.start} and {loop.end} are "
+            f"{square**0.5:.6g} m apart at t = 0; expected at least {across**0.5:.6g} m"
         )
+    path = model.mechanism.bodies[one].path
     raise model.mechanism.error([(path, f"cannot be assembled: {message}")])
 
 
-def _reach_numbers(dyad: object, evaluate: Evaluate) -> tuple[float, float, float, float]:
-    """Radicand, distance to bridge, lengths of the links (the second 0 for a slider)."""
-    if isinstance(dyad, TwoLinks):
-        nodes = [dyad.radicand, dyad.gap_square, dyad.first_square, dyad.second_square]
-        radicand, gap, first, second = evaluate(nodes, 1)
-        return radicand, gap**0.5, first**0.5, second**0.5
-    assert isinstance(dyad, LinkAndSlider)
-    radicand, across, length = evaluate([dyad.radicand, dyad.across, dyad.margin_scale], 1)
-    return radicand, abs(across), length, 0.0
+def _no_solution(model: Model, block: Block) -> InputError:
+    bodies = ", ".join(block.unknowns)
+    path = model.mechanism.bodies[block.unknowns[0]].path
+    message = f"cannot be assembled: no position of {bodies} closes the {block.label} at t = 0"
+    if block.surplus:
+        known = len(model.topology.driven) + len(model.topology.free)
+        joints = ", ".join(model.topology.redundant)
+        message += (
+            f"; more constraints than coordinates at {joints}, and they contradict each other: "
+            f"the mobility is {model.topology.mobility}, and {known} coordinates are driven or "
+            "free; expected no more than the mobility, and fitting dimensions"
+        )
+    return model.mechanism.error([(path, message)])
 
 
-def _hinted_side(model: Model, block: Block, evaluate: Evaluate) -> int | None:
-    hints = [
-        hint for joint, hint in model.mechanism.hints.items() if joint in _joints(model, block)
-    ]
+def _nearest(
+    place: Place,
+    block: Block,
+    assembly: Assembly,
+    choices: list[Choice],
+    near: Mapping[str, NDArray[np.float64]],
+) -> Choice:
+    """The choice that puts the points of a block closest to given places."""
+    bodies = {body for body, _, _ in block.placements}
+    points = [point for point, body in place.model.topology.placing.items() if body in bodies]
+    nodes = _place_nodes(place.model, points)
+    wanted = np.array([near[point] for point in points]).ravel()
+
+    def distance(choice: Choice) -> float:
+        found = place.values(nodes, assembly.with_choice(block, choice))
+        return float(np.linalg.norm(np.array(found) - wanted))
+
+    return min(choices, key=distance)
+
+
+def _hinted(place: Place, block: Block, assembly: Assembly, choices: list[Choice]) -> Choice | None:
+    """The choice that hints ask for; None if there are none for this block."""
+    model = place.model
+    joints = placed_joints(model, block)
+    hints = [hint for joint, hint in model.mechanism.hints.items() if joint in joints]
     sides = [hint.side for hint in hints if hint.side is not None]
     if sides:
         return sides[0]
-    if not hints:
+    if not hints or len(choices) == 1:
         return None
     nodes = _place_nodes(model, [hint.joint for hint in hints])
     wanted = np.array([hint.position for hint in hints], dtype=float).ravel()
-    left, right = (float(np.linalg.norm(np.array(evaluate(nodes, s)) - wanted)) for s in (1, -1))
-    size = float(np.linalg.norm(np.array(evaluate(nodes, 1)) - np.array(evaluate(nodes, -1))))
-    if abs(left - right) <= 1e-6 * size:
+    places = np.array([place.values(nodes, assembly.with_choice(block, c)) for c in choices])
+    distances = np.linalg.norm(places - wanted, axis=1)
+    order = np.argsort(distances, kind="stable")
+    best, second = order[0], order[1]
+    size = float(np.linalg.norm(places[best] - places[second]))
+    if distances[second] - distances[best] <= 1e-6 * size:
         message = "lies as near to one possible place as to the other; expected nearer to one"
         raise model.mechanism.error([(hints[0].path, message)])
-    return 1 if left < right else -1
+    return choices[best]
 
 
 def _check_hints(model: Model) -> None:
     """A side makes sense only where two links meet."""
-    apexes = {j: b for b in model.topology.solved_blocks for j in _joints(model, b)}
+    apexes = {j: b for b in model.topology.solved_blocks for j in placed_joints(model, b)}
     found = []
     for joint, hint in model.mechanism.hints.items():
         block = apexes.get(joint)
@@ -160,31 +204,46 @@ def _meets(joint: str, block: Block) -> bool:
 
 
 def _meeting_joint(model: Model, block: Block) -> str:
-    """The joint between two unknown links, by a name that a definition file can use.
+    """The joint between unknown links, by a name that a definition file can use.
 
-    A clearance there displaces one of the links; its displaced point has no name in the file.
+    A clearance there displaces one of the links; its displaced point has no name in the file, nor
+    has the axis point of a slider.
     """
     loop = block.loops[0]
     displaced = {[*b.points][1] for b in model.mechanism.bodies.values() if b.kind == "clearance"}
-    inner = [step.end for step in loop.steps[:-1] if step.end is not None]
-    return next((joint for joint in (loop.apex, *inner) if joint not in displaced), loop.apex)
+    inner = [step.end for step in loop.steps[:-1]]
+    named = [joint for joint in model.topology.joints if joint not in displaced]
+    return next((joint for joint in (loop.apex, *inner) if joint in named), loop.apex)
 
 
 def _no_sides(model: Model, joint: str, block: Block | None) -> str:
     if block is None:
         return f"joint {joint} has one possible place only; expected no side"
+    if block.kind == ITERATED:
+        return f"joint {joint} is in a {block.title}; expected about where it is, such as [0.5, 0]"
     if block.kind == "RRR":
         meeting = _meeting_joint(model, block)
         return f"left or right is said of joint {meeting}, where the two links meet"
     return f"joint {joint} moves along an axis; expected about where it is, such as [0.5, 0]"
 
 
-def _missing_hint(model: Model, block: Block, evaluate: Evaluate) -> InputError:
+def _missing_hint(
+    place: Place, block: Block, assembly: Assembly, choices: list[Choice]
+) -> InputError:
+    model = place.model
     joint = _meeting_joint(model, block)
     nodes = _place_nodes(model, [joint])
-    places = [", ".join(f"{value:.4g}" for value in evaluate(nodes, side)) for side in (1, -1)]
-    message = (
-        f"joint {joint} can be in two places; expected '{joint}: left' (at [{places[0]}]) or "
-        f"'{joint}: right' (at [{places[1]}])"
-    )
+    found = [place.values(nodes, assembly.with_choice(block, choice)) for choice in choices]
+    places = [", ".join(f"{value:.4g}" for value in values) for values in found]
+    if block.kind == ITERATED:
+        listed = ", ".join(f"[{text}]" for text in places)
+        message = (
+            f"the {block.label} can be put together in {len(choices)} ways; expected about where "
+            f"its joints are, as '{joint}: [x, y]' (here {joint} would be at {listed})"
+        )
+    else:
+        message = (
+            f"joint {joint} can be in two places; expected '{joint}: left' (at [{places[0]}]) or "
+            f"'{joint}: right' (at [{places[1]}])"
+        )
     return model.mechanism.error([(("assembly",), message)])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from linkages.components.terms import Path
+from linkages.components.functions import Number, Operation, Table
+from linkages.components.terms import Parameter, Path
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program
 from linkages.kernel.scalars import Level, Scalar, reachable
@@ -15,7 +17,10 @@ KINDS = {
     "multiplications": ("mul",),
     "divisions": ("div",),
     "square roots": ("sqrt",),
-    "trigonometric calls": ("sin", "cos", "atan2"),
+    "trigonometric calls": ("sin", "cos", "tan", "atan", "atan2"),
+    "other functions": ("exp", "log", "tanh", "floor", "select", "spline"),
+    "linear systems": ("solve",),
+    "iterations": ("newton",),
 }
 PARTS = {
     "once per run": Level.PARAMETERS,
@@ -61,5 +66,28 @@ def _left_out(model: Model, program: Program) -> tuple[Path, ...]:
         for key, value in (("mass", body.mass), ("inertia", body.inertia))
         if not value.absent
     ]
-    given += [load.force.path for load in model.mechanism.forces if not load.force.absent]
+    given += [term.mass.path for term in model.mechanism.point_masses if not term.mass.absent]
+    given += [
+        path
+        for load in model.mechanism.loads
+        for value in vars(load).values()
+        for path in _numbers(value)
+    ]
     return tuple(path for path in given if numbered.get(path) not in used)
+
+
+def _numbers(value: object) -> Iterator[Path]:
+    """Paths of the numbers of the definition file in a field of a load."""
+    match value:
+        case Parameter(path) if path and not value.absent:
+            yield path
+        case Number(parameter):
+            yield from _numbers(parameter)
+        case Table(path):
+            yield (*path, "spline", 0)
+        case Operation(_, arguments):
+            for argument in arguments:
+                yield from _numbers(argument)
+        case tuple():
+            for part in value:
+                yield from _numbers(part)

@@ -1,8 +1,9 @@
 """Closed-form solutions of the blocks: position, rates and accelerations of two unknowns.
 
 Every dyad is a chain from a known place over two unknown links to another known place. `gap` is
-what the two unknown links must bridge; its derivatives come from the places and from links with
-known motion in between. Nothing iterates, so there is no constraint drift.
+what the two unknown links must bridge; its derivatives come from the places, from links with
+known motion in between, and from what is known of the motion of the two links. Nothing iterates,
+so there is no constraint drift.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Dyad(ABC):
     margin: Scalar
     """Zero at a singular position."""
     margin_scale: Scalar
-    """Largest possible value of `margin`; a parameter."""
+    """Size of `margin` far from singular positions; it is taken at t = 0."""
 
     @abstractmethod
     def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
@@ -124,7 +125,7 @@ class TwoLinks(Dyad):
 
 @dataclass(frozen=True)
 class LinkAndSlider(Dyad):
-    """A turning link and a slider on a fixed axis (RRP): gap + link = position·axis.
+    """A turning link and a slider on an axis of known direction (RRP): gap + link = position·axis.
 
     `forward` is the link's component along the axis, `across` the one along the axis turned
     by 90°.
@@ -192,8 +193,81 @@ class LinkAndSlider(Dyad):
 
 
 @dataclass(frozen=True)
+class LinkInGuide(Dyad):
+    """A turning guide and a slider along it (RPR): gap = base + position·axis, turned as a whole.
+
+    `forward` is the component of the gap along the axis.
+    """
+
+    gap: Vector
+    unit: Vector
+    axis: Vector
+    position: Scalar
+    forward: Scalar
+    across: Scalar
+    inverse_forward: Scalar
+    radicand: Scalar
+    margin: Scalar
+    margin_scale: Scalar
+
+    @staticmethod
+    def solve(gap: Vector, base: Vector, axis: Vector, sign: float, side: Scalar) -> LinkInGuide:
+        """Turn a guide until its axis goes through a given place.
+
+        Parameters
+        ----------
+        gap
+            From the known end of the chain on the guide's side to the other one, in metres.
+        base
+            The part of the chain that does not slide, in the frame of the guide.
+        axis
+            Unit vector in that frame.
+        sign
+            +1 if the chain runs along the axis, −1 if against it.
+        side
+            +1 if the gap points along the axis as the chain runs, −1 if against it.
+        """
+        graph = side.graph
+        along = axis * sign
+        across = base.dot(along.turned)
+        radicand = gap.square - across * across
+        forward = side * graph.sqrt(radicand)
+        turned = along * forward + along.turned * across  # the gap in the frame of the guide
+        unit = gap.times(Vector(turned.x, -turned.y)) * (1.0 / gap.square)
+        return LinkInGuide(
+            gap=gap,
+            unit=unit,
+            axis=unit.times(along),
+            position=forward - base.dot(along),
+            forward=forward,
+            across=across,
+            inverse_forward=1.0 / forward,
+            radicand=radicand,
+            margin=forward,
+            margin_scale=graph.sqrt(gap.square),
+        )
+
+    def rates(self, gap_rate: Vector) -> tuple[Scalar, Scalar]:
+        """Angular speed of the guide, speed along it."""
+        turning = -(gap_rate.cross(self.axis) * self.inverse_forward)
+        return turning, self.gap.dot(gap_rate) * self.inverse_forward
+
+    def accelerations(
+        self,
+        gap_acceleration: Vector,
+        rates: tuple[Scalar, Scalar],  # noqa: ARG002
+    ) -> tuple[Scalar, Scalar]:
+        """Angular acceleration of the guide, acceleration along it."""
+        return self.rates(gap_acceleration)
+
+    def margin_rate(self, rates: tuple[Scalar, Scalar]) -> Scalar:
+        """The margin grows as the slider moves."""
+        return rates[1]
+
+
+@dataclass(frozen=True)
 class TwoSliders(Dyad):
-    """Two sliders on fixed axes (PP): gap = second·axis₂ − first·axis₁."""
+    """Two sliders on axes of known directions (PP): gap = second·axis₂ − first·axis₁."""
 
     first_axis: Vector
     second_axis: Vector

@@ -20,8 +20,11 @@ from linkages.kernel.vectors import Vector
 class MotionField(Protocol):
     """Velocities or accelerations of bodies and joints."""
 
-    bodies: dict[str, Scalar]
     joints: dict[str, Vector]
+
+    def turning(self, name: str) -> Scalar:
+        """Angular speed or acceleration of a body."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -46,15 +49,25 @@ class Inertia:
         for body in positions.topology.mechanism.bodies.values():
             if body.rotates:
                 self._add_turning(body)
-            elif not body.mass.absent:
-                (joint,) = body.points
-                self._add_mass(joint, positions.inputs.parameter(body.mass))
+            else:
+                self._add_sliding(body)
+        for term in positions.topology.mechanism.point_masses:
+            if not term.mass.absent:
+                self._add_mass(term.joint, positions.inputs.parameter(term.mass))
         for joint, mass in self.masses.items():
             if mass.label is None and mass.operands:
                 mass.label = f"joint{positions.numbers[joint]}_mass"
 
     def _add_mass(self, joint: str, mass: Scalar) -> None:
         self.masses[joint] = self.masses.get(joint, self._graph.zero) + mass
+
+    def _add_sliding(self, body: Body) -> None:
+        """The centre of mass of a slider lies at its first point."""
+        if not body.mass.absent:
+            first = next(iter(body.points))
+            self._add_mass(first, self._positions.inputs.parameter(body.mass))
+        if not body.inertia.absent:
+            self.moments[body.name] = self._positions.inputs.parameter(body.inertia)
 
     def _add_turning(self, body: Body) -> None:
         inputs = self._positions.inputs
@@ -96,7 +109,7 @@ class Inertia:
             vector = a.joints[joint] if offset is None else a.joints[joint] - offset
             weighted = b.joints[joint] * mass
             terms.append(vector.dot(weighted))
-        terms += [a.bodies[n] * (b.bodies[n] * moment) for n, moment in self.moments.items()]
+        terms += [a.turning(n) * (b.turning(n) * moment) for n, moment in self.moments.items()]
         for c in self.couplings:
             first, second = a.joints[c.first], a.joints[c.second]
             if offset is not None:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from linkages.components.terms import Parameter, Path
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph
 from linkages.kernel.vectors import Vector
 
 _KEYS = frozenset(
-    {"length", "mass", "inertia", "center", "points", "through", "size", "angle", "speed", "force"}
-)
+    {
+        "angle", "center", "damping", "force", "inertia", "law", "length", "mass", "points",
+        "position", "ratio", "size", "speed", "spline", "stiffness", "through", "torque",
+    }
+)  # fmt: skip
 
 
 class Inputs:
@@ -58,6 +63,20 @@ class Inputs:
     def side(self, block: int) -> Scalar:
         """The sign that selects the assembly mode of a block, +1 or −1."""
         return self._numbered(("side", block), 1.0)
+
+    def block(self, path: Path, values: Sequence[float]) -> int:
+        """Enter numbers that stand one after the other; returns the index of the first."""
+        for index, value in enumerate(values):
+            self._numbered((*path, index), value)
+        return self._index[*path, 0]
+
+    def turns(self, load: int) -> Scalar:
+        """The multiple of 2π that a torsional spring's deflection is too large by at t = 0."""
+        return self._numbered(("turns", load), 0.0)
+
+    def iterate(self, index: int) -> Scalar:
+        """An unknown within an iteration."""
+        return self.graph.input("z", index, Level.STATE)
 
     def _numbered(self, path: Path, value: float) -> Scalar:
         if path not in self._index:

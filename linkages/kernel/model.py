@@ -7,6 +7,7 @@ from functools import cached_property
 
 from linkages.kernel.inertia import Inertia
 from linkages.kernel.inputs import Inputs
+from linkages.kernel.loads import LoadNodes, load_nodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph
@@ -29,15 +30,15 @@ class Model:
     ----------
     topology
         The analysed mechanism.
-    quadratures
-        Integrals carried along with the motion, each as one more coordinate.
+    more
+        Number of further integrated coordinates: integrals, tangents, what an event watches.
     """
 
-    def __init__(self, topology: Topology, quadratures: int = 0) -> None:
+    def __init__(self, topology: Topology, more: int = 0) -> None:
         self.topology = topology
         self.mechanism = topology.mechanism
         self.graph = ScalarGraph()
-        self.inputs = Inputs(self.graph, len(topology.free) + quadratures)
+        self.inputs = Inputs(self.graph, len(topology.coordinates) + more)
         self.positions = Positions(topology, self.inputs)
 
     @cached_property
@@ -52,9 +53,14 @@ class Model:
         return Inertia(self.positions)
 
     @cached_property
+    def loads(self) -> list[LoadNodes]:
+        """Forces, torques, springs and dampers."""
+        return [load_nodes(self, load) for load in self.mechanism.loads]
+
+    @cached_property
     def known_rates(self) -> dict[str, Scalar]:
         """Rates of driven and free coordinates."""
-        driven = {name: self.positions.prescribed(name)[1] for name in self.topology.driven}
+        driven = {name: law.rate for name, law in self.positions.laws.items()}
         free = {name: self.inputs.rate(i) for i, name in enumerate(self.topology.free)}
         return driven | free
 
@@ -64,9 +70,14 @@ class Model:
         return Rates(self.positions, self.known_rates, "v")
 
     @cached_property
+    def driven_accelerations(self) -> dict[str, Scalar]:
+        """Second derivatives of driven coordinates."""
+        return {name: law.acceleration for name, law in self.positions.laws.items()}
+
+    @cached_property
     def bias(self) -> Accelerations:
         """Accelerations as they would be if the free coordinates did not accelerate."""
-        return Accelerations(self.positions, self.velocities, {}, "b")
+        return Accelerations(self.positions, self.velocities, self.driven_accelerations, "b")
 
     @cached_property
     def accelerations(self) -> Accelerations:
@@ -76,7 +87,8 @@ class Model:
         )
 
     def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
-        return Accelerations(self.positions, self.velocities, free, "a")
+        known = self.driven_accelerations | free
+        return Accelerations(self.positions, self.velocities, known, "a")
 
     def partial(self, name: str, stretch: str | None = None) -> Rates:
         """Partial velocities with respect to one coordinate (or a link's length)."""
@@ -93,8 +105,8 @@ class Model:
         """
         self.graph.section = f"projection on {partial.label}"
         force = self.inertia.product(accelerations, partial, self.gravity)
-        for load in self.mechanism.forces:
-            force = force - self.inputs.parameter(load.force) * partial.bodies[load.body]
+        for load in self.loads:
+            force = force - load.power(partial)
         return force
 
     @cached_property
@@ -114,24 +126,27 @@ class Model:
     @cached_property
     def margin_rates(self) -> list[Scalar]:
         """Derivatives of `margins` with respect to time."""
-        return [
-            dyad.margin_rate((self.velocities.bodies[a], self.velocities.bodies[b]))
-            for (a, b), dyad in self._block_unknowns()
-        ]
+        return [self.velocities.margin_rate(block) for block in self.topology.solved_blocks]
 
     @cached_property
     def margin_scales(self) -> list[Scalar]:
-        """Largest possible values of `margins`; parameters."""
+        """Sizes of `margins` away from singular positions; to be taken at t = 0."""
         return [dyad.margin_scale for dyad in self.positions.dyads.values()]
 
-    def _block_unknowns(self) -> list:
-        return [
-            (
-                [s.body for s in block.loops[0].steps if s.body in block.unknowns],
-                self.positions.dyads[block.index],
-            )
-            for block in self.topology.solved_blocks
-        ]
+    @cached_property
+    def settled(self) -> list[Scalar]:
+        """Coordinates that are carried along as the closure determines them, then their rates."""
+        carried = self.topology.carried
+        values = [self.positions.coordinate(name) for name in carried]
+        return [*values, *(self.velocities.bodies[name] for name in carried)]
+
+    def integrated_accelerations(self, free: list[Scalar]) -> list[Scalar]:
+        """Second derivatives of all integrated coordinates, given those of the free ones."""
+        if not self.topology.carried:
+            return free
+        known = dict(zip(self.topology.free, free, strict=True))
+        bodies = self._accelerations(known).bodies
+        return [*free, *(bodies[name] for name in self.topology.carried)]
 
     @cached_property
     def partials(self) -> list[Rates]:
@@ -161,22 +176,36 @@ class Model:
 
     @cached_property
     def power(self) -> Scalar:
-        """Power of drives and loads, with the accelerations that the state itself implies."""
+        """Power of drives and loads, with the accelerations that the state itself implies.
+
+        Springs are left out: what they store is in the potential energy.
+        """
         free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        accelerations = self._accelerations(free)
-        terms = [
+        return self._driven_power(self._accelerations(free)) + self.load_power
+
+    @property
+    def driven_power(self) -> Scalar:
+        """Power of the drives, given the accelerations of the free coordinates."""
+        return self._driven_power(self.accelerations)
+
+    def _driven_power(self, accelerations: Accelerations) -> Scalar:
+        return self.graph.total(
             self.required_force(accelerations, self.partial(name)) * self.known_rates[name]
             for name in self.topology.driven
-        ]
-        return self.graph.total([*terms, self.load_power])
+        )
 
     @property
     def load_power(self) -> Scalar:
-        """Power of the loads."""
-        return self.graph.total(
-            self.inputs.parameter(load.force) * self.velocities.bodies[load.body]
-            for load in self.mechanism.forces
-        )
+        """Power of forces, torques and dampers."""
+        powers = (load.dissipated() for load in self.loads)
+        return self.graph.total(power for power in powers if power is not None)
+
+    @property
+    def potential_energy(self) -> Scalar:
+        """Of gravity and springs; zero for centres of mass at the origin and relaxed springs."""
+        stored = (load.potential() for load in self.loads)
+        elastic = self.graph.total(energy for energy in stored if energy is not None)
+        return elastic - self.gravity.dot(self.inertia.moment_of_mass())
 
 
 def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Scalar]:

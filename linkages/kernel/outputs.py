@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
+from linkages.topology.blocks import Block, Step
 from linkages.topology.jacobian import ground_loop
 
 AXES = ("x", "y")
@@ -26,15 +28,28 @@ class Variable:
     dims
         Dimensions beside time.
     units, long_name
-        For labels.
+        For labels; of drives that all turn.
     nodes
         The model → one node per element, the last dimension running fastest.
+    pushed
+        Units and long name where all drives push a slider, if they differ.
     """
 
     dims: tuple[str, ...]
     units: str
     long_name: str
     nodes: Callable[[Model], list[Scalar]]
+    pushed: tuple[str, str] | None = None
+
+    def described(self, model: Model) -> tuple[str, str]:
+        """Units and long name that the variable has for a mechanism."""
+        turning = {model.mechanism.bodies[name].rotates for name in model.topology.driven}
+        if self.pushed is None or False not in turning:
+            return self.units, self.long_name
+        units, name = self.pushed
+        if True not in turning:
+            return units, name
+        return f"{self.units} or {units}", f"{self.long_name} or {name}"
 
 
 def labels(model: Model, dim: str) -> tuple[str, ...]:
@@ -45,18 +60,10 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.joints
     if dim == "drive":
         return model.topology.driven
+    if dim == "dyad":
+        return tuple(_dyad_label(model, block) for block in _dyads(model))
     kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "clearance": ("clearance",)}[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
-
-
-def _angle(model: Model, name: str) -> Scalar:
-    """A driven or free angle as it is; a dependent one in [−π, π]."""
-    if name in model.topology.driven:
-        return model.positions.prescribed(name)[0]
-    if name in model.topology.free:
-        return model.inputs.coordinate(model.topology.free.index(name))
-    unit = model.positions.unit(name)
-    return model.graph.atan2(unit.y, unit.x)
 
 
 def _components(vectors: Sequence[Vector]) -> list[Scalar]:
@@ -67,6 +74,10 @@ def _of_bodies(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
     return lambda model: [getattr(model, field).bodies[name] for name in labels(model, dim)]
 
 
+def _of_turning(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
+    return lambda model: [getattr(model, field).turning(name) for name in labels(model, dim)]
+
+
 def _of_joints(field: str) -> Callable[[Model], list[Scalar]]:
     return lambda model: _components(
         [getattr(model, field).joints[joint] for joint in labels(model, "joint")]
@@ -74,7 +85,7 @@ def _of_joints(field: str) -> Callable[[Model], list[Scalar]]:
 
 
 def _angles(dim: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [_angle(model, name) for name in labels(model, dim)]
+    return lambda model: [model.positions.angle(name) for name in labels(model, dim)]
 
 
 def _efforts(model: Model) -> list[Scalar]:
@@ -92,18 +103,56 @@ def _clearance_forces(model: Model) -> list[Scalar]:
     ]
 
 
+def _dyads(model: Model) -> list[Block]:
+    """Blocks with a link that pushes another body."""
+    return [b for b in model.topology.solved_blocks if b.kind in ("RRR", "RRP", "RPR")]
+
+
+def _dyad_label(model: Model, block: Block) -> str:
+    """Its slider, or the joint at which its two links meet."""
+    sliders = [name for name in block.unknowns if not model.mechanism.bodies[name].rotates]
+    return sliders[0] if sliders else block.loops[0].apex
+
+
+def _transmission_angles(model: Model) -> list[Scalar]:
+    """Between the directions of force and of motion's normal: 90° is best, 0 is singular."""
+    graph, found = model.graph, []
+    for block in _dyads(model):
+        dyad = model.positions.dyads[block.index]
+        if isinstance(dyad, TwoLinks):
+            crossed, along = dyad.first.cross(dyad.second), -dyad.first.dot(dyad.second)
+        else:
+            assert isinstance(dyad, LinkAndSlider | LinkInGuide)
+            crossed, across = dyad.forward, dyad.across
+            along = graph.select(across, across, -across)
+        found.append(graph.atan2(graph.select(crossed, crossed, -crossed), along))
+    return found
+
+
+def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
+    """Effort that a body exerts per effort of a drive: the reciprocal of their speeds' ratio."""
+
+    def nodes(model: Model) -> list[Scalar]:
+        partials = [model.partial(name) for name in model.topology.driven]
+        return [
+            1.0 / (partial.turning(name) if dim == "bar" else partial.bodies[name])
+            for partial in partials
+            for name in labels(model, dim)
+        ]
+
+    return nodes
+
+
 def _kinetic_energy(model: Model) -> list[Scalar]:
     return [0.5 * model.inertia.product(model.velocities, model.velocities)]
 
 
 def _potential_energy(model: Model) -> list[Scalar]:
-    return [-model.gravity.dot(model.inertia.moment_of_mass())]
+    return [model.potential_energy]
 
 
 def _drive_power(model: Model) -> list[Scalar]:
-    rates = [model.known_rates[name] for name in model.topology.driven]
-    powers = (effort * rate for effort, rate in zip(_efforts(model), rates, strict=True))
-    return [model.graph.total(powers)]
+    return [model.driven_power]
 
 
 def _load_power(model: Model) -> list[Scalar]:
@@ -112,36 +161,35 @@ def _load_power(model: Model) -> list[Scalar]:
 
 def _closure(model: Model) -> list[Scalar]:
     """Both components of Φ for every loop, from the angles and displacements themselves."""
+    units: dict[str | None, Vector] = {}
 
-    def along(body: str, start: str | None, end: str | None) -> Vector:
-        guide = model.mechanism.bodies[body].guide
-        if guide is not None:
-            place = model.positions.axis(guide) * model.positions.displacements[body]
-            place = place + model.positions.origin(guide)
-            return place if start is None else -place
-        assert start is not None
-        assert end is not None
-        angle = _angle(model, body)
-        unit = Vector(model.graph.cos(angle), model.graph.sin(angle))
-        return unit.times(model.positions.in_frame(body, start, end))
+    def along(step: Step) -> Vector:
+        master, own = model.positions.frames.rotation(step.body)
+        vector = own.times(model.positions.in_frame(step.body, step.start, step.end))
+        if master is None:
+            return vector
+        if master not in units:
+            angle = model.positions.angle(master)
+            units[master] = Vector(model.graph.cos(angle), model.graph.sin(angle))
+        return units[master].times(vector)
 
     residuals = []
     for loop in (loop for block in model.topology.solved_blocks for loop in block.loops):
         total = Vector(model.graph.zero, model.graph.zero)
         for sign, way in zip((1.0, -1.0), ground_loop(model.topology, loop), strict=True):
-            if way and way[0].start in model.mechanism.ground:
+            if way and way[0].start in model.mechanism.anchors:
                 total = total + model.positions.joints[way[0].start] * sign
             for step in way:
-                total = total + along(step.body, step.start, step.end) * sign
+                total = total + along(step) * sign
         residuals.append(total)
     return _components(residuals)
 
 
 VARIABLES: dict[str, Variable] = {
     "bar_angle": Variable(("bar",), "rad", "angle", _angles("bar")),
-    "bar_speed": Variable(("bar",), "rad/s", "angular speed", _of_bodies("bar", "velocities")),
+    "bar_speed": Variable(("bar",), "rad/s", "angular speed", _of_turning("bar", "velocities")),
     "bar_acceleration": Variable(
-        ("bar",), "rad/s^2", "angular acceleration", _of_bodies("bar", "accelerations")
+        ("bar",), "rad/s^2", "angular acceleration", _of_turning("bar", "accelerations")
     ),
     "slider_position": Variable(
         ("slider",),
@@ -173,7 +221,22 @@ VARIABLES: dict[str, Variable] = {
     "joint_acceleration": Variable(
         ("joint", "axis"), "m/s^2", "joint acceleration", _of_joints("accelerations")
     ),
-    "drive_effort": Variable(("drive",), "N m", "driving torque", _efforts),
+    "transmission_angle": Variable(("dyad",), "rad", "transmission angle", _transmission_angles),
+    "mechanical_advantage": Variable(
+        ("drive", "bar"),
+        "1",
+        "torque of a bar per torque of a drive",
+        _advantages("bar"),
+        ("m", "torque of a bar per force of a drive"),
+    ),
+    "slider_mechanical_advantage": Variable(
+        ("drive", "slider"),
+        "1/m",
+        "force of a slider per torque of a drive",
+        _advantages("slider"),
+        ("1", "force of a slider per force of a drive"),
+    ),
+    "drive_effort": Variable(("drive",), "N m", "driving torque", _efforts, ("N", "driving force")),
     "kinetic_energy": Variable((), "J", "kinetic energy", _kinetic_energy),
     "potential_energy": Variable((), "J", "potential energy", _potential_energy),
     "drive_power": Variable((), "W", "power of all drives", _drive_power),

@@ -1,20 +1,25 @@
-"""Where everything is: positions of joints and vectors along bodies, block by block."""
+"""Where everything is: positions of points and vectors along bodies, block by block."""
 
 from __future__ import annotations
 
 import math
 
-from linkages.components.terms import Body, Guide
-from linkages.kernel.dyads import Dyad, LinkAndSlider, TwoLinks, TwoSliders
+from linkages.components.terms import Body
+from linkages.kernel.closed_forms import solve_dyad
+from linkages.kernel.dyads import Dyad
+from linkages.kernel.frames import Frames
 from linkages.kernel.inputs import Inputs
+from linkages.kernel.iterated import Iterated
+from linkages.kernel.iteration import iterate_block
+from linkages.kernel.laws import Law, law_of
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
-from linkages.topology.blocks import Block, Loop
+from linkages.topology.blocks import ITERATED, Block, Loop
 from linkages.topology.topology import Topology
 
 
 class Positions:
-    """Positions of a mechanism as functions of parameters, time and free coordinates.
+    """Positions of a mechanism as functions of parameters, time and integrated coordinates.
 
     Parameters
     ----------
@@ -22,150 +27,176 @@ class Positions:
         Its blocks are solved in their order.
     inputs
         Arguments of the kernel.
+
+    Attributes
+    ----------
+    joints
+        Point → position.
+    displacements
+        Slider → displacement.
+    units, links
+        How a body is turned: its unit vector, or one of its vectors in its own frame and in the
+        plane.
+    dyads
+        Block → its solution.
+    laws
+        Driven body → its law.
     """
 
     def __init__(self, topology: Topology, inputs: Inputs) -> None:
         self.topology = topology
         self.inputs = inputs
         self.graph = inputs.graph
-        self.dyads: dict[int, Dyad] = {}
+        self.frames = Frames(topology, inputs)
+        self.dyads: dict[int, Dyad | Iterated] = {}
         # in the order of the bodies: the order of the ground joints in the file is no structure
-        ground = topology.mechanism.ground
-        used = [
-            j for body in topology.mechanism.bodies.values() for j in body.points if j in ground
-        ]
+        mechanism = topology.mechanism
+        ground = mechanism.anchors
+        used = [j for name in mechanism.bodies for j in mechanism.labels(name) if j in ground]
         self.joints = {
             joint: inputs.vector(ground[joint]) for joint in dict.fromkeys([*used, *ground])
         }
         self.displacements: dict[str, Scalar] = {}
-        self._units: dict[str, Vector] = {}
-        self._known_links: dict[str, tuple[tuple[str, str], Vector]] = {}
+        self.laws: dict[str, Law] = {}
+        self.units: dict[str, Vector] = {}
+        self.links: dict[str, tuple[Vector, Vector]] = {}
+        self._angles: dict[str, Scalar] = {}
+        self._followers: dict[str, Vector] = {}
         self.numbers = {joint: index for index, joint in enumerate(topology.joints)}
-        self.body_numbers = {name: i for i, name in enumerate(topology.mechanism.bodies)}
-        self._drives()
+        self.body_numbers = {name: i for i, name in enumerate(mechanism.bodies)}
+        self._known_coordinates()
         for block in topology.blocks:
             self._place(block)
 
-    def _body(self, name: str) -> Body:
+    def body(self, name: str) -> Body:
+        """A body by its name."""
         return self.topology.mechanism.bodies[name]
 
-    def prescribed(self, name: str) -> tuple[Scalar, Scalar]:
-        """Driven coordinate and its rate."""
-        drive = self.topology.mechanism.prescribed[name]
-        speed = self.inputs.parameter(drive.speed)
-        return self.inputs.parameter(drive.start) + speed * self.inputs.time, speed
+    def integrated(self, name: str) -> Scalar:
+        """The integrated coordinate of a body, free or carried along."""
+        return self.inputs.coordinate(self.topology.coordinates.index(name))
 
-    def _drives(self) -> None:
+    def _known_coordinates(self) -> None:
         """What is known before any block is solved."""
         for name in (*self.topology.driven, *self.topology.free):
-            number = self.body_numbers[name]
-            self.graph.section = f"body {number}: known coordinate"
+            self.graph.section = f"body {self.body_numbers[name]}: known coordinate"
             if name in self.topology.driven:
-                coordinate = self.prescribed(name)[0]
+                law = law_of(self.topology.mechanism.prescribed[name].law, self.inputs)
+                self.laws[name] = law
+                self.assign(name, law.value)
             else:
-                coordinate = self.inputs.coordinate(self.topology.free.index(name))
-            if self._body(name).rotates:
-                unit = Vector(self.graph.cos(coordinate), self.graph.sin(coordinate))
-                self._units[name] = unit.label(f"body{number}_e")
-            else:
-                self.displacements[name] = coordinate
+                self.assign(name, self.integrated(name))
+            if name in self.units:
+                self.units[name].label(f"body{self.body_numbers[name]}_e")
+
+    def assign(self, name: str, coordinate: Scalar) -> None:
+        """Enter the value of a coordinate."""
+        self._followers.clear()
+        if self.body(name).rotates:
+            self._angles[name] = coordinate
+            self.units[name] = Vector(self.graph.cos(coordinate), self.graph.sin(coordinate))
+        else:
+            self.displacements[name] = coordinate
 
     def _place(self, block: Block) -> None:
         if block.unknowns:
-            self.graph.section = f"block {block.index}: {block.kind} dyad"
-            self._solve(block)
-        for name, entry in block.placements:
-            body = self._body(name)
-            for joint in body.points:
-                if self.topology.placing.get(joint) != name:
-                    continue
-                if body.guide is not None:
-                    place = (
-                        self.origin(body.guide) + self.axis(body.guide) * self.displacements[name]
-                    )
-                else:
-                    assert entry is not None
-                    place = self.joints[entry] + self.along(name, entry, joint)
-                self.joints[joint] = place.label(f"joint{self.numbers[joint]}_")
-
-    def origin(self, guide: Guide) -> Vector:
-        """The point that a slider's position is counted from."""
-        assert not isinstance(guide.origin, str)
-        return self.inputs.vector(guide.origin)
-
-    def axis(self, guide: Guide) -> Vector:
-        """Unit vector of an axis; exact multiples of 90° are structure."""
-        quarters = guide.angle.value / (math.pi / 2)
-        if quarters == round(quarters):
-            x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[round(quarters) % 4]
-            return Vector(self.graph.number(x), self.graph.number(y))
-        angle = self.inputs.parameter(guide.angle)
-        return Vector(self.graph.cos(angle), self.graph.sin(angle))
+            self.graph.section = f"block {block.index}: {block.title}"
+            solve = iterate_block if block.kind == ITERATED else solve_dyad
+            self.dyads[block.index] = solve(self, block)
+        for name, entry, labels in block.placements:
+            for label in labels:
+                place = self.joints[entry] + self.along(name, entry, label)
+                self.joints[label] = place
+                if label in self.numbers:
+                    place.label(f"joint{self.numbers[label]}_")
 
     def in_frame(self, name: str, start: str, end: str) -> Vector:
         """From one point of a body to another, in the body's own frame."""
-        points = self._body(name).points
-        return self.inputs.vector(points[end]) - self.inputs.vector(points[start])
+        vector = self.frames.fixed(name, start, end)
+        sliding = self.frames.sliding(name, start, end)
+        if not sliding:
+            return vector
+        displacement = self.displacements[name]
+        return Vector(vector.x + (displacement if sliding > 0 else -displacement), vector.y)
 
     def along(self, name: str, start: str, end: str) -> Vector:
-        """From one point of a turning body to another."""
-        if name in self._units:
-            return self._units[name].times(self.in_frame(name, start, end))
-        reference, link = self._known_links[name]
-        if reference == (start, end):
+        """From one point of a body to another."""
+        master, own = self.frames.rotation(name)
+        return self.turned(master, own.times(self.in_frame(name, start, end)))
+
+    def turned(self, master: str | None, vector: Vector) -> Vector:
+        """A vector in the frame of a body (None: the ground) as it stands in the plane."""
+        if master is None:
+            return vector
+        if master not in self.links:
+            return self.unit(master).times(vector)
+        base, link = self.links[master]
+        if (vector.x, vector.y) == (base.x, base.y):
             return link
-        if reference == (end, start):
+        if (vector.x, vector.y) == ((-base).x, (-base).y):
             return -link
-        base = self.in_frame(name, *reference)
         conjugate = Vector(base.x, -base.y)
-        ratio = self.in_frame(name, start, end).times(conjugate) * (1.0 / base.square)
-        return link.times(ratio)
+        return link.times(vector.times(conjugate) * (1.0 / base.square))
 
     def unit(self, name: str) -> Vector:
-        """Cosine and sine of the angle of a turning body."""
-        if name in self._units:
-            return self._units[name]
-        reference, link = self._known_links[name]
-        base = self.in_frame(name, *reference)
-        return link.times(Vector(base.x, -base.y) * (1.0 / base.square))
-
-    def end(self, loop: Loop, last: bool) -> Vector:
-        """A known end of a loop: a joint, or the axis point of the slider there."""
-        joint = loop.end if last else loop.start
-        if joint is not None:
-            return self.joints[joint]
-        guide = self._body(loop.steps[-1 if last else 0].body).guide
-        assert guide is not None
-        return self.origin(guide)
-
-    def _solve(self, block: Block) -> None:
-        loop = block.loops[0]
-        gap = self.end(loop, last=True) - self.end(loop, last=False)
-        for step in loop.steps:
-            if step.body not in block.unknowns:
-                assert step.start is not None
-                assert step.end is not None
-                gap = gap - self.along(step.body, step.start, step.end)
-        steps = [step for step in loop.steps if step.body in block.unknowns]
-        turning = [(s.body, s.start, s.end) for s in steps if s.start and s.end]
-        squares = [self.in_frame(body, start, end).square for body, start, end in turning]
-        axes = [self.axis(guide) for s in steps if (guide := self._body(s.body).guide) is not None]
-        dyad: Dyad
-        if block.kind == "RRR":
-            dyad = TwoLinks.solve(gap, squares[0], squares[1], self.inputs.side(block.index))
-            links = [dyad.first, dyad.second]
-        elif block.kind == "RRP":
-            dyad = LinkAndSlider.solve(-gap, squares[0], axes[0], self.inputs.side(block.index))
-            links = [dyad.link]
-            self.displacements[steps[1].body] = dyad.position
+        """Cosine and sine of the angle of a body's frame."""
+        master, own = self.frames.rotation(name)
+        if master is None:
+            return own
+        if master in self.links:
+            base, link = self.links[master]
+            unit = link.times(Vector(base.x, -base.y) * (1.0 / base.square))
+        elif master in self.units:
+            unit = self.units[master]
         else:
-            dyad = TwoSliders.solve(-gap, axes[0], axes[1])
-            links = []
-            self.displacements[steps[0].body] = dyad.first
-            self.displacements[steps[1].body] = dyad.second
-        for (body, start, end), link in zip(turning, links, strict=True):
-            self._known_links[body] = ((start, end), link.label(f"body{self.body_numbers[body]}_"))
-        self.dyads[block.index] = dyad
-        for name, value in vars(dyad).items():
-            if isinstance(value, Scalar) and value.label is None and value.operands:
-                value.label = f"block{block.index}_{name}"
+            unit = self._follower(master)
+        return unit.times(own)
+
+    def _follower(self, name: str) -> Vector:
+        """Unit vector of a body that gears turn."""
+        if name not in self._followers:
+            angle = self.angle(name)
+            self._followers[name] = Vector(self.graph.cos(angle), self.graph.sin(angle))
+        return self._followers[name]
+
+    def angle(self, name: str) -> Scalar:
+        """The angle of a body; with its whole turns where they count or it is not dependent.
+
+        Any other angle lies in [−π, π].
+        """
+        guide = self.body(name).guide
+        if guide is not None:
+            turned = self.inputs.parameter(guide.angle)
+            return turned if guide.body is None else self.angle(guide.body) + turned
+        if name in self.topology.slaves:
+            relation = self.topology.slaves[name]
+            parts, scale = self.frames.follows(name)
+            offset = self.inputs.parameter(relation.offset)
+            total = self.graph.total(factor * self.angle(other) for other, factor in parts)
+            return (total + offset if relation.body == name else total - offset) * scale
+        if name in self._angles:
+            return self._angles[name]
+        unit = self.unit(name)
+        angle = self.graph.atan2(unit.y, unit.x)
+        if name in self.topology.carried:
+            turns = (self.integrated(name) - angle) * (0.5 / math.pi) + 0.5
+            angle = angle + self.graph.function("floor", turns) * (2.0 * math.pi)
+            self._angles[name] = angle
+        return angle
+
+    def gap(self, loop: Loop) -> Vector:
+        """What the links of a loop bridge."""
+        return self.joints[loop.end] - self.joints[loop.start]
+
+    def correct(self, name: str, value: Scalar, update: Scalar) -> None:
+        """Add an update of the size of round-off without another sine and cosine."""
+        self._followers.clear()
+        if self.body(name).rotates:
+            self.units[name] = self.units[name].times(Vector(self.graph.one, update))
+            self._angles[name] = value + update
+        else:
+            self.displacements[name] = value + update
+
+    def coordinate(self, name: str) -> Scalar:
+        """A body's own coordinate: its angle, or its displacement."""
+        return self.angle(name) if self.body(name).rotates else self.displacements[name]

@@ -15,10 +15,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from linkages.kernel.model import Model
-from linkages.kernel.printing import Statements
+from linkages.kernel.printing import Statements, write_functions
 from linkages.kernel.scalars import Level, Scalar, reachable
 
-GENERATOR_VERSION = 1
+GENERATOR_VERSION = 2
 
 _HEADER = '''"""Equations of motion of one topology; generated, do not edit (generator {version}).
 
@@ -26,17 +26,19 @@ p: parameters, then values that depend on them alone
 {parameters}
 timed: values that depend on time alone
 y: {coordinates} coordinates, then their rates
-out: accelerations ({coordinates}), margins of the blocks ({blocks}), their rates ({blocks})
+out: accelerations ({coordinates}), margins of the blocks ({blocks}), their rates ({blocks}),
+     settled values of {carried} coordinates, their rates ({carried})
 
 Returned is 0, or 1 + the number of the block that cannot be assembled.
 """
 
-from math import cos, sin, sqrt
+from math import atan, atan2, cos, exp, floor, log, sin, sqrt, tan, tanh
 
-from numba import carray, cfunc, types
+from numba import carray, cfunc, njit, types
 
 _array = types.CPointer(types.float64)
 _options = {{"cache": True, "error_model": "numpy", "fastmath": {{"contract"}}}}
+_inline = _options
 '''
 
 _FUNCTION = '''
@@ -71,7 +73,9 @@ class Program:
     groups: dict[Level, list[Scalar]]
 
 
-def write_program(model: Model, accelerations: Sequence[Scalar]) -> Program:
+def write_program(
+    model: Model, accelerations: Sequence[Scalar], settled: Sequence[Scalar] | None = None
+) -> Program:
     """Print the kernel that integrates a model.
 
     Parameters
@@ -80,8 +84,12 @@ def write_program(model: Model, accelerations: Sequence[Scalar]) -> Program:
         The equations.
     accelerations
         One node per integrated coordinate.
+    settled
+        Values, then rates, of the coordinates that are replaced after each step; those of the
+        model that are carried along, if not given.
     """
-    roots = [*accelerations, *model.margins, *model.margin_rates]
+    settled = model.settled if settled is None else settled
+    roots = [*accelerations, *model.margins, *model.margin_rates, *settled]
     checks = {reach.radicand.index: reach for reach in model.reaches}
     nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
     by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
@@ -101,7 +109,9 @@ def write_program(model: Model, accelerations: Sequence[Scalar]) -> Program:
             ),
             coordinates=model.inputs.coordinates,
             blocks=len(model.margins),
+            carried=len(settled) // 2,
         ),
+        write_functions(nodes),
         writer.prepare(derived, known, sizes[0]),
         writer.clock(timed, clocked, known, sizes),
         writer.rates(roots, clocked, known, sizes),

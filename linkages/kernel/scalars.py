@@ -7,10 +7,16 @@ folded away, and each node knows what it depends on: nothing, parameters, time o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    from linkages.kernel.several import Iteration
+
+FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "atan", "floor")
+SEVERAL = ("solve", "newton", "spline")
+"""Operations with several results, which `item` picks."""
 
 
 class Level(IntEnum):
@@ -29,9 +35,12 @@ class Scalar:
     ----------
     operation
         ``"constant"``, ``"input"``, ``"add"``, ``"sub"``, ``"mul"``, ``"div"``, ``"neg"``,
-        ``"sqrt"``, ``"sin"``, ``"cos"``, ``"atan2"``.
+        ``"atan2"``, ``"select"`` (of a condition c and two values: the first where c ≥ 0), one of
+        `FUNCTIONS`, or one of those with several results: ``"solve"``, ``"newton"``, ``"spline"``
+        and their ``"item"``.
     arguments
-        Argument nodes; for a constant its value, for an input its name and index.
+        Argument nodes; for a constant its value, for an input its name and index; plain numbers
+        and descriptions follow the nodes.
     label
         Name that the printed kernel gives it, if any.
     """
@@ -57,7 +66,9 @@ class Scalar:
     @property
     def operands(self) -> tuple[Scalar, ...]:
         """The nodes that it is computed from."""
-        return () if self.operation in ("constant", "input") else self.arguments
+        if self.operation in ("constant", "input"):
+            return ()
+        return tuple(a for a in self.arguments if isinstance(a, Scalar))
 
     def __add__(self, other: Scalar | float) -> Scalar:
         return self.graph.add(self, self.graph.lift(other))
@@ -110,8 +121,9 @@ class ScalarGraph:
             self._known[key] = node
         return node
 
-    def _operation(self, operation: str, *arguments: Scalar) -> Scalar:
-        return self._node(operation, arguments, max(a.level for a in arguments))
+    def _operation(self, operation: str, *arguments: object) -> Scalar:
+        levels = (a.level for a in arguments if isinstance(a, Scalar))
+        return self._node(operation, arguments, max(levels))
 
     def number(self, value: float) -> Scalar:
         """A constant; −0.0 counts as 0.0."""
@@ -196,20 +208,68 @@ class ScalarGraph:
 
     def sqrt(self, a: Scalar) -> Scalar:
         """The square root."""
-        return self._function("sqrt", a)
+        return self.function("sqrt", a)
 
     def sin(self, a: Scalar) -> Scalar:
         """The sine of an angle in radians."""
-        return self._function("sin", a)
+        return self.function("sin", a)
 
     def cos(self, a: Scalar) -> Scalar:
         """The cosine of an angle in radians."""
-        return self._function("cos", a)
+        return self.function("cos", a)
 
-    def _function(self, name: str, a: Scalar) -> Scalar:
+    def function(self, name: str, a: Scalar) -> Scalar:
+        """An elementary function out of `FUNCTIONS`."""
+        if name not in FUNCTIONS:
+            raise ValueError(f"no elementary function {name!r}")
         if a.constant is not None:
             return self.number(getattr(math, name)(a.constant))
         return self._operation(name, a)
+
+    def select(self, condition: Scalar, first: Scalar, second: Scalar) -> Scalar:
+        """The first value where the condition is not negative, otherwise the second."""
+        if first is second:
+            return first
+        if condition.constant is not None:
+            return first if condition.constant >= 0.0 else second
+        return self._operation("select", condition, first, second)
+
+    def solve(self, matrix: Sequence[Sequence[Scalar]], right: Sequence[Scalar]) -> list[Scalar]:
+        """The solution of a square linear system, by elimination with row exchanges."""
+        solution = self._operation("solve", *(a for row in matrix for a in row), *right)
+        return [self.item(solution, index) for index in range(len(right))]
+
+    def determinant(self, matrix: Sequence[Sequence[Scalar]]) -> Scalar:
+        """The determinant of a square matrix."""
+        right = [self.zero] * len(matrix)
+        solution = self._operation("solve", *(a for row in matrix for a in row), *right)
+        return self.item(solution, len(matrix))
+
+    def newton(self, iteration: Iteration, start: Sequence[Scalar]) -> list[Scalar]:
+        """The fixed point of a Newton iteration from given values."""
+        needed = (*start, *iteration.external)
+        solution = self._operation("newton", *needed, iteration)
+        return [self.item(solution, index) for index in range(len(start))]
+
+    def spline(self, time: Scalar, place: int, count: int, periodic: bool) -> list[Scalar]:
+        """Value, first and second derivative of a spline whose numbers are parameters.
+
+        Parameters
+        ----------
+        time
+            Where it is evaluated.
+        place, count
+            Index of its first parameter, and number of its intervals.
+        periodic
+            Whether it repeats.
+        """
+        first = self.input("p", place, Level.PARAMETERS)
+        value = self._operation("spline", time, first, count, periodic)
+        return [self.item(value, order) for order in range(3)]
+
+    def item(self, several: Scalar, index: int) -> Scalar:
+        """One of the results of an operation that has several."""
+        return self._node("item", (several, index), several.level)
 
     def atan2(self, y: Scalar, x: Scalar) -> Scalar:
         """The angle of the vector (x, y), in [−π, π]."""
@@ -238,65 +298,3 @@ def reachable(roots: Iterable[Scalar]) -> list[Scalar]:
         nodes.append(node)
         stack.extend(node.operands)
     return sorted(nodes, key=lambda node: node.index)
-
-
-_NUMPY = {
-    "add": np.add,
-    "sub": np.subtract,
-    "mul": np.multiply,
-    "div": np.divide,
-    "neg": np.negative,
-    "sqrt": np.sqrt,
-    "sin": np.sin,
-    "cos": np.cos,
-    "atan2": np.arctan2,
-}
-
-
-class Evaluator:
-    """Evaluates nodes with NumPy, for one state or for many at once.
-
-    Intermediate values are dropped after their last use, so memory is that of the widest cut.
-
-    Parameters
-    ----------
-    roots
-        The nodes wanted.
-    """
-
-    def __init__(self, roots: Iterable[Scalar]) -> None:
-        self._roots = tuple(roots)
-        self._nodes = reachable(self._roots)
-        kept = {root.index for root in self._roots}
-        last = {o.index: node.index for node in self._nodes for o in node.operands}
-        self._drop: dict[int, list[int]] = {}
-        for argument, user in last.items():
-            if argument not in kept:
-                self._drop.setdefault(user, []).append(argument)
-
-    def __call__(self, **inputs: np.ndarray) -> list[np.ndarray]:
-        """Values of the roots.
-
-        Parameters
-        ----------
-        inputs
-            Input name → array whose first axis is the input's index; further axes broadcast.
-
-        Returns
-        -------
-        One array per root. Where an argument of a square root is negative the value is nan.
-        """
-        values: dict[int, np.ndarray] = {}
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            for node in self._nodes:
-                if node.operation == "constant":
-                    values[node.index] = node.arguments[0]
-                elif node.operation == "input":
-                    name, index = node.arguments
-                    values[node.index] = inputs[name][index]
-                else:
-                    arguments = [values[o.index] for o in node.arguments]
-                    values[node.index] = _NUMPY[node.operation](*arguments)
-                for index in self._drop.get(node.index, ()):
-                    del values[index]
-        return [np.asarray(values[root.index], dtype=float) for root in self._roots]

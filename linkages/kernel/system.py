@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import combinations, islice
 
@@ -14,9 +14,12 @@ from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
 from linkages.components.terms import Body
 from linkages.errors import InputError
-from linkages.kernel.assembly import assemble, parameter_values
+from linkages.kernel.assembly import assemble
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Evaluator, Scalar
+from linkages.kernel.modes import Assembly, Place, all_modes, parameter_values
+from linkages.kernel.redundancy import require_consistent
+from linkages.kernel.scalars import Scalar
 from linkages.topology.graph import gruebler_mobility, topology_graph, unreachable_bodies
 from linkages.topology.jacobian import block_condition, closure_jacobian
 from linkages.topology.topology import Topology, build_topology
@@ -32,6 +35,10 @@ class System:
     ----------
     mechanism
         Free coordinates that it does not name are chosen (see `choose_free`).
+    time
+        Time of the initial state in seconds.
+    near
+        Point → about where it is then, shape (2,); taken instead of the hints of the definition.
 
     Raises
     ------
@@ -39,28 +46,72 @@ class System:
         If the mobility is wrong or the mechanism cannot be assembled.
     """
 
-    def __init__(self, mechanism: Mechanism) -> None:
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        time: float = 0.0,
+        near: Mapping[str, NDArray[np.float64]] | None = None,
+    ) -> None:
         self.mechanism = choose_free(mechanism)
+        self.time = time
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
         )
-        self._assemble()
-
-    def _assemble(self) -> None:
         self.topology: Topology = build_topology(self.mechanism)
+        try:
+            self._assemble(near)
+        except InputError as error:
+            if not self.topology.redundant:
+                raise
+            # which equations are redundant shows in numbers only: solve all of them together
+            self.topology = build_topology(self.mechanism, whole=True)
+            try:
+                self._assemble(near)
+            except InputError:
+                raise error from None
+
+    def _assemble(self, near: Mapping[str, NDArray[np.float64]] | None) -> None:
         self.model = Model(self.topology)
+        self._place = Place(self.model, self.time, self._given())
+        self.assembly: Assembly = assemble(self._place, near)
+        self.state: NDArray[np.float64] = self._settled(self.assembly)
+        require_consistent(self)
+
+    def _given(self) -> NDArray[np.float64]:
+        """Free coordinates and their rates as they are given; zero for those carried along."""
         initial = [self.mechanism.initial[name] for name in self.topology.free]
-        self.state: NDArray[np.float64] = np.array(
-            [term.position for term in initial] + [term.speed for term in initial], dtype=float
-        )
-        self.sides, self.assumed = assemble(self.model, self.state)
+        carried = [0.0] * len(self.topology.carried)
+        positions, speeds = [i.position for i in initial], [i.speed for i in initial]
+        return np.array([*positions, *carried, *speeds, *carried])
+
+    def _settled(self, assembly: Assembly) -> NDArray[np.float64]:
+        """The initial state of all integrated coordinates."""
+        state = self._place.state(assembly)
+        count, carried = len(self.topology.coordinates), len(self.topology.carried)
+        if carried:
+            values = self._place.values(self.model.settled, assembly)
+            state[count - carried : count] = values[:carried]
+            state[2 * count - carried :] = values[carried:]
+        return state
+
+    def modes(self) -> list[Assembly]:
+        """All assembly modes at the initial values of drives and free coordinates."""
+        return all_modes(self._place)
+
+    def in_mode(self, assembly: Assembly) -> dict[str, NDArray[np.float64]]:
+        """Point → position in an assembly mode at the initial state, shape (2,)."""
+        joints = self.model.positions.joints
+        nodes = [node for place in joints.values() for node in (place.x, place.y)]
+        values = np.array(self._place.values(nodes, assembly)).reshape(-1, 2)
+        return dict(zip(joints, values, strict=True))
 
     def evaluate(
         self,
         nodes: Sequence[Scalar],
-        time: NDArray[np.float64] | float = 0.0,
+        time: NDArray[np.float64] | float | None = None,
         state: NDArray[np.float64] | None = None,
         acceleration: NDArray[np.float64] | None = None,
+        flipped: Mapping[int, NDArray[np.bool_]] | None = None,
     ) -> NDArray[np.float64]:
         """Values of nodes of the model, shape (nodes, times).
 
@@ -69,37 +120,43 @@ class System:
         nodes
             Nodes of `model`.
         time
-            Shape (times,), seconds.
+            Shape (times,), seconds; that of the initial state if not given.
         state
-            Shape (2n, times): free coordinates, then their rates; the initial state if not given.
+            Shape (2n, times): integrated coordinates, then their rates; the initial state if not
+            given.
         acceleration
             Shape (n, times).
+        flipped
+            Block → where it is in its other assembly mode, shape (times,).
         """
-        times = np.atleast_1d(np.asarray(time, dtype=float))
+        times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
             state = self.state[:, None]
-        count = len(self.topology.free)
+        count = len(self.topology.coordinates)
         accelerations = np.zeros((count, 1)) if acceleration is None else acceleration
-        parameters = parameter_values(self.model, self.sides)
+        parameters: NDArray[np.float64] = parameter_values(self.model, self.assembly)
+        if flipped:
+            parameters = np.repeat(parameters[:, None], len(times), axis=1)
+            paths = list(self.model.inputs.parameters)
+            for block, where in flipped.items():
+                parameters[paths.index(("side", block)), where] *= -1.0
         values = Evaluator(nodes)(t=times[None], y=state, a=accelerations, p=parameters)
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
             row[:] = value
         return result
 
-    def places(self, time: float = 0.0) -> dict[str, NDArray[np.float64]]:
-        """Joint → position at the initial state, shape (2,)."""
-        joints = self.model.positions.joints
-        nodes = [node for place in joints.values() for node in (place.x, place.y)]
-        values = self.evaluate(nodes, time)[:, 0].reshape(-1, 2)
-        return dict(zip(joints, values, strict=True))
+    def places(self) -> dict[str, NDArray[np.float64]]:
+        """Point → position at the initial state, shape (2,)."""
+        return self.in_mode(self.assembly)
 
     @property
     def axes(self) -> dict[str, NDArray[np.float64]]:
-        """Slider → unit vector of its axis."""
-        guides = {n: b.guide for n, b in self.mechanism.bodies.items() if b.guide is not None}
-        angles = {name: guide.angle.value for name, guide in guides.items()}
-        return {name: np.array([np.cos(angle), np.sin(angle)]) for name, angle in angles.items()}
+        """Slider → unit vector of its axis at the initial state."""
+        sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
+        units = [self.model.positions.unit(name) for name in sliders]
+        nodes = [node for unit in units for node in (unit.x, unit.y)]
+        return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 
     @cached_property
     def jacobian(self) -> NDArray[np.float64]:
@@ -110,8 +167,8 @@ class System:
     def conditions(self) -> list[float]:
         """Condition number of each block at the initial state."""
         return [
-            block_condition(self.topology, self.jacobian, block, index)
-            for index, block in enumerate(self.topology.solved_blocks)
+            block_condition(self.topology, self.jacobian, block)
+            for block in self.topology.solved_blocks
         ]
 
 
@@ -129,7 +186,7 @@ def choose_free(mechanism: Mechanism) -> Mechanism:
     """
     graph = topology_graph(mechanism)
     known = len(mechanism.prescribed) + len(mechanism.initial)
-    needed = gruebler_mobility(graph) - known
+    needed = gruebler_mobility(mechanism) - known
     if needed <= 0 or unreachable_bodies(graph):
         return mechanism
     candidates = [c for body in mechanism.bodies.values() if (c := _candidate(mechanism, body))]
@@ -157,7 +214,8 @@ def _candidate(mechanism: Mechanism, body: Body) -> FreeAngle | None:
 
     A point that a clearance displaces is as good as at its joint.
     """
-    taken = body.name in mechanism.prescribed or body.name in mechanism.initial
+    followers = (relation.body for relation in mechanism.relations)
+    taken = body.name in {*mechanism.prescribed, *mechanism.initial, *followers}
     pins = [joint for joint in body.points if joint in mechanism.ground]
     links = (link for link in mechanism.bodies.values() if link.kind == "clearance")
     beside = {displaced: joint for joint, displaced in (link.points for link in links)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +13,29 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Body
 from linkages.plots import symbols
-from linkages.plots.bodies import body_colour, clearance_ends, draw_bodies, outlines
+from linkages.plots.arrows import rotation_arrow
+from linkages.plots.bodies import (
+    body_colour,
+    clearance_ends,
+    draw_bodies,
+    ground_direction,
+    outlines,
+    slots_of,
+)
+from linkages.plots.gears import draw_gears, draw_welds, reach_of_gears, welded
 from linkages.plots.labels import Labels
-from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, GREY, styled
+from linkages.plots.loads import (
+    draw_forces,
+    draw_masses,
+    draw_springs,
+    draw_torsional,
+    load_texts,
+)
+from linkages.plots.pose import Pose
+from linkages.plots.samples import pose_at
+from linkages.plots.senses import drive_sense
+from linkages.plots.sliders import block_place, draw_axial, draw_sliders
+from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, LOAD, styled
 from linkages.plots.view import Box, Positions, frame, picture
 
 if TYPE_CHECKING:
@@ -26,30 +47,28 @@ Array = NDArray[np.float64]
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """The mechanism at the first sample; None for data without joint positions."""
-    positions = positions_at(data, 0)
-    if not positions:
+    pose = pose_at(data, mechanism, 0)
+    if not pose.positions:
         return None
-    result, ax = picture(Box.around(list(positions.values())))
-    draw(ax, mechanism, positions)
+    result, ax = picture(reach(pose))
+    draw_pose(ax, pose)
     return result
 
 
-def positions_at(data: xr.Dataset, index: int) -> dict[str, tuple[float, float]]:
-    """Where joints are at one sample, in metres; empty if the data do not say."""
-    if "joint_position" not in data or data.sizes["time"] == 0:
-        return {}
-    array = data["joint_position"].transpose("time", "joint", "axis")[index]
-    places = np.asarray(array, dtype=float)
-    names = [str(name) for name in array["joint"].values]
-    return {
-        name: (float(x), float(y))
-        for name, (x, y) in zip(names, places, strict=True)
-        if np.isfinite((x, y)).all()
-    }
+def reach(pose: Pose) -> Box:
+    """The part of the plane that a drawing shows: joints, slots and pitch circles."""
+    slots = [ends for name in pose.mechanism.bodies for ends in slots_of(pose, name)]
+    joints = np.array(list(pose.positions.values()), dtype=float).reshape(-1, 2)
+    return Box.around(np.vstack([joints, *slots, reach_of_gears(pose)]))
 
 
-def draw(ax: Axes, mechanism: Mechanism, positions: Positions) -> Axes:
-    """Draw a mechanism with its bodies, joints, guides, drives and clearances labelled.
+def draw(
+    ax: Axes,
+    mechanism: Mechanism,
+    positions: Positions,
+    angles: Mapping[str, float] | None = None,
+) -> Axes:
+    """Draw a mechanism with its bodies, joints, guides, drives and loads labelled.
 
     Parameters
     ----------
@@ -59,43 +78,53 @@ def draw(ax: Axes, mechanism: Mechanism, positions: Positions) -> Axes:
         What to draw.
     positions
         Joint → (x, y) in metres. Bodies without known joints are left out.
+    angles
+        Bar → its angle in radians; only needed for bodies with a single known joint.
     """
-    scale = frame(ax, Box.around(list(positions.values())), mechanism)
-    shown = {name: (x * scale.factor, y * scale.factor) for name, (x, y) in positions.items()}
+    return draw_pose(ax, Pose(mechanism, positions, angles or {}))
+
+
+def draw_pose(ax: Axes, pose: Pose) -> Axes:
+    """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
+    scale = frame(ax, reach(pose), pose.mechanism)
+    shown = pose.scaled(scale.factor)
     labels = Labels(ax)
-    draw_bodies(ax, mechanism, shown)
-    for _, corners in outlines(mechanism, shown):
-        labels.avoid_line(np.vstack((corners, corners[:1])))
-    for body in mechanism.bodies.values():
-        if body.guide is not None:
-            _slider(ax, body, shown, labels)
-    _joints(ax, mechanism, shown, labels)
-    for name in mechanism.prescribed:
-        _drive(ax, mechanism, mechanism.bodies[name], shown, labels)
-    _write(mechanism, shown, labels)
+    draw_symbols(ax, shown, labels)
+    _write(shown, labels)
     return ax
 
 
-def _slider(ax: Axes, body: Body, shown: Positions, labels: Labels) -> None:
-    """A block and the line that it is guided on."""
-    place = next((shown[joint] for joint in body.points if joint in shown), None)
-    if place is None or body.guide is None:
-        return
-    angle = body.guide.angle.value
-    direction = (place[0] + np.cos(angle), place[1] + np.sin(angle))
-    ax.axline(place, direction, color=GREY, linewidth=0.7, linestyle=(0, (9, 2, 1.5, 2)), zorder=1)
-    labels.avoid(symbols.slider_block(ax, place, angle))
+def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
+    """Everything but names, in the units of the axes."""
+    draw_bodies(ax, shown)
+    for _, corners in outlines(shown):
+        labels.avoid_line(np.vstack((corners, corners[:1])))
+    draw_gears(ax, shown, labels)
+    draw_springs(ax, shown, labels)
+    draw_sliders(ax, shown, labels)
+    draw_welds(ax, shown, labels)
+    draw_masses(ax, shown, labels)
+    _joints(ax, shown, labels)
+    draw_torsional(ax, shown, labels)
+    for name in shown.mechanism.prescribed:
+        _drive(ax, shown, name, labels)
+    draw_axial(ax, shown, labels)
+    draw_forces(ax, shown, labels)
 
 
-def _joints(ax: Axes, mechanism: Mechanism, shown: Positions, labels: Labels) -> None:
+def _joints(ax: Axes, pose: Pose, labels: Labels) -> None:
     """Pins, bearings on the ground, clearances, and free ends."""
-    ends = clearance_ends(mechanism)
+    mechanism, shown = pose.mechanism, pose.positions
+    ends, welds = clearance_ends(mechanism), welded(pose)
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
-    for joint, place in shown.items():
-        if joint in ends:
+    # free ends first: what turns on a pin at the same place is drawn over them
+    for joint, place in sorted(shown.items(), key=lambda item: meeting.count(item[0]) > 1):
+        fixed = joint in welds and joint not in ends.values()
+        bodies = meeting.count(joint) + (joint in mechanism.ground)
+        if joint in ends or (fixed and bodies == 2):
             continue
         if joint in mechanism.ground:
-            labels.avoid(symbols.ground_pin(ax, place, _ground_direction(mechanism, joint, shown)))
+            labels.avoid(symbols.ground_pin(ax, place, ground_direction(pose, joint)))
         if joint in ends.values():
             labels.avoid(symbols.clearance(ax, place))
         free_end = joint not in mechanism.ground and meeting.count(joint) < 2
@@ -103,46 +132,41 @@ def _joints(ax: Axes, mechanism: Mechanism, shown: Positions, labels: Labels) ->
         labels.avoid(symbols.pin(ax, place, radius=radius, fill=fill))
 
 
-def _ground_direction(mechanism: Mechanism, joint: str, shown: Positions) -> float:
-    """Where the ground lies at a pin: below it, unless bars go that way."""
-    bars = [
-        np.arctan2(shown[other][1] - shown[joint][1], shown[other][0] - shown[joint][0])
-        for body in mechanism.bodies.values()
-        if joint in body.points
-        for other in body.points
-        if other != joint and other in shown
-    ]
-    sides = np.array([-0.5, 0.5, 1.0, 0.0]) * np.pi
-    nearness = [max((np.cos(side - bar) for bar in bars), default=-1.0) for side in sides]
-    best = int(np.argmin(nearness))
-    return float(sides[0] if nearness[0] < 0.5 else sides[best])
-
-
-def _drive(ax: Axes, mechanism: Mechanism, body: Body, shown: Positions, labels: Labels) -> None:
+def _drive(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
     """The sense in which a drive turns its body; nothing for one that stands still."""
-    speed = mechanism.prescribed[body.name].speed.value
-    joints = sorted((j for j in body.points if j in shown), key=lambda j: j not in mechanism.ground)
-    if speed != 0.0 and len(joints) > 1:
+    ground, shown = pose.mechanism.ground, pose.shown(name)
+    joints = sorted(shown, key=lambda joint: joint not in ground)
+    sense = drive_sense(pose.mechanism, name) if pose.mechanism.bodies[name].rotates else 0
+    if sense and len(joints) > 1:
         pivot, tip = shown[joints[0]], shown[joints[1]]
-        labels.avoid(symbols.rotation_arrow(ax, pivot, tip, speed, DRIVEN))
+        labels.avoid(rotation_arrow(ax, pivot, tip, sense, DRIVEN))
 
 
-def _write(mechanism: Mechanism, shown: Positions, labels: Labels) -> None:
-    """Names of joints and clearances, then of sliders, then of bars and plates."""
+def _write(pose: Pose, labels: Labels) -> None:
+    """Names of joints and clearances, then of sliders, then of bars and plates, then loads."""
+    mechanism = pose.mechanism
     ends = clearance_ends(mechanism)
-    for joint, place in shown.items():
+    for joint, place in pose.positions.items():
         if joint not in ends:
             labels.beside_point(joint, place, symbols.PIN + 2, color=BLACK, weight="bold")
     for body in mechanism.bodies.values():
-        places = [shown[joint] for joint in body.points if joint in shown]
+        places = list(pose.shown(body.name).values())
         if places and body.kind == "clearance":
             labels.beside_point(body.name, places[0], symbols.CLEARANCE_RING + 2, color=CLEARANCE)
         elif places and body.guide is not None:
+            place = block_place(pose, body.name) or places[0]
             colour = body_colour(mechanism, body.name)
-            labels.beside_point(body.name, places[0], symbols.BLOCK[1] + 2, color=colour)
-    for body, corners in outlines(mechanism, shown):
-        colour = body_colour(mechanism, body.name)
-        sides = np.roll(corners, -1, axis=0) - corners
-        longest = int(np.argmax(np.hypot(*sides.T)))
-        start = corners[longest]
-        labels.beside_segment(body.name, start, start + sides[longest], color=colour)
+            labels.beside_point(body.name, place, symbols.BLOCK[1] + 2, color=colour)
+    for body, corners in outlines(pose):
+        if body.rotates:
+            _write_body(pose, body, corners, labels)
+    for text, place, gap in load_texts(labels.ax, pose):
+        labels.beside_point(text, place, gap, color=LOAD, fontsize=8)
+
+
+def _write_body(pose: Pose, body: Body, corners: Array, labels: Labels) -> None:
+    sides = np.roll(corners, -1, axis=0) - corners
+    longest = int(np.argmax(np.hypot(*sides.T)))
+    start = corners[longest]
+    colour = body_colour(pose.mechanism, body.name)
+    labels.beside_segment(body.name, start, start + sides[longest], color=colour)

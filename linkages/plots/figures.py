@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from linkages.components.mechanism import Mechanism
 from linkages.plots import drawing, phase, traces
 from linkages.plots.style import style
-from linkages.plots.time_figures import time_figure
+from linkages.plots.time_figures import force_figure, time_figure, torque_figure
 from linkages.solution.files import replaced
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ FIGURES: Mapping[str, FigureFunction] = {
     "slider_displacement_error": time_figure("slider_position_error"),
     "slider_velocity_error": time_figure("slider_velocity_error"),
     "slider_acceleration_error": time_figure("slider_acceleration_error"),
-    "drive_effort": time_figure("drive_effort"),
+    "drive_effort": torque_figure,
+    "drive_force": force_figure,
     "clearance_force": time_figure("clearance_force"),
     "phase": phase.figure,
 }

@@ -27,6 +27,7 @@ DASHES: tuple[Any, ...] = (
 
 BLACK, GREY, PALE = "#1A1A1A", "#8A8A8A", "#D9D9D9"
 DRIVEN, FREE, PASSIVE, CLEARANCE = "#D55E00", "#0072B2", "#4D5B66", "#B0006A"
+LOAD = "#7A4B9A"
 
 WIDTH = 6.6
 LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5  # margins in inches

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
+from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 Place = tuple[float, float]
 
 PIN, CLEARANCE_RING, FREE_END = 2.9, 5.4, 2.0
-ARROW_RADII, ARROW_SPAN = (11.0, 18.0), 1.9
-BLOCK = (11.0, 6.5)  # half length and half height
-_LAYER = 5
+BLOCK, SMALL_BLOCK = (11.0, 6.5), (8.0, 5.0)  # half length and half height
+MASS, WEDGE = 6.0, 13.0
+LAYER = 5
 
 
 def anchored(ax: Axes, place: Place, angle: float = 0.0) -> Transform:
@@ -34,7 +34,8 @@ def anchored(ax: Axes, place: Place, angle: float = 0.0) -> Transform:
     return inches + ScaledTranslation(*place, cast(Any, ax.transData))
 
 
-def _lines(strokes: list[list[Place]]) -> Path:
+def stroked(strokes: list[list[Place]]) -> Path:
+    """A path of polylines."""
     vertices = [vertex for stroke in strokes for vertex in stroke]
     codes = [
         Path.MOVETO if i == 0 else Path.LINETO for stroke in strokes for i in range(len(stroke))
@@ -42,26 +43,33 @@ def _lines(strokes: list[list[Place]]) -> Path:
     return Path(vertices, codes)
 
 
-def _hatching(left: float, right: float, y: float) -> list[list[Place]]:
+def hatching(left: float, right: float, y: float) -> list[list[Place]]:
     """A line with hatching below it: solid ground."""
     feet = np.arange(left + 3.0, right + 0.1, 3.4)
     return [[(left, y), (right, y)], *([(x, y), (x - 3.2, y - 3.6)] for x in feet)]
 
 
-def _add(ax: Axes, path: Path, transform: Transform, *, fill: str = "none", layer: float) -> None:
-    ax.add_patch(
-        PathPatch(
-            path, transform=transform, facecolor=fill, edgecolor=BLACK, linewidth=0.8, zorder=layer
-        )
-    )
+def add_path(
+    ax: Axes,
+    path: Path,
+    transform: Transform,
+    *,
+    fill: str = "none",
+    edge: str = BLACK,
+    width: float = 0.8,
+    layer: float = LAYER - 1,
+) -> None:
+    """Draw a path of a symbol."""
+    style = {"facecolor": fill, "edgecolor": edge, "linewidth": width}
+    ax.add_patch(PathPatch(path, transform=transform, zorder=layer, **cast(Any, style)))
 
 
 def ground_pin(ax: Axes, place: Place, direction: float) -> Array:
     """A bearing on hatched ground, which lies towards `direction`; return pixels it covers."""
     transform = anchored(ax, place, direction + np.pi / 2)
     triangle = Path([(0, 0), (-5.5, -9.5), (5.5, -9.5), (0, 0)])
-    _add(ax, triangle, transform, fill=PALE, layer=_LAYER - 1)
-    _add(ax, _lines(_hatching(-9.0, 9.0, -9.5)), transform, layer=_LAYER - 1)
+    add_path(ax, triangle, transform, fill=PALE)
+    add_path(ax, stroked(hatching(-9.0, 9.0, -9.5)), transform)
     x, y = np.meshgrid(np.linspace(-10, 10, 11), np.linspace(-13, 0, 8))
     keep = np.abs(x) <= np.where(y < -8.5, 10, 5.5)
     return np.asarray(transform.transform(np.column_stack((x[keep], y[keep]))))
@@ -71,22 +79,75 @@ def slider_block(ax: Axes, place: Place, angle: float) -> Array:
     """A block between its rails, the lower one hatched; return pixels it covers."""
     transform = anchored(ax, place, angle)
     a, b = BLOCK
-    block = Path([(-a, -b), (a, -b), (a, b), (-a, b), (-a, -b)])
-    _add(ax, block, transform, fill=PALE, layer=_LAYER - 1)
-    rails = [[(-2 * a, b + 1.2), (2 * a, b + 1.2)], *_hatching(-2 * a, 2 * a, -b - 1.2)]
-    _add(ax, _lines(rails), transform, layer=_LAYER - 1)
+    add_path(ax, _rectangle(a, b), transform, fill=PALE)
+    rails = [[(-2 * a, b + 1.2), (2 * a, b + 1.2)], *hatching(-2 * a, 2 * a, -b - 1.2)]
+    add_path(ax, stroked(rails), transform)
     x, y = np.meshgrid(np.linspace(-2 * a, 2 * a, 15), np.linspace(-b - 5, b + 1.2, 8))
     return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
 
 
+def moving_block(ax: Axes, place: Place, angle: float) -> Array:
+    """A block without rails, for an axis that moves; return pixels it covers."""
+    transform = anchored(ax, place, angle)
+    a, b = SMALL_BLOCK
+    add_path(ax, _rectangle(a, b), transform, fill=PALE, layer=LAYER - 0.5)
+    x, y = np.meshgrid(np.linspace(-a, a, 11), np.linspace(-b, b, 7))
+    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+
+
+def _rectangle(a: float, b: float) -> Path:
+    return Path([(-a, -b), (a, -b), (a, b), (-a, b), (-a, -b)])
+
+
+def slot(ax: Axes, ends: Array, edge: str) -> Array:
+    """A slot with round ends between two points, shape (2, 2); return pixels it covers."""
+    way = np.subtract(*pixels(ax, ends[::-1])) / per_point(ax)
+    length, radius = float(np.hypot(*way)), SMALL_BLOCK[1]
+    half = np.linspace(-np.pi / 2, np.pi / 2, 13)
+    cap = radius * np.column_stack((np.cos(half), np.sin(half)))
+    outline = np.vstack((cap + np.array([length, 0.0]), -cap))
+    outline = np.vstack((outline, outline[:1]))
+    transform = anchored(ax, (float(ends[0, 0]), float(ends[0, 1])), float(np.arctan2(*way[::-1])))
+    add_path(ax, Path(outline), transform, fill="white", edge=edge, width=1.4, layer=LAYER - 0.7)
+    x, y = np.meshgrid(np.linspace(-radius, length + radius, 40), (-radius, 0.0, radius))
+    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+
+
+def point_mass(ax: Axes, place: Place) -> Array:
+    """A concentrated mass; return pixels it covers."""
+    return _ring(ax, place, MASS, BLACK, BLACK, LAYER + 0.5)
+
+
+def fixed_end(ax: Axes, place: Place, direction: float) -> Array:
+    """Hatched ground that a body is welded to, which lies towards `direction`."""
+    transform = anchored(ax, place, direction + np.pi / 2)
+    add_path(ax, stroked(hatching(-9.0, 9.0, 0.0)), transform)
+    x, y = np.meshgrid(np.linspace(-10, 10, 11), np.linspace(-4, 0, 4))
+    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+
+
+def wedge(ax: Axes, place: Place, first: float, second: float, colour: str) -> Array:
+    """The filled corner of two bodies welded together, which point these ways."""
+    ways = np.array([[np.cos(angle), np.sin(angle)] for angle in (first, second)])
+    corner = np.vstack((np.zeros(2), WEDGE * ways))
+    if abs(ways[0, 0] * ways[1, 1] - ways[0, 1] * ways[1, 0]) < 0.2:  # in line: a sleeve
+        across = 0.3 * np.array([-ways[0, 1], ways[0, 0]])
+        ends = 0.5 * np.array([1.0, 1.0, -1.0, -1.0])[:, None] * ways[0]
+        corner = WEDGE * (ends + np.array([1.0, -1.0, -1.0, 1.0])[:, None] * across)
+    transform = anchored(ax, place)
+    outline = Path(np.vstack((corner, corner[:1])))
+    add_path(ax, outline, transform, fill=colour, edge=colour, layer=LAYER - 0.6)
+    return np.asarray(transform.transform(np.vstack((corner, corner.mean(axis=0)))))
+
+
 def pin(ax: Axes, place: Place, *, radius: float = PIN, fill: str = "white") -> Array:
     """A pin that bodies turn on; return pixels it covers."""
-    return _ring(ax, place, radius, fill, BLACK, _LAYER + 1)
+    return _ring(ax, place, radius, fill, BLACK, LAYER + 1)
 
 
 def clearance(ax: Axes, place: Place) -> Array:
     """The second circle around a pin with clearance; return pixels it covers."""
-    return _ring(ax, place, CLEARANCE_RING, "white", CLEARANCE, _LAYER)
+    return _ring(ax, place, CLEARANCE_RING, "white", CLEARANCE, LAYER)
 
 
 def _ring(ax: Axes, place: Place, radius: float, fill: str, edge: str, layer: float) -> Array:
@@ -101,35 +162,10 @@ def _ring(ax: Axes, place: Place, radius: float, fill: str, edge: str, layer: fl
             zorder=layer,
         )
     )
-    return _around(ax, place, np.linspace(0, 2 * np.pi, 13)[:-1], radius)
+    return around(ax, place, np.linspace(0, 2 * np.pi, 13)[:-1], radius)
 
 
-def _around(ax: Axes, place: Place, angles: Array, radius: float) -> Array:
+def around(ax: Axes, place: Place, angles: Array, radius: float) -> Array:
+    """Pixels on a circle in points about a place."""
     circle = np.column_stack((np.cos(angles), np.sin(angles)))
     return pixels(ax, place) + radius * per_point(ax) * circle
-
-
-def rotation_arrow(ax: Axes, place: Place, tip: Place, sense: float, colour: str) -> Array:
-    """An arc arrow about a pin, across the bar from there to `tip`; return pixels it covers."""
-    bar = np.subtract(*pixels(ax, (tip, place))) / per_point(ax)
-    angle = float(np.arctan2(bar[1], bar[0]))
-    radius = float(np.clip(0.55 * np.hypot(*bar), *ARROW_RADII))
-    half = 0.5 * ARROW_SPAN * float(np.sign(sense))
-    angles = np.linspace(angle - half, angle + half, 25)
-    arc = radius * np.column_stack((np.cos(angles), np.sin(angles)))
-    _arrow(ax, Path(arc), place, 0.0, colour)
-    return np.vstack([_around(ax, place, angles, radius + beside) for beside in (-2, 0, 2)])
-
-
-def _arrow(ax: Axes, path: Path, place: Place, angle: float, colour: str) -> None:
-    ax.add_patch(
-        FancyArrowPatch(
-            path=path,
-            arrowstyle="-|>",
-            mutation_scale=9,
-            linewidth=1.2,
-            color=colour,
-            transform=anchored(ax, place, angle),
-            zorder=_LAYER + 2,
-        )
-    )

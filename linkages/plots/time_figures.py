@@ -49,7 +49,31 @@ QUANTITIES = {
     "slider_acceleration_error": Quantity("slider", "acceleration error"),
     "clearance_force": Quantity("clearance", "clearance force"),
     "drive_effort": Quantity("drive", "driving torque"),
+    "drive_force": Quantity("drive", "driving force"),
 }
+
+
+def force_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """The figure of the driving forces of sliders over time; None if there are none."""
+    return _of_drives(data, mechanism, sliding=True)
+
+
+def torque_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """The figure of the driving torques of bars and plates over time; None if there are none."""
+    return _of_drives(data, mechanism, sliding=False)
+
+
+def _of_drives(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> Figure | None:
+    """Efforts of one kind: torques and forces have no common axis."""
+    if "drive_effort" not in data:
+        return None
+    bodies = mechanism.bodies
+    names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
+    chosen = data.sel(drive=names)
+    if sliding:
+        force = chosen["drive_effort"].assign_attrs(units="N")
+        chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
+    return time_figure("drive_force" if sliding else "drive_effort")(chosen, mechanism)
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.plots.bodies import clearance_ends, draw_bodies, outlines
-from linkages.plots.drawing import positions_at
 from linkages.plots.labels import Labels
+from linkages.plots.samples import pose_at, positions_at
 from linkages.plots.style import GREY, line_style, styled
 from linkages.plots.view import Box, frame, picture, pixels
 
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 MARGIN = 0.3  # inches
 STILL = 1e-9  # of the picture's size: what moves less is at rest
+COUPLER, LED = 1.8, 0.9  # points
 SAME = 0.01  # of the picture's size: traces no farther apart look the same
 
 
@@ -60,8 +61,24 @@ def moving_joints(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Array]:
     }
 
 
+def led_joints(mechanism: Mechanism) -> set[str]:
+    """Joints that a pin or a guide on the ground leads along an arc or a line.
+
+    All others draw coupler curves.
+    """
+    ground = set(mechanism.ground)
+    return {
+        joint
+        for body in mechanism.bodies.values()
+        if ground & set(body.points) or (body.guide is not None and body.guide.body is None)
+        for joint in body.points
+    }
+
+
 def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """Draw the trace of each moving joint over the mechanism at the first sample.
+
+    Coupler curves are thicker than the arcs and lines that the ground leads joints along.
 
     Parameters
     ----------
@@ -74,15 +91,18 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """
     box = Box.around(np.asarray(data["joint_position"], dtype=float))
     scale = frame(ax, box, mechanism, MARGIN)
-    start = {n: (x * scale.factor, y * scale.factor) for n, (x, y) in positions_at(data, 0).items()}
-    draw_bodies(ax, mechanism, start, muted=True)
-    ax.plot(*np.array(list(start.values())).T, "o", color=GREY, markersize=3, zorder=1.6)
+    start = pose_at(data, mechanism, 0).scaled(scale.factor)
+    draw_bodies(ax, start, muted=True)
+    places = np.array(list(start.positions.values()))
+    ax.plot(*places.T, "o", color=GREY, markersize=3, zorder=1.6)
     labels = Labels(ax)
-    for _, corners in outlines(mechanism, start):
+    for _, corners in outlines(start):
         labels.avoid_line(corners)
     paths = {n: path * scale.factor for n, path in moving_joints(data, mechanism).items()}
+    names, led = list(paths), led_joints(mechanism)
     for index, path in enumerate(paths.values()):
-        ax.plot(*path.T, color=line_style(index)["color"])
+        width = LED if names[index] in led else COUPLER
+        ax.plot(*path.T, color=line_style(index)["color"], linewidth=width)
         labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
     for index, (name, path) in enumerate(paths.items()):
         if np.isfinite(path).all(axis=1).any():

@@ -9,8 +9,8 @@ from linkages.errors import InputError, Problem
 from linkages.reading.decoding import decode
 from linkages.reading.document import Document
 from linkages.reading.nodes import MAX_DEPTH, plain
-from linkages.reading.paths import Path, dotted, split
-from linkages.reading.wording import shown
+from linkages.reading.paths import Path, dotted, split, value_at
+from linkages.reading.wording import nearest, shown
 
 
 class _RefusedError(Exception):
@@ -50,8 +50,10 @@ def apply(document: Document, overrides: Mapping[str, object]) -> Document:
         Lists every assignment whose path leads nowhere or whose value cannot be used.
     """
     problems = []
+    assigned = [split(str(text)) or () for text in overrides]
     for text, value in overrides.items():
         try:
+            _check_new(document.content, split(str(text)) or (), assigned)
             document = _assigned(document, str(text), value)
         except _RefusedError as reason:
             message = f"{reason} (from set {_assignment(text, value)})"
@@ -73,6 +75,19 @@ def _assigned(document: Document, text: str, value: object) -> Document:
     new = {path[:length]: origin for length in range(created, len(path) + 1)}
     positions = {p: at for p, at in document.positions.items() if not _within(p, path)}
     return Document(document.source, content, positions, overridden | new)
+
+
+def _check_new(content: Any, steps: Path, assigned: list[Path]) -> None:
+    """Refuse to make a new entry for one value where an entry of nearly the same name exists."""
+    for length in range(1, len(steps) - 1):
+        parent, name = value_at(content, steps[:length]), steps[length]
+        if not isinstance(parent, dict) or not isinstance(name, str) or name in parent:
+            continue
+        entry = steps[: length + 1]
+        alone = sum(other[: length + 1] == entry for other in assigned) == 1
+        if alone and (near := nearest(name, parent)):
+            raise _RefusedError(f"unknown name {name!r}; did you mean {near!r}?")
+        return
 
 
 def _resolved(content: Any, steps: Path) -> tuple[Path, int]:

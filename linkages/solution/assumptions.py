@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from linkages.kernel.assembly import placed_joints
 from linkages.kernel.system import System
+from linkages.topology.blocks import Block
 
 
 def assumptions(system: System) -> list[str]:
@@ -11,11 +13,17 @@ def assumptions(system: System) -> list[str]:
         f"{name} was chosen as a free coordinate, at rest where 'assembly' puts it"
         for name in system.chosen
     ]
-    for index in system.assumed:
-        block = system.topology.solved_blocks[index]
-        link, slider = block.unknowns
-        found.append(
-            f"{link} is assumed to point forward along the axis of {slider}; "
-            f"give joint {block.loops[0].apex} a place under 'assembly' to say otherwise"
-        )
-    return found
+    blocks = system.topology.solved_blocks
+    return found + [_assumed(system, blocks[index]) for index in system.assembly.assumed]
+
+
+def _assumed(system: System, block: Block) -> str:
+    link, slider = block.unknowns
+    joints = placed_joints(system.model, block)
+    if block.kind == "RPR":
+        text = f"{slider} is assumed to lie on {link} in the direction of its axis"
+    else:
+        text = f"{link} is assumed to point forward along the axis of {slider}"
+    if not joints:
+        return text
+    return f"{text}; give joint {joints[0]} a place under 'assembly' to say otherwise"

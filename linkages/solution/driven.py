@@ -8,205 +8,106 @@ and for margins that head for zero on one side of an interval and come from zero
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.dyads import LEAST_MARGIN
-from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Settings, block_failure
+from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
+from linkages.solution.motion import Motion, Piece, Settings, block_failure, passed_text
+from linkages.solution.work import with_work
 
-_GRID_ANGLE = math.radians(1.0)
-_CHUNK = 8192
-_REFINEMENT, _DEPTH = 65, 8
-_MOST_PLACES = 1e12  # a day of computing
-_QUADRATURE_ANGLE = math.radians(30.0)
-_REFINEMENTS = 7
+_LAW_PLACES = 20001
 
-
-@dataclass(frozen=True)
-class _Stop:
-    time: float
-    block: int
-    singular: bool
+Floats = NDArray[np.float64]
 
 
 def driven_motion(system: System, settings: Settings) -> Motion:
     """Follow a fully driven system along the sample times as far as it can go."""
     times = settings.times
-    stop = _Limits(system).first_stop(settings)
-    reached = times
+    fastest = _fastest(system, float(times[-1]))
+    pieces: list[Piece] = []
+    notes: list[str] = []
+    flipped: tuple[int, ...] = ()
+    begun = 0.0
+    while True:
+        limits = Limits(system, flipped, fastest)
+        stop = limits.first_stop(settings, begun)
+        passage = limits.passage(stop) if stop and stop.singular and settings.passing else None
+        reached = abs(times) >= abs(begun) if begun else np.ones(len(times), dtype=bool)
+        if passage is not None:
+            begun = passage.crossing + math.copysign(passage.beside, times[-1])
+            early = abs(passage.crossing) - passage.beside
+            pieces.append(_piece(system, times[reached & (abs(times) < early)], flipped))
+            inside = times[(abs(times) >= early) & (abs(times) < abs(begun))]
+            pieces.append(_across(system, passage, flipped, inside))
+            notes.append(passed_text(system.model, passage.crossing, passage.blocks))
+            flipped = tuple(sorted(set(flipped) ^ set(passage.blocks)))
+            if abs(begun) > abs(times[-1]):
+                stop = None
+                break
+            continue
+        if stop is not None:
+            reached &= np.abs(times) < abs(stop.time)
+        pieces.append(_piece(system, times[reached], flipped))
+        break
     failure = None
     if stop is not None:
-        passed = np.abs(times) < abs(stop.time)
-        reached = times[passed]
-        failure = block_failure(system.model, stop.block, stop.time, stop.singular)
+        failure = block_failure(
+            system.model, stop.block, stop.time, stop.singular, settings.passing
+        )
+    if settings.work:
+        pieces = with_work(pieces, fastest)
     return Motion(
-        time=reached,
-        state=np.zeros((0, len(reached))),
-        turns=np.zeros((0, len(reached))),
-        acceleration=np.zeros((0, len(reached))),
-        work=_work(system, reached) if settings.work else None,
+        pieces=tuple(pieces),
         failure=failure,
         stop_time=float(times[-1]) if stop is None else stop.time,
-        cost={},
+        notes=tuple(notes),
     )
 
 
-def _fastest(system: System) -> float:
-    return max((abs(d.speed.value) for d in system.mechanism.prescribed.values()), default=0.0)
-
-
-def _chunks(system: System, times: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    """Times to look at, from 0 to the last sample, in the order of the motion; ends are shared.
-
-    A chunk at a time, so that a long motion needs no more memory than a short one.
-    """
-    end = float(times[-1]) if len(times) else 0.0
-    turned = abs(end) * _fastest(system) / _GRID_ANGLE
-    if turned > _MOST_PLACES:
-        raise ValueError(f"drives would turn by {turned:.3g} degrees; expected a shorter time")
-    intervals = max(1, math.ceil(turned))
-    ordered = np.sort(times)
-    if intervals < len(times):
-        yield from (times[i : i + _CHUNK + 1] for i in range(0, max(1, len(times) - 1), _CHUNK))
-        return
-    for first in range(0, intervals, _CHUNK):
-        last = min(first + _CHUNK, intervals)
-        places = end * (np.arange(first, last + 1) / intervals)
-        low, high = sorted((places[0], places[-1]))
-        inside = slice(np.searchsorted(ordered, low), np.searchsorted(ordered, high, "right"))
-        chunk = np.union1d(places, ordered[inside])
-        yield chunk if end >= 0 else chunk[::-1]
-
-
-class _Limits:
-    """Finds the first time at which a system cannot go on."""
-
-    def __init__(self, system: System) -> None:
-        self._system = system
-        model = system.model
-        self._reach_blocks = [reach.block for reach in model.reaches]
-        self._margin_blocks = list(model.positions.dyads)
-        self._scales = system.evaluate(model.margin_scales)[:, :1]
-        reaches = [reach.radicand for reach in model.reaches]
-        self._nodes = [*reaches, *model.margins, *model.margin_rates]
-
-    def _values(self, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Radicands, relative margins and their rates, shape (…, times)."""
-        values = self._system.evaluate(self._nodes, times)
-        reaches, blocks = len(self._reach_blocks), len(self._margin_blocks)
-        margins = values[reaches : reaches + blocks] / self._scales
-        rates = values[reaches + blocks :] / self._scales
-        return values[:reaches], margins, rates
-
-    def first_stop(self, settings: Settings) -> _Stop | None:
-        """Search the motion in order, a chunk at a time."""
-        if not self._margin_blocks:
-            return None
-        for chunk in _chunks(self._system, settings.times):
-            stop = self._stop_in(chunk, depth=0)
-            if stop is not None:
-                return stop
-            if settings.watch is not None:
-                settings.watch(min(1.0, float(abs(chunk[-1] / settings.times[-1]))))
-        return None
-
-    def _stop_in(self, times: NDArray[np.float64], depth: int) -> _Stop | None:
-        """The first stop at some times or between them."""
-        radicands, margins, rates = self._values(times)
-        failing = ~(radicands >= 0).all(axis=0)
-        reached = int(np.argmax(failing)) if failing.any() else len(times)
-        aligned = (np.abs(margins[:, :reached]) < LEAST_MARGIN).any(axis=0)
-        passed = int(np.argmax(aligned)) if aligned.any() else reached
-        for index in np.flatnonzero(self._suspicious(times, margins, rates)):
-            if index + 1 >= passed:
-                break
-            stop = self._inspect(times[index], times[index + 1], depth)
-            if stop is not None:
-                return stop
-        if passed < reached:
-            block = int(np.argmin(np.abs(margins[:, passed])))
-            return _Stop(float(times[passed]), self._margin_blocks[block], singular=True)
-        return self._unreachable(times, reached) if reached < len(times) else None
-
-    @staticmethod
-    def _suspicious(
-        times: NDArray[np.float64], margins: NDArray[np.float64], rates: NDArray[np.float64]
-    ) -> NDArray[np.bool_]:
-        """Per interval: whether a margin heads for zero within it, seen from both of its ends."""
-        span = np.diff(times)
-        sign = np.sign(margins[:, :-1])
-        ahead = sign * (margins[:, :-1] + 1.1 * rates[:, :-1] * span)
-        behind = sign * (margins[:, 1:] - 1.1 * rates[:, 1:] * span)
-        return np.any((ahead < 0) & (behind < 0), axis=0)
-
-    def _inspect(self, start: float, end: float, depth: int) -> _Stop | None:
-        """Look closer, until the interval cannot be divided or no margin heads for zero."""
-        if depth > _DEPTH or abs(end - start) <= 1e-14 * max(abs(start), abs(end)):
-            _, margins, _ = self._values(np.array([start, end]))
-            block = int(np.argmin(np.abs(margins).min(axis=1)))
-            return _Stop(start, self._margin_blocks[block], singular=True)
-        return self._stop_in(np.linspace(start, end, _REFINEMENT), depth + 1)
-
-    def _unreachable(self, times: NDArray[np.float64], index: int) -> _Stop:
-        """Bisect for the time at which the first radicand turns negative."""
-        good, bad = (times[index - 1], times[index]) if index else (times[0], times[0])
-        for _ in range(200):
-            middle = 0.5 * (good + bad)
-            if middle in (good, bad):
-                break
-            radicands, _, _ = self._values(np.array([middle]))
-            if (radicands >= 0).all():
-                good = middle
-            else:
-                bad = middle
-        radicands, _, _ = self._values(np.array([bad]))
-        first = int(np.argmax(~(radicands[:, 0] >= 0)))
-        return _Stop(float(bad), self._reach_blocks[first], singular=False)
-
-
-def _work(system: System, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Work of drives and loads since t = 0: Gauss–Legendre quadrature, refined until it settles."""
-    from linkages.kernel.outputs import VARIABLES
-
-    nodes = VARIABLES["drive_power"].nodes(system.model) + VARIABLES["load_power"].nodes(
-        system.model
+def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:
+    nothing = np.zeros((0, len(times)))
+    return Piece(
+        system=system,
+        time=times,
+        state=nothing,
+        turns=nothing,
+        acceleration=nothing,
+        flipped={block: np.ones(len(times), dtype=bool) for block in flipped},
     )
-    points, weights = np.polynomial.legendre.leggauss(8)
-    edges = np.concatenate([[0.0], times])
-    longest = float(np.abs(np.diff(edges)).max(initial=0.0))
-    parts = max(1, math.ceil(longest * _fastest(system) / _QUADRATURE_ANGLE))
-    result = np.zeros(len(edges) - 1)
-    for refinement in range(_REFINEMENTS):
-        pieces = _integrals(system, nodes, edges, parts * 2**refinement, points, weights)
-        previous, result = result, np.cumsum(pieces)
-        scale = np.abs(pieces).sum()
-        if refinement and np.abs(result - previous).max(initial=0.0) <= 1e-13 * scale:
-            break
-    return result
 
 
-def _integrals(
-    system: System,
-    nodes: list[Scalar],
-    edges: NDArray[np.float64],
-    parts: int,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Integral of the sum of nodes over every interval, each cut into equal parts."""
-    lengths = np.diff(edges) / parts
-    result = np.zeros(len(lengths))
-    for start in range(0, len(lengths) * parts, _CHUNK):
-        interval, part = np.divmod(
-            np.arange(start, min(start + _CHUNK, result.size * parts)), parts
-        )
-        half = 0.5 * lengths[interval]
-        places = (edges[interval] + (2 * part + 1) * half)[:, None] + half[:, None] * points
-        power = system.evaluate(nodes, places.ravel()).sum(axis=0).reshape(places.shape)
-        np.add.at(result, interval, power @ weights * half)
-    return result
+def _across(
+    system: System, passage: DrivenPassage, flipped: tuple[int, ...], samples: Floats
+) -> Piece:
+    """Samples within a passage, to be interpolated from times on both sides of it."""
+    times = passage.crossing + passage.beside * BOTH_SIDES * math.copysign(1.0, passage.crossing)
+    beyond = BOTH_SIDES > 0
+    modes = {
+        block: beyond != (block in flipped) for block in {*flipped, *passage.blocks}
+        if block in passage.blocks
+    }  # fmt: skip
+    kept = {b: np.ones(len(times), dtype=bool) for b in flipped if b not in passage.blocks}
+    return replace(
+        _piece(system, times, ()),
+        flipped={**modes, **kept},
+        samples=samples,
+        crossing=passage.crossing,
+    )
+
+
+def _fastest(system: System, end: float) -> float:
+    """Highest speed of a drive on the way to `end`; a slider's in lengths of the mechanism."""
+    if not system.topology.driven:
+        return 0.0
+    places = np.array(list(system.places().values()))
+    size = float(np.ptp(places, axis=0).max()) or 1.0
+    rates = [system.model.known_rates[name] for name in system.topology.driven]
+    values = np.abs(system.evaluate(rates, np.linspace(0.0, end, _LAW_PLACES))).max(axis=1)
+    bodies = system.mechanism.bodies
+    return max(
+        float(value) if bodies[name].rotates else float(value) / size
+        for name, value in zip(system.topology.driven, values, strict=True)
+    )

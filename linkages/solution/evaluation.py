@@ -9,79 +9,155 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.scalars import Scalar
-from linkages.kernel.system import System
-from linkages.solution.motion import Motion
+from linkages.solution.motion import Motion, Piece
+from linkages.topology.topology import Topology
 
 _CHUNK = 2048
 """Samples evaluated at once: small enough for intermediate values to stay in the cache."""
 
+ADVANTAGES = ("mechanical_advantage", "slider_mechanical_advantage")
 ANGLES = {"bar_angle": "bar", "clearance_angle": "clearance"}
 
+POLES = ("clearance_force", "transmission_angle")
+"""Outputs that may grow without bound towards a change point, or have a kink there: they cannot be
+interpolated."""
 
-def evaluate_variables(
-    system: System, motion: Motion, names: Sequence[str]
-) -> dict[str, NDArray[np.float64]]:
+Values = dict[str, NDArray[np.float64]]
+
+
+def evaluate_variables(motion: Motion, names: Sequence[str]) -> Values:
     """Values of variables, each of shape (samples, …).
 
     Parameters
     ----------
-    system, motion
-        What moves, and how.
+    motion
+        How the mechanism moves.
     names
         Entries of `linkages.kernel.outputs.VARIABLES`.
     """
+    smooth = [name for name in names if name not in POLES]
+    poles = [name for name in names if name in POLES]
+    parts = [
+        piece_variables(piece, smooth) | piece_variables(piece.direct(), poles)
+        for piece in motion.pieces
+    ]
+    joined = {name: _joined(motion, [part[name] for part in parts], name) for name in names}
+    system = motion.pieces[0].system
+    found: Values = {}
+    for name, rows in joined.items():
+        shape = tuple(len(labels(system.model, dim)) for dim in VARIABLES[name].dims)
+        found[name] = np.ascontiguousarray(rows.T).reshape(rows.shape[1], *shape)
+    return found
+
+
+def piece_variables(piece: Piece, names: Sequence[str]) -> Values:
+    """Values of variables in a piece of a motion, each of shape (elements, wanted samples)."""
     nodes: list[Scalar] = []
     places: dict[str, slice] = {}
     for name in names:
         start = len(nodes)
-        nodes += VARIABLES[name].nodes(system.model)
+        nodes += VARIABLES[name].nodes(piece.system.model)
         places[name] = slice(start, len(nodes))
-    speeds = _speeds(system) if "bar_angle" in names else []
-    values = _evaluated(system, motion, [*nodes, *speeds])
-    found: dict[str, NDArray[np.float64]] = {}
+    turning = [dim for name, dim in ANGLES.items() if name in names]
+    speeds = [node for dim in turning for node in _speeds(piece, dim)]
+    values = evaluate_nodes(piece, [*nodes, *speeds])
+    taken = len(nodes)
+    found: Values = {}
     for name, place in places.items():
         rows = values[place]
         if name in ANGLES:
-            rows = _unwrapped(system, motion, rows, ANGLES[name], values[len(nodes) :])
+            rows = _unwrapped(piece, rows, ANGLES[name], values[taken : taken + len(rows)])
+            taken += len(rows)
         elif name == "closure_residual":
             rows = np.abs(rows).max(axis=0, initial=0.0)[None]
-        shape = tuple(len(labels(system.model, dim)) for dim in VARIABLES[name].dims)
-        found[name] = np.ascontiguousarray(rows.T).reshape(len(motion.time), *shape)
+        elif name == "transmission_angle":
+            rows = np.abs(rows)  # atan2(-0.0, -1.0) is -π
+        found[name] = _interpolated(piece, rows, name)
     return found
 
 
-def _evaluated(system: System, motion: Motion, nodes: list[Scalar]) -> NDArray[np.float64]:
-    values = np.empty((len(nodes), len(motion.time)))
-    for start in range(0, len(motion.time), _CHUNK):
+def _interpolated(piece: Piece, rows: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+    """Values at the wanted times; of what may be infinite, the reciprocal is smooth."""
+    if piece.samples is None or name not in ADVANTAGES:
+        return piece.interpolated(rows)
+    with np.errstate(divide="ignore"):
+        return 1.0 / piece.interpolated(1.0 / rows)
+
+
+def evaluate_nodes(piece: Piece, nodes: list[Scalar]) -> NDArray[np.float64]:
+    """Values of nodes of a piece's model at its times, shape (nodes, times)."""
+    values = np.empty((len(nodes), len(piece.time)))
+    for start in range(0, len(piece.time), _CHUNK):
         part = slice(start, start + _CHUNK)
-        values[:, part] = system.evaluate(
-            nodes, motion.time[part], motion.state[:, part], motion.acceleration[:, part]
+        flipped = {block: where[part] for block, where in piece.flipped.items()}
+        values[:, part] = piece.system.evaluate(
+            nodes,
+            piece.time[part],
+            piece.state[:, part],
+            piece.acceleration[:, part],
+            flipped=flipped,
         )
     return values
 
 
-def _speeds(system: System) -> list[Scalar]:
-    bodies = system.model.velocities.bodies
-    return [bodies[name] for name in labels(system.model, "bar")]
+def _speeds(piece: Piece, dim: str) -> list[Scalar]:
+    velocities = piece.system.model.velocities
+    return [velocities.turning(name) for name in labels(piece.system.model, dim)]
 
 
 def _unwrapped(
-    system: System,
-    motion: Motion,
-    angles: NDArray[np.float64],
-    dim: str,
-    speeds: NDArray[np.float64],
+    piece: Piece, angles: NDArray[np.float64], dim: str, speeds: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Continuous angles, shape (bodies, samples).
 
-    A free angle has its turns counted by the solver. A dependent one gets the whole turns that
-    bring it closest to where its speeds at two samples say that it is.
+    An integrated angle has its turns counted by the solver, and one that follows from others by a
+    ratio has theirs. Any other gets the whole turns that bring it closest to where its speeds at
+    two samples say that it is.
     """
-    for row, name in enumerate(labels(system.model, dim)):
-        if name in system.topology.free:
-            angles[row] += 2 * np.pi * motion.turns[system.topology.free.index(name)]
-        elif name in system.topology.dependent:
-            change = 0.5 * (speeds[row, 1:] + speeds[row, :-1]) * np.diff(motion.time)
+    topology = piece.system.topology
+    for row, name in enumerate(labels(piece.system.model, dim)):
+        if name in topology.coordinates:
+            angles[row] += 2 * np.pi * piece.turns[topology.coordinates.index(name)]
+        elif name in topology.dependent and not _follows(topology, name):
+            change = 0.5 * (speeds[row, 1:] + speeds[row, :-1]) * np.diff(piece.time)
             turns = np.round((change - np.diff(angles[row])) / (2 * np.pi))
             angles[row, 1:] += 2 * np.pi * np.cumsum(turns)
     return angles
+
+
+def _follows(topology: Topology, name: str) -> bool:
+    """Whether an angle follows from others that count with their whole turns."""
+    return name in topology.slaves and name in topology.turned
+
+
+def _joined(motion: Motion, parts: list[NDArray[np.float64]], name: str) -> NDArray[np.float64]:
+    """Rows of all pieces in a row; angles go on from piece to piece."""
+    rows = parts[0]
+    for piece, part in zip(motion.pieces[1:], parts[1:], strict=True):
+        if name in ANGLES and part.shape[1] and rows.shape[1]:
+            moved = _moved(motion, piece, rows.shape[1], name)
+            turns = np.round((moved - (part[:, 0] - rows[:, -1])) / (2 * np.pi))
+            part = part + 2 * np.pi * np.where(_counted(motion, piece, name), 0.0, turns)[:, None]
+        rows = np.concatenate([rows, part], axis=1)
+    return rows
+
+
+def _counted(motion: Motion, piece: Piece, name: str) -> NDArray[np.bool_]:
+    """Which angles have had their turns counted by the solver through all pieces so far."""
+    before = [p for p in motion.pieces[: motion.pieces.index(piece)] if p.wanted.size][-1]
+    names = labels(piece.system.model, ANGLES[name])
+    topology = piece.system.topology
+    same = before.system is piece.system
+    counted = (*topology.coordinates, *topology.driven)
+    known = [n in topology.driven or _follows(topology, n) for n in names]
+    return np.array([k or (same and n in counted) for k, n in zip(known, names, strict=True)])
+
+
+def _moved(motion: Motion, piece: Piece, reached: int, name: str) -> NDArray[np.float64]:
+    """How far bodies turn between the last sample before a piece and its first one."""
+    before = [p for p in motion.pieces[: motion.pieces.index(piece)] if p.wanted.size][-1]
+    gap = piece.wanted[0] - motion.time[reached - 1]
+    speed = name.replace("angle", "speed")
+    first = piece_variables(before, [speed])[speed][:, -1]
+    second = piece_variables(piece, [speed])[speed][:, 0]
+    return np.asarray(0.5 * (first + second) * gap)

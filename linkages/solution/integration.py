@@ -1,132 +1,272 @@
-"""Motions with free coordinates, integrated by a compiled solver."""
+"""Motions with integrated coordinates, by a compiled solver.
+
+A run is cut where free coordinates become ill-conditioned: there others take over, or the motion
+is led through a change point, or it ends.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from linkages.kernel.assembly import parameter_values
-from linkages.kernel.compiled import compile_kernel
-from linkages.kernel.model import Model
-from linkages.kernel.program import Program, write_program
-from linkages.kernel.scalars import Evaluator, Scalar
+from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Settings, block_failure
-from linkages.solvers.flow import Flow, Linearisation
+from linkages.solution.flows import Flows
+from linkages.solution.motion import (
+    Motion,
+    Piece,
+    Settings,
+    block_failure,
+    passed_text,
+)
+from linkages.solution.passage import Crossing, Passage
+from linkages.solution.switching import better_system, movable
 from linkages.solvers.integrate import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 
+EARLY = 0.2
+"""Relative margin at which a better choice of coordinates, or a way through, is looked for."""
 
-@dataclass(frozen=True)
-class KernelSource:
-    """What a kernel is made of: a model and the second derivatives of its coordinates."""
+CLOSER = 0.25
+"""Part of the present margin at which it is looked for again while the margin falls."""
 
-    model: Model
-    accelerations: tuple[Scalar, ...]
+PASSAGE_RTOL = 1e-10
+"""Errors below this cannot be told from round-off in a step through a change point."""
 
-    @property
-    def program(self) -> Program:
-        """The printed kernel."""
-        return write_program(self.model, self.accelerations)
-
-
-def kernel_source(system: System, work: bool = False) -> KernelSource:
-    """The equations that are integrated for a system.
-
-    Parameters
-    ----------
-    system
-        A system with free coordinates.
-    work
-        Whether to carry the work of drives and loads along, as the rate of one more coordinate
-        whose acceleration is their power.
-    """
-    model = Model(system.topology, quadratures=int(work))
-    power = (model.power,) if work else ()
-    return KernelSource(model, (*model.free_accelerations, *power))
-
-
-def build_flow(system: System, work: bool = False) -> Flow:
-    """The differential equation of a system, compiled."""
-    source = kernel_source(system, work)
-    model = source.model
-    program = source.program  # asks the model for all parameters before they are counted
-    parameters = parameter_values(model, system.sides)
-    kernel = compile_kernel(program, parameters)
-
-    def linearise() -> Linearisation:
-        from linkages.kernel.derivatives import compile_jacobian
-
-        jacobian = compile_jacobian(model, source.accelerations, parameters)
-        return Linearisation(
-            clock=jacobian.clock,
-            rates=jacobian.rates,
-            parameters=jacobian.parameters,
-            timed_size=jacobian.timed,
-            keepalive=jacobian,
-        )
-
-    rotates = [system.mechanism.bodies[name].rotates for name in system.topology.free]
-    scales = Evaluator(model.margin_scales)(p=parameters)
-    return Flow(
-        clock=kernel.clock,
-        rates=kernel.rates,
-        parameters=kernel.parameters,
-        timed_size=kernel.timed,
-        coordinates=model.inputs.coordinates,
-        rotates=np.array([*rotates, *([False] if work else [])]),
-        margin_scale=np.array([float(scale) for scale in scales]),
-        keepalive=kernel,
-        linearise=linearise,
-    )
+Floats = NDArray[np.float64]
 
 
 def integrated_motion(system: System, settings: Settings) -> Motion:
-    """Integrate a system that has free coordinates."""
-    count = len(system.topology.free)
-    extra = [0.0] if settings.work else []
-    start = np.array([*system.state[:count], *extra, *system.state[count:], *extra])
-    trajectory = integrate(
-        build_flow(system, settings.work),
-        start,
-        settings.times,
-        start=0.0,
-        method=settings.method,
-        rtol=settings.rtol,
-        atol=settings.atol,
-        step=settings.step,
-        max_steps=settings.max_steps,
-        watch=settings.watch,
-    )
-    total = count + len(extra)
-    coordinates, rates = trajectory.state.T[:total], trajectory.state.T[total:]
-    return Motion(
-        time=trajectory.time,
-        state=np.concatenate([coordinates[:count], rates[:count]]),
-        turns=trajectory.turns.T[:count].astype(float),
-        acceleration=trajectory.acceleration.T[:count],
-        work=rates[count] if settings.work else None,
-        failure=failure_text(system, trajectory),
-        stop_time=trajectory.stop_time,
-        method=trajectory.method,
-        reason=trajectory.reason,
-        cost={
-            "steps": trajectory.steps,
-            "rejected": trajectory.rejected,
-            "evaluations": trajectory.evaluations,
-        },
-    )
+    """Integrate a system that has free coordinates, or others that are carried along."""
+    return _Run(system, settings).motion()
 
 
-def failure_text(system: System, trajectory: Trajectory) -> str | None:
+class _Run:
+    """One motion, piece by piece."""
+
+    def __init__(self, system: System, settings: Settings) -> None:
+        self._settings = settings
+        self._direction = 1.0 if settings.times[-1] >= 0 else -1.0
+        self._pieces: list[Piece] = []
+        self._notes: list[str] = []
+        self._cost = {"steps": 0, "rejected": 0, "evaluations": 0}
+        self._method = self._reason = ""
+        self._taken = 0
+        self._work = 0.0
+        self._enter(system)
+
+    def _enter(self, system: System) -> None:
+        """Go on with the coordinates of a system, from its initial state."""
+        self._system = system
+        self._flows = Flows(system, self._settings.work)
+        self._flipped: tuple[int, ...] = ()
+        self._time = system.time
+        self._state = self._extended(system.state)
+        self._turns = np.zeros(len(system.topology.coordinates))
+        self._least = self._thresholds()
+
+    def _extended(self, state: Floats) -> Floats:
+        """A state with the work done so far, if that is integrated as well."""
+        count = len(self._system.topology.coordinates)
+        extra = ([0.0], [self._work]) if self._settings.work else ([], [])
+        return np.array([*state[:count], *extra[0], *state[count:], *extra[1]])
+
+    def _plain(self, states: Floats) -> tuple[Floats, Floats | None]:
+        """States without the work, shape (2n, …), and the work."""
+        count = len(self._system.topology.coordinates)
+        total = len(states) // 2
+        plain = np.concatenate([states[:count], states[total : total + count]])
+        return plain, states[total + count] if self._settings.work else None
+
+    @property
+    def _watchful(self) -> bool:
+        return self._settings.passing or bool(movable(self._system))
+
+    def _thresholds(self, stopped: int | None = None) -> Floats:
+        """Relative margins at which to stop; less where a block starts close to singular.
+
+        A block that the last run stopped at is one of these, even if its margin does not fall now.
+        """
+        blocks = len(self._system.topology.solved_blocks)
+        if not self._watchful or self._settings.method == "radau":
+            return np.full(blocks, LEAST_MARGIN)
+        state, _ = self._plain(self._state[:, None])
+        flipped = {block: np.array([True]) for block in self._flipped}
+        model = self._system.model
+        nodes = [*model.margins, *model.margin_rates]
+        values = self._system.evaluate(nodes, self._time, state, flipped=flipped)[:, 0]
+        relative = np.abs(values[:blocks]) / self._flows.margin_scale
+        with np.errstate(invalid="ignore"):  # in a change point rates are infinite
+            growing = values[:blocks] * values[blocks:] * self._direction > 0
+        if stopped is not None:
+            growing[stopped] = False
+        return np.where(growing, EARLY, np.clip(CLOSER * relative, LEAST_MARGIN, EARLY))
+
+    def motion(self) -> Motion:
+        """Integrate to the end, or to where the motion cannot go on."""
+        while True:
+            trajectory = self._integrate()
+            if trajectory.outcome is not Outcome.SINGULAR or not self._went_on(trajectory):
+                failure = failure_text(self._system, trajectory, self._settings.passing)
+                stop_time = trajectory.stop_time
+                break
+            if self._taken == len(self._settings.times):  # a passage led beyond the end
+                failure, stop_time = None, float(self._settings.times[-1])
+                break
+        return Motion(
+            pieces=tuple(self._pieces),
+            failure=failure,
+            stop_time=stop_time,
+            cost=self._cost,
+            method=self._method,
+            reason=self._reason,
+            notes=tuple(self._notes),
+        )
+
+    def _integrate(self) -> Trajectory:
+        """Integrate until something happens, and keep the samples."""
+        settings = self._settings
+        trajectory = integrate(
+            self._flows.flow(self._flipped, self._least),
+            self._state,
+            settings.times[self._taken :],
+            start=self._time,
+            method=settings.method,
+            rtol=settings.rtol,
+            atol=settings.atol,
+            step=settings.step,
+            max_steps=max(1, settings.max_steps - self._cost["steps"] - self._cost["rejected"]),
+            watch=self._watch(),
+        )
+        for key in self._cost:
+            self._cost[key] += getattr(trajectory, key)
+        self._method, self._reason = trajectory.method, trajectory.reason
+        count = len(self._system.topology.coordinates)
+        state, work = self._plain(trajectory.state.T)
+        self._pieces.append(
+            Piece(
+                system=self._system,
+                time=trajectory.time,
+                state=state,
+                turns=trajectory.turns.T[:count] + self._turns[:, None],
+                acceleration=trajectory.acceleration.T[:count],
+                work=work,
+                flipped={b: np.ones(len(trajectory.time), dtype=bool) for b in self._flipped},
+            )
+        )
+        self._taken += len(trajectory.time)
+        return trajectory
+
+    def _watch(self) -> Callable[[float], None] | None:
+        watch, times = self._settings.watch, self._settings.times
+        if watch is None:
+            return None
+        done = abs(self._time / times[-1]) if times[-1] else 0.0
+        return lambda fraction: watch(done + (1.0 - done) * fraction)
+
+    def _went_on(self, trajectory: Trajectory) -> bool:
+        """Whether the motion can go on from a stop at a small margin."""
+        if self._least[trajectory.block] <= LEAST_MARGIN:
+            return False
+        count = len(self._system.topology.coordinates)
+        self._time, self._state = trajectory.stop_time, trajectory.final_state
+        self._turns = self._turns + trajectory.final_turns[:count]
+        state, work = self._plain(self._state[:, None])
+        self._work = 0.0 if work is None else float(work[0])
+        better = better_system(self._system, self._time, state[:, 0], self._flipped)
+        if better is not None:
+            old, new = (movable(s) for s in (self._system, better))
+            self._notes.append(
+                f"at t = {self._time:.6g} s the free coordinate {_exchanged(old, new)}, "
+                "which is better conditioned there"
+            )
+            self._enter(better)
+            return True
+        if not (self._settings.passing and self._pass_through()):
+            self._least = self._thresholds(trajectory.block)
+        return True
+
+    def _pass_through(self) -> bool:
+        """Step across the change point ahead, if it is one."""
+        crossing = Crossing(self._flows.flow(self._flipped), self._direction)
+        ahead = crossing.ahead(self._time, self._state)
+        if ahead is None:
+            return False
+        left, blocks = ahead
+        beyond = tuple(sorted(set(self._flipped) ^ set(blocks)))
+        if not all(("side", block) in self._system.model.inputs.parameters for block in blocks):
+            return False
+        passage = crossing.across(
+            self._flows.flow(beyond),
+            self._time,
+            self._state,
+            left,
+            blocks,
+            self._tolerance(),
+        )
+        if passage is None:
+            return False
+        self._keep(passage, beyond)
+        return True
+
+    def _tolerance(self) -> Floats:
+        settings = self._settings
+        rtol = max(settings.rtol, PASSAGE_RTOL)
+        atol = rtol if settings.atol is None else max(settings.atol, PASSAGE_RTOL)
+        return np.asarray(atol + rtol * np.abs(self._state))
+
+    def _keep(self, passage: Passage, beyond: tuple[int, ...]) -> None:
+        """Take the samples within a passage and go on behind it."""
+        times = self._settings.times[self._taken :]
+        inside = (times - passage.time[-1]) * self._direction <= 0
+        state, work = self._plain(passage.state)
+        count = len(self._system.topology.coordinates)
+        before = np.array([[b in self._flipped] for b in range(self._blocks)])
+        after = np.array([[b in beyond] for b in range(self._blocks)])
+        modes = np.where(passage.beyond, after, before)
+        self._pieces.append(
+            Piece(
+                system=self._system,
+                time=passage.time,
+                state=state,
+                turns=np.repeat(self._turns[:, None], len(passage.time), axis=1),
+                acceleration=passage.acceleration[:count],
+                work=work,
+                flipped={b: where for b, where in enumerate(modes) if where.any()},
+                samples=times[inside],
+                crossing=passage.crossing,
+            )
+        )
+        self._taken += int(inside.sum())
+        self._cost["steps"] += 1
+        self._cost["evaluations"] += passage.evaluations
+        self._notes.append(passed_text(self._system.model, passage.crossing, passage.blocks))
+        self._flipped = beyond
+        self._time, self._state = float(passage.time[-1]), passage.state[:, -1].copy()
+        self._least = self._thresholds()
+
+    @property
+    def _blocks(self) -> int:
+        return len(self._system.topology.solved_blocks)
+
+
+def _exchanged(old: tuple[str, ...], new: tuple[str, ...]) -> str:
+    gone = [name for name in old if name not in new]
+    come = [name for name in new if name not in old]
+    return f"{', '.join(gone)} was exchanged for {', '.join(come)}"
+
+
+def failure_text(system: System, trajectory: Trajectory, passing: bool = False) -> str | None:
     """Why an integration stopped before its end, as a sentence; None if it did not."""
     outcome = trajectory.outcome
     if outcome is Outcome.DONE:
         return None
     if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
         singular = outcome is Outcome.SINGULAR
-        text = block_failure(system.model, trajectory.block, trajectory.stop_time, singular)
+        where = (trajectory.block, trajectory.stop_time)
+        text = block_failure(system.model, *where, singular, passing)
         return f"{text}. {outcome.remedy}"
     return f"at t = {trajectory.stop_time:.9g} s: {outcome}"

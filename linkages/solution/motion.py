@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.terms import axis_label
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
+from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
 Watch = Callable[[float], None]
@@ -25,6 +27,8 @@ class Settings:
         Sample times in seconds, shape (samples,), from 0 on.
     method, rtol, atol, step, max_steps
         As `linkages.solvers.integrate.integrate` takes them.
+    passing
+        Whether to go on smoothly through change points.
     work
         Whether to integrate the work of drives and loads along with the motion.
     watch
@@ -37,26 +41,105 @@ class Settings:
     atol: float | None
     step: float | None
     max_steps: int
+    passing: bool = False
     work: bool = False
     watch: Watch | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """Free coordinates at the sample times that were reached.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """Part of a motion with the same integrated coordinates.
 
     Parameters
     ----------
+    system
+        Its equations.
     time
         Shape (samples,).
     state
-        Coordinates (angles within one turn), then rates, shape (2n, samples).
+        Integrated coordinates (angles within one turn), then rates, shape (2n, samples).
     turns
         Whole turns to add to the coordinates, shape (n, samples).
     acceleration
         Shape (n, samples).
     work
         Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for.
+    flipped
+        Blocks that are in the other assembly mode than at the start, shape (samples,) each.
+    samples
+        Where outputs are wanted if not at `time`: they are interpolated, for there they could only
+        be computed with large round-off (near a change point).
+    crossing
+        Time of that change point.
+    """
+
+    system: System
+    time: Floats
+    state: Floats
+    turns: Floats
+    acceleration: Floats
+    work: Floats | None = None
+    flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
+    samples: Floats | None = None
+    crossing: float = 0.0
+
+    @property
+    def wanted(self) -> Floats:
+        """Times of the samples that come out of this piece."""
+        return self.time if self.samples is None else self.samples
+
+    def part(self, part: slice | NDArray[np.bool_]) -> Piece:
+        """Some of the times at which the motion was computed."""
+        return replace(
+            self,
+            time=self.time[part],
+            state=self.state[:, part],
+            turns=self.turns[:, part],
+            acceleration=self.acceleration[:, part],
+            work=None if self.work is None else self.work[part],
+            flipped={block: where[part] for block, where in self.flipped.items()},
+            samples=None,
+        )
+
+    def direct(self) -> Piece:
+        """The same at the wanted times themselves, by interpolation of the state."""
+        if self.samples is None:
+            return self
+        changed = {b: where for b, where in self.flipped.items() if not where.all()}
+        after = {b: bool(where[-1]) for b, where in changed.items()}
+        beyond = (self.samples - self.crossing) * (self.time[-1] - self.time[0]) > 0
+        modes = {b: beyond == after[b] for b in changed}
+        kept = {b: np.ones(len(beyond), dtype=bool) for b in self.flipped if b not in changed}
+        return replace(
+            self,
+            time=self.samples,
+            state=self.interpolated(self.state),
+            turns=np.repeat(self.turns[:, :1], len(self.samples), axis=1),
+            acceleration=self.interpolated(self.acceleration),
+            work=None if self.work is None else self.interpolated(self.work),
+            flipped={**modes, **kept},
+            samples=None,
+        )
+
+    def interpolated(self, rows: Floats) -> Floats:
+        """Values at the wanted times from those at `time`, the last axis of both."""
+        if self.samples is None:
+            return rows
+        from scipy.interpolate import BarycentricInterpolator
+
+        if not self.samples.size:
+            return rows[..., :0]
+        return np.asarray(BarycentricInterpolator(self.time, rows, axis=-1)(self.samples))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """What was reached of a motion, piece by piece.
+
+    Parameters
+    ----------
+    pieces
+        At least one, in the order of time.
     failure
         Why it stopped before the end, as a sentence; None if it did not.
     stop_time
@@ -66,23 +149,41 @@ class Motion:
     method, reason
         The method that was used, and why if it was chosen automatically; empty where nothing was
         integrated.
+    notes
+        What happened on the way: change points passed, coordinates changed.
     """
 
-    time: Floats
-    state: Floats
-    turns: Floats
-    acceleration: Floats
-    work: Floats | None
-    failure: str | None
-    stop_time: float
-    cost: dict[str, int]
+    pieces: tuple[Piece, ...]
+    failure: str | None = None
+    stop_time: float = 0.0
+    cost: dict[str, int] = field(default_factory=dict)
     method: str = ""
     reason: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def time(self) -> Floats:
+        """Sample times that were reached, shape (samples,)."""
+        return np.concatenate([piece.wanted for piece in self.pieces])
+
+    @property
+    def work(self) -> Floats | None:
+        """Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for."""
+        works = [p.interpolated(p.work) for p in self.pieces if p.work is not None]
+        return np.concatenate(works) if len(works) == len(self.pieces) else None
+
+    @property
+    def state(self) -> Floats:
+        """Integrated coordinates (within one turn) and rates, shape (2n, samples).
+
+        What the coordinates are may change from piece to piece.
+        """
+        return np.concatenate([p.interpolated(p.state) for p in self.pieces], axis=1)
 
 
 def compute_motion(system: System, settings: Settings) -> Motion:
     """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""
-    if system.topology.free:
+    if system.topology.coordinates:
         from linkages.solution.integration import integrated_motion
 
         return integrated_motion(system, settings)
@@ -91,21 +192,58 @@ def compute_motion(system: System, settings: Settings) -> Motion:
     return driven_motion(system, settings)
 
 
-def block_failure(model: Model, block: int, time: float, singular: bool) -> str:
-    """A sentence that says when, where and why a motion cannot go on."""
+def block_place(model: Model, block: int, time: float) -> str:
+    """When and where something happens to a block."""
     found = next(b for b in model.topology.solved_blocks if b.index == block)
     names = " and ".join(found.unknowns)
-    place = f"at t = {time:.9g} s, joint {found.loops[0].apex}, block {block} ({found.kind} dyad"
-    place += f" of {names})"
+    apex = found.loops[0].apex
+    slid = next((n for n in found.unknowns if axis_label(n) == apex), None)
+    joint = apex if slid is None else next(iter(model.mechanism.bodies[slid].points))
+    return f"at t = {time:.9g} s, joint {joint}, block {block} ({found.title} of {names})"
+
+
+def block_alignment(model: Model, block: int) -> str:
+    """What a block looks like at a singular position."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    one, other = found.unknowns[0], found.unknowns[-1]
+    return {
+        "RRR": f"{' and '.join(found.unknowns)} are in line",
+        "RRP": f"{one} is perpendicular to the axis of {other}",
+        "RPR": f"the axis of {other} on {one} passes its pin at right angles",
+        "PP": f"the axes of {one} and {other} are parallel",
+    }.get(found.kind, "the group has a singular position")
+
+
+def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
+    """A sentence about a change point that a motion went through."""
+    places = [block_place(model, block, time).split(", ", 1)[1] for block in blocks[:3]]
+    more = f" and {len(blocks) - 3} more" if len(blocks) > 3 else ""
+    return (
+        f"at t = {time:.6g} s the motion went on smoothly through a change point: "
+        f"{'; '.join(places)}{more}, where {block_alignment(model, blocks[0])}"
+    )
+
+
+def block_failure(
+    model: Model, block: int, time: float, singular: bool, passing: bool = False
+) -> str:
+    """A sentence that says when, where and why a motion cannot go on."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    place = block_place(model, block, time)
+    aligned = block_alignment(model, block)
     if found.kind == "PP":
-        return f"{place}: the axes of {names} are parallel, so nothing determines their positions"
-    if found.kind == "RRP":
-        aligned = f"{found.unknowns[0]} is perpendicular to the axis of {found.unknowns[1]}"
-    else:
-        aligned = f"{names} are in line"
+        return f"{place}: {aligned}, so nothing determines their positions"
     if singular:
+        wanted = (
+            "no smooth way on was found"
+            if passing
+            else "'change_points: pass' takes the smooth one"
+        )
         return (
             f"{place}: {aligned}; this position is singular, from it the mechanism can go on in "
-            "two ways and double precision cannot tell which"
+            f"two ways and double precision cannot tell which ({wanted})"
         )
+    if found.kind == ITERATED:
+        why = "where its constraints contradict each other, or" if found.surplus else "which is"
+        return f"{place}: no position closes its loops beyond this one, {why} a limit of its motion"
     return f"{place}: the mechanism cannot be assembled beyond this position, where {aligned}"

@@ -17,6 +17,7 @@ from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.switching import movable
 from linkages.solvers.choice import AUTO
 from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
 from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
@@ -37,6 +38,7 @@ def simulate(
     atol: float | None = None,
     step: float | None = None,
     max_steps: int = MAX_STEPS,
+    change_points: str | None = None,
     outputs: Iterable[str] | None = None,
     watch: Watch | None = None,
     throw: bool = True,
@@ -63,6 +65,10 @@ def simulate(
         Step of a fixed-step method in seconds.
     max_steps
         A run that needs more ends with an error.
+    change_points
+        ``"pass"`` to go on smoothly where the mechanism could go on in two ways, as inertia would
+        have it, or ``"stop"``. If neither is said, motions with a free coordinate other than a
+        clearance pass, and those that drives impose stop.
     outputs
         Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
         Only what is asked for is computed.
@@ -94,11 +100,12 @@ def simulate(
         "energy_residual" in names,
         watch,
     )
+    settings = replace(settings, passing=_passing(system, change_points))
     _require_inertia(system)
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]
-    values = evaluate_variables(system, motion, plain)
-    notes = assumptions(system)
+    values = evaluate_variables(motion, plain)
+    notes = [*assumptions(system), *motion.notes]
     if motion.failure is None or len(motion.time):
         _add_derived(system, settings, motion, names, values, notes)
     solution = Solution(
@@ -138,6 +145,8 @@ def _settings(
     if not 2 <= samples <= MAX_SAMPLES:
         message = f"samples must be at least 2 and at most {MAX_SAMPLES}, found {samples:g}"
         raise _refused(mechanism, "samples", samples == defaults.samples, message)
+    if max_steps < 1:
+        raise ValueError(f"max_steps must be at least 1, found {max_steps}")
     if not LEAST_RTOL <= rtol < 1:
         message = f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}"
         raise _refused(mechanism, "rtol", rtol == defaults.rtol, message)
@@ -161,6 +170,13 @@ def _settings(
         work=work,
         watch=watch,
     )
+
+
+def _passing(system: System, change_points: str | None) -> bool:
+    wanted = change_points or system.mechanism.simulation.change_points
+    if wanted not in (None, "pass", "stop"):
+        raise ValueError(f"change_points must be 'pass' or 'stop', found {wanted!r}")
+    return bool(movable(system)) if wanted is None else wanted == "pass"
 
 
 def _require_inertia(system: System) -> None:
@@ -211,14 +227,21 @@ def _add_derived(
         _add_errors(system, settings, motion, errors, values, notes)
     if "energy_residual" in names:
         energies = ("kinetic_energy", "potential_energy")
-        parts = evaluate_variables(system, motion, energies)
+        parts = evaluate_variables(motion, energies)
         energy = parts["kinetic_energy"] + parts["potential_energy"]
-        assert motion.work is not None
-        values["energy_residual"] = energy - energy[:1] - motion.work
+        work = motion.work
+        assert work is not None
+        values["energy_residual"] = energy - energy[:1] - work
     if "joint_reaction" in names:
         from linkages.solution.reactions import joint_reactions
 
-        values["joint_reaction"] = joint_reactions(system, motion)
+        values["joint_reaction"] = joint_reactions(motion)
+        if system.topology.redundant:
+            joints = ", ".join(system.topology.redundant)
+            notes.append(
+                f"constraints at {joints} are redundant: rigid bodies do not determine all joint "
+                "reactions; those with the least sum of squares are given"
+            )
 
 
 def _add_errors(
@@ -240,8 +263,8 @@ def _add_errors(
     if followed.failure is not None:
         notes.append(f"no errors against the ideal mechanism: {followed.failure}")
         return
-    ideal_values = evaluate_variables(ideal, followed, wanted)
+    ideal_values = evaluate_variables(followed, wanted)
     missing = [name for name in wanted if name not in values]
-    own = {**values, **evaluate_variables(system, motion, missing)}
+    own = {**values, **evaluate_variables(motion, missing)}
     for output, name in zip(errors, wanted, strict=True):
         values[output] = own[name] - ideal_values[name]

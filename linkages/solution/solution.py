@@ -107,7 +107,8 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     for name, array in values.items():
         entry = ALL[name]
         dims |= dict.fromkeys(entry.dims)
-        attrs = {"units": entry.units, "long_name": entry.long_name}
+        units, long_name = entry.described(system.model)
+        attrs = {"units": units, "long_name": long_name}
         variables[name] = (("time", *entry.dims), array, attrs)
     coordinates: dict[str, Any] = {
         "time": ("time", motion.time, {"units": "s", "long_name": "time"})
@@ -121,7 +122,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
 
 
 def _maxima(array: xr.DataArray) -> list[dict[str, Any]]:
-    if not array.sizes["time"] or "axis" in array.dims:
+    if not array.sizes["time"] or array.ndim > 2:
         return []
     table = array.to_numpy().reshape(array.sizes["time"], -1)
     names = [""] if array.ndim == 1 else [str(n) for n in array[array.dims[1]].to_numpy()]

@@ -41,8 +41,9 @@ class Memory:
         return array.ctypes.data
 
 
-def system(memory: Memory, flow: Flow, rows: NDArray[np.float64]) -> System:
-    """Addresses and numbers of a flow, with room for what its clock writes."""
+def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
+    """Addresses and numbers of a job's flow, with room for what its clock writes."""
+    flow = job.flow
     return System(
         clock=flow.clock,
         rates=flow.rates,
@@ -50,16 +51,20 @@ def system(memory: Memory, flow: Flow, rows: NDArray[np.float64]) -> System:
         timed=memory.floats(np.zeros(flow.timed_size)),
         rotates=memory.integers(flow.rotates),
         margin_scale=memory.floats(flow.margin_scale),
+        smallest_margins=memory.floats(flow.smallest_margins),
         n=flow.coordinates,
         blocks=len(flow.margin_scale),
+        first_carried=flow.first_carried,
+        carried=flow.carried,
+        backward=int(job.end < job.start),
         rows=memory.floats(rows),
         width=rows.shape[1],
     )
 
 
 def workspace_width(flow: Flow) -> int:
-    """Length of a row: coordinates, speeds, accelerations, margins and their rates."""
-    return 3 * flow.coordinates + 2 * len(flow.margin_scale)
+    """Length of a row: coordinates, speeds and what a kernel writes."""
+    return 3 * flow.coordinates + 2 * len(flow.margin_scale) + 2 * flow.carried
 
 
 def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArray[np.float64]:

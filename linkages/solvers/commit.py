@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from linkages.solvers.compiled import compiled, floats, integers
-from linkages.solvers.margins import LEAST_MARGIN, margins_of
+from linkages.solvers.margins import is_too_small
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.sampling import take_samples, write_sample
 from linkages.solvers.stages import NOT_FINITE, evaluate, finite, set_clock
@@ -43,9 +43,8 @@ def outcome_of(record: Record, status: int) -> int:
 @compiled
 def margin_outcome(system: System, record: Record) -> int:
     """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
-    margin, scale = floats(margins_of(system, 0)), floats(system.margin_scale)
     for block in range(system.blocks):
-        if abs(margin[block]) < LEAST_MARGIN * scale[block]:
+        if is_too_small(system, 0, block):
             integers(record.counters)[BLOCK] = block
             return SINGULAR
     return DONE
@@ -75,11 +74,21 @@ def begin(system: System, record: Record, start: float, near: float) -> int:
 
 
 @compiled
+def settle(system: System) -> None:
+    """Replace coordinates that are carried along in row 0 by what the iteration found there."""
+    rows, found = floats(system.rows), 3 * system.n + 2 * system.blocks
+    for i in range(system.carried):
+        rows[system.first_carried + i] = rows[found + i]
+        rows[system.n + system.first_carried + i] = rows[found + system.carried + i]
+
+
+@compiled
 def commit(system: System, table: Table, record: Record, t_end: float) -> None:
     """Make the end of an accepted step the start of the next one."""
     rows, last = floats(system.rows), table.end * system.width
     for i in range(system.width):
         rows[i] = rows[last + i]
+    settle(system)
     wrap_angles(system, system.rows, record.final_turns, record.final_turns)
     floats(record.control)[NOW] = t_end
     integers(record.counters)[STEPS] += 1

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.dyads import LEAST_MARGIN
+
 
 @dataclass(frozen=True, kw_only=True)
 class Linearisation:
     """The derivatives of a flow's accelerations, by functions of the same kind as its own.
 
-    Its `rates` writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b numbers that are of
-    no concern.
+    Its `rates` writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b + 2c numbers that are
+    of no concern.
 
     Parameters
     ----------
@@ -45,9 +47,10 @@ class Flow:
         int64 rates(double *state, double *parameters, double *timed, double *out)
 
     `clock` computes everything that depends on time alone and is called once per distinct stage
-    time. `rates` reads ``state = [q (n), v (n)]`` and writes
-    ``out = [a (n), margin (b), margin_rate (b)]``. Both return 0, or 1 + the index of the block
-    that cannot be assembled.
+    time. `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b),
+    margin_rate (b), settled (c), settled_rate (c)]``. Both return 0, or 1 + the index of the block
+    that cannot be assembled. The c coordinates from `first_carried` on are carried along as values
+    to start an iteration from: after a step they are replaced by what it found.
 
     Parameters
     ----------
@@ -63,6 +66,10 @@ class Flow:
         Which coordinates are angles in radians and are kept within one turn.
     margin_scale : (b,)
         Size of each block's margin away from singular positions, in the margin's unit; > 0.
+    least_margin : (b,)
+        Relative margin below which an integration stops as singular.
+    first_carried, carried
+        Place and number c of the coordinates that are carried along.
     keepalive
         Whatever must live as long as the two addresses are in use.
     linearise
@@ -76,6 +83,9 @@ class Flow:
     coordinates: int
     rotates: NDArray[np.bool_]
     margin_scale: NDArray[np.float64]
+    least_margin: NDArray[np.float64] | None = None
+    first_carried: int = 0
+    carried: int = 0
     keepalive: object = None
     linearise: Callable[[], Linearisation] | None = None
 
@@ -84,6 +94,8 @@ class Flow:
         object.__setattr__(self, "parameters", contiguous(self.parameters, dtype=np.float64))
         object.__setattr__(self, "rotates", contiguous(self.rotates, dtype=np.bool_))
         object.__setattr__(self, "margin_scale", contiguous(self.margin_scale, dtype=np.float64))
+        if self.least_margin is None:
+            object.__setattr__(self, "least_margin", np.full(len(self.margin_scale), LEAST_MARGIN))
         if not (self.clock and self.rates):
             raise ValueError("clock and rates must be addresses of compiled functions, found 0")
         if self.parameters.ndim != 1 or self.margin_scale.ndim != 1:
@@ -95,3 +107,8 @@ class Flow:
             )
         if not (self.margin_scale > 0).all():
             raise ValueError(f"margin_scale must be > 0, found {self.margin_scale}")
+
+    @property
+    def smallest_margins(self) -> NDArray[np.float64]:
+        """Margins at which an integration stops, shape (b,)."""
+        return np.asarray(self.least_margin) * self.margin_scale

@@ -5,8 +5,8 @@ fixed sign, so that a margin never changes sign: it passes through zero like ``|
 two accepted steps that can be overlooked. A step is suspicious if the margin, extrapolated from
 both of its ends, crosses zero within it. It is then repeated in part, to find the least margin.
 
-Below a relative margin of `LEAST_MARGIN` accelerations lose their last digits to round-off, and
-the motion beyond is arbitrary: the integration stops there.
+Below a least margin (`LEAST_MARGIN` of its scale, unless a run asks for more) accelerations lose
+their last digits to round-off, and the motion beyond is arbitrary: the integration stops there.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from linkages.solvers.views import BLOCK, EVALUATIONS, WORD, Record, System, Tab
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
+# Enough to find the first margin that is too small within a few thousandths of a step.
+EARLY_BISECTIONS = 12
 # Most that a relative margin, the sine of an angle, may change by within a step at the rates of its
 # stages: over longer steps its extrapolation from the ends says nothing about what lies between.
 MOST_CHANGE = 0.35
@@ -58,7 +60,7 @@ def is_suspicious(system: System, end: int, block: int, h: float) -> bool:
 def least_margin(
     system: System, table: Table, record: Record, block: int, t: float, h: float
 ) -> tuple[float, float]:
-    """Least relative margin of a block within a step, and the fraction of the step before it.
+    """Least margin of a block within a step, and the fraction of the step before it.
 
     Bisects on the sign of the margin's rate, repeating the step from its start.
     """
@@ -78,7 +80,43 @@ def least_margin(
             before = middle
         else:
             after = middle
-    return least / floats(system.margin_scale)[block], before
+    return least, before
+
+
+@compiled
+def is_too_small(system: System, row: int, block: int) -> bool:
+    """Whether a margin is singular, or smaller than a run allows and still falling."""
+    margins = floats(margins_of(system, row))
+    margin, rate = margins[block], margins[block + system.blocks]
+    if abs(margin) < LEAST_MARGIN * floats(system.margin_scale)[block]:
+        return True
+    falling = margin * rate > 0.0 if system.backward != 0 else margin * rate < 0.0
+    return falling and abs(margin) < floats(system.smallest_margins)[block]
+
+
+@compiled
+def ends_early(system: System, end: int, block: int) -> bool:
+    """Whether a run stops at larger margins than it must, and this one is too small at the end."""
+    smallest = floats(system.smallest_margins)[block]
+    early = smallest > 2.0 * LEAST_MARGIN * floats(system.margin_scale)[block]
+    return early and is_too_small(system, end, block)
+
+
+@compiled
+def early_fraction(
+    system: System, table: Table, record: Record, block: int, t: float, h: float, after: float
+) -> float:
+    """Fraction of a step before a margin is the smallest that is allowed; it is so at `after`."""
+    before = 0.0
+    for _ in range(EARLY_BISECTIONS):
+        middle = 0.5 * (before + after)
+        integers(record.counters)[EVALUATIONS] += table.end
+        status = try_step(system, table, t, middle * h, t + middle * h)
+        if status == 0 and not is_too_small(system, table.end, block):
+            before = middle
+        else:
+            after = middle
+    return before
 
 
 @compiled
@@ -93,11 +131,19 @@ def singular_fraction(
     counters = integers(record.counters)
     fraction = 1.0
     for block in range(system.blocks):
-        if is_suspicious(system, table.end, block, h):
+        if ends_early(system, table.end, block):
+            fraction = min(fraction, early_fraction(system, table, record, block, t, h, 1.0))
+            counters[BLOCK] = block
+            try_step(system, table, t, h, t_end)
+        elif is_suspicious(system, table.end, block, h):
             least, before = least_margin(system, table, record, block, t, h)
-            if least < LEAST_MARGIN and before < fraction:
-                fraction = before
-                counters[BLOCK] = block
+            smallest = floats(system.smallest_margins)[block]
+            if least < smallest:
+                if smallest > 2.0 * LEAST_MARGIN * floats(system.margin_scale)[block]:
+                    before = early_fraction(system, table, record, block, t, h, before)
+                if before < fraction:
+                    fraction = before
+                    counters[BLOCK] = block
             counters[EVALUATIONS] += table.end
             try_step(system, table, t, h, t_end)
     if fraction < 1.0:
@@ -112,6 +158,6 @@ def check_margins(
 ) -> float:
     """Fraction of an accepted step before a singular position; see `singular_fraction`."""
     for block in range(system.blocks):
-        if is_suspicious(system, table.end, block, h):
+        if ends_early(system, table.end, block) or is_suspicious(system, table.end, block, h):
             return singular_fraction(system, table, record, t, h, t_end)
     return 1.0

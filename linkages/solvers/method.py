@@ -74,7 +74,7 @@ class RungeKutta(Method):
 
         tableau, store = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
-        system = arrays.system(store, job.flow, rows)
+        system = arrays.system(store, job, rows)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job)
         shared = (

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.flow import Linearisation
 from linkages.solvers.foreign import caller
 from linkages.solvers.job import Job
@@ -35,11 +34,11 @@ class StiffRun:
     def __init__(self, job: Job) -> None:
         flow = job.flow
         self.job, self.n, self.blocks = job, flow.coordinates, len(flow.margin_scale)
-        self.kernel = caller(flow, self.n + 2 * self.blocks)
+        self.kernel = caller(flow, self.n + 2 * self.blocks + 2 * flow.carried)
         self.linear: Linearisation | None = flow.linearise() if flow.linearise else None
         self.status = 0
         if self.linear is not None:
-            size = 2 * self.n * self.n + 2 * self.blocks
+            size = 2 * self.n * self.n + 2 * self.blocks + 2 * flow.carried
             self.slopes = caller(self.linear, size)
 
     def evaluate(self, t: float, y: NDArray) -> NDArray:
@@ -50,6 +49,10 @@ class StiffRun:
             self.status = status
             return np.full(len(out), math.nan)
         return out
+
+    def _margins(self, t: float, y: NDArray) -> NDArray:
+        """Margins of the blocks, then their rates."""
+        return self.evaluate(t, y)[self.n : self.n + 2 * self.blocks]
 
     def derivative(self, t: float, y: NDArray) -> NDArray:
         """Derivative of the state."""
@@ -89,7 +92,7 @@ class StiffRun:
     def _begin(self) -> Outcome:
         """Evaluate the start and take a sample there."""
         job = self.job
-        self.margins = self.evaluate(job.start, job.state)[self.n :]
+        self.margins = self._margins(job.start, job.state)
         if self.status != 0:
             return self._blocked()
         self._wrap(job.state)
@@ -133,7 +136,7 @@ class StiffRun:
         """Take the samples of a step and make its end the start of the next one."""
         job, dense = self.job, solver.dense_output()
         start, end = solver.t_old, solver.t
-        margins = self.evaluate(end, solver.y)[self.n :]
+        margins = self._margins(end, solver.y)
         part = self._part_before_singular(margins, dense, start, end - start)
         outcome = Outcome.DONE
         if part < 1.0:
@@ -188,20 +191,20 @@ class StiffRun:
             for _ in range(BISECTIONS):
                 middle = 0.5 * (before + after)
                 time = start + middle * h
-                here = self.evaluate(time, dense(time))[self.n :]
+                here = self._margins(time, dense(time))
                 # Round-off puts aligned links out of reach: nan counts as aligned.
                 least = min(least, np.nan_to_num(abs(here[block]), nan=0.0))
                 if side[block] * h * here[b + block] < 0.0:
                     before = middle
                 else:
                     after = middle
-            if least < LEAST_MARGIN * self.job.flow.margin_scale[block] and before < part:
+            if least < self.job.flow.smallest_margins[block] and before < part:
                 part = before
                 self.job.counters[BLOCK] = block
         return part
 
     def _close_to_singular(self) -> Outcome:
-        small = np.abs(self.margins[: self.blocks]) < LEAST_MARGIN * self.job.flow.margin_scale
+        small = np.abs(self.margins[: self.blocks]) < self.job.flow.smallest_margins
         if not small.any():
             return Outcome.DONE
         self.job.counters[BLOCK] = int(np.argmax(small))

@@ -13,10 +13,10 @@ WORD = 8
 class System(NamedTuple):
     """A flow and the workspace for its steps.
 
-    `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b)]`` for
-    each stage, so that the state is ``row[:2n]``, its derivative ``row[n:3n]``, and the kernel
-    writes straight into ``row[2n:]``. Row 0 is the start of the step, row `Table.end` its end,
-    and the last row a scratch row for samples.
+    `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b),
+    settled (c), settled_rate (c)]`` for each stage, so that the state is ``row[:2n]``, its
+    derivative ``row[n:3n]``, and the kernel writes straight into ``row[2n:]``. Row 0 is the start
+    of the step, row `Table.end` its end, and the last row a scratch row for samples.
     """
 
     clock: int
@@ -25,8 +25,12 @@ class System(NamedTuple):
     timed: int  # what `clock` wrote last
     rotates: int  # (n,) of int64, 0 or 1
     margin_scale: int  # (b,) of float64
+    smallest_margins: int  # (b,) of float64
     n: int
     blocks: int
+    first_carried: int
+    carried: int
+    backward: int  # 1 where time runs backward, otherwise 0
     rows: int
     width: int  # of a row
 

@@ -68,9 +68,10 @@ TORSIONAL_STIFFNESS = Dimension("torsional stiffness", "N*m/rad", "N·m/rad", ("
 DAMPING = Dimension("damping", "N*s/m", "N·s/m")
 TORSIONAL_DAMPING = Dimension("torsional damping", "N*m*s/rad", "N·m·s/rad", ("N*m*s",))
 DURATION = Dimension("time", "s", "seconds")
+FREQUENCY = Dimension("frequency", "1/s", "hertz")
 KNOWN = (
     LENGTH, ANGLE, ANGULAR_SPEED, SPEED, MASS, INERTIA, ACCELERATION, FORCE, TORQUE, STIFFNESS,
-    TORSIONAL_STIFFNESS, DAMPING, TORSIONAL_DAMPING, DURATION, Dimension("frequency", "1/s"),
+    TORSIONAL_STIFFNESS, DAMPING, TORSIONAL_DAMPING, DURATION, FREQUENCY,
     Dimension("temperature", "K"), Dimension("area", "m**2"), Dimension("volume", "m**3"),
     Dimension("pressure", "Pa"), Dimension("power", "W"), Dimension("momentum", "kg*m/s"),
     Dimension("angular acceleration", "rad/s**2"),

@@ -35,6 +35,11 @@ class FieldType(ABC):
     def json_schema(self) -> dict[str, Any]:
         """Return the JSON schema of the raw value."""
 
+    @property
+    def models(self) -> tuple[Any, ...]:
+        """Models of the mappings that may stand in this place."""
+        return ()
+
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self._validate)
 
@@ -137,5 +142,7 @@ TorsionalStiffness = Annotated[float, Quantity(dimensions.TORSIONAL_STIFFNESS, B
 Damping = Annotated[float, Quantity(dimensions.DAMPING, Bound.NON_NEGATIVE)]
 TorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound.NON_NEGATIVE)]
 Duration = Annotated[float, Quantity(dimensions.DURATION, Bound.POSITIVE)]
+Instant = Annotated[float, Quantity(dimensions.DURATION)]
+Frequency = Annotated[float, Quantity(dimensions.FREQUENCY)]
 Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]

@@ -1,29 +1,41 @@
 """Blocks: groups of bodies solved together, and the loops that close them.
 
-Signs: a loop runs from the known end of its first unknown link through the links to the other
-known end. The vector of every link is counted positive in that direction. The first unknown link
-is the one that stands first in the definition file.
+Signs: a loop runs from the known end of its first link through the links to the other known end.
+The vector of every link is counted positive in that direction. A dyad's loop is run so that the
+unknown that stands first in the definition file comes first.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body
+from linkages.components.terms import Body, axis_label
+from linkages.topology.decomposition import Group
+from linkages.topology.orientation import Orientation
+
+CLOSED_FORMS = {
+    "RRR": "RRR dyad",
+    "RRP": "RRP dyad",
+    "RPR": "RPR dyad",
+    "PP": "PP dyad",
+}
+"""Kinds of blocks that are solved in closed form: their unknowns are two angles; the angle of a
+link and the displacement of a slider; the angle of a guide and the displacement along it; two
+displacements."""
+
+ITERATED = "N"
+"""The kind of all other blocks: solved by Newton's iteration."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """A loop's way along one body, from one joint to another.
-
-    A slider is entered or left at its guide: that end is None.
-    """
+    """A loop's way along one body, from one of its points to another."""
 
     body: str
-    start: str | None
-    end: str | None
+    start: str
+    end: str
 
     @property
     def reversed(self) -> Step:
@@ -38,17 +50,17 @@ class Loop:
     Parameters
     ----------
     apex
-        The joint at which the two sides of the loop meet.
+        The point at which the two sides of the loop meet.
     steps
         The bodies of this block that the chain runs through.
     start, end
-        Known joints at its ends; None for the guide of a slider.
+        Known points at its ends.
     """
 
     apex: str
     steps: tuple[Step, ...]
-    start: str | None
-    end: str | None
+    start: str
+    end: str
 
     @property
     def reversed(self) -> Loop:
@@ -66,136 +78,183 @@ class Block:
     index
         Number among the blocks with unknowns, from 0; -1 for bodies that are merely placed.
     placements
-        The bodies in the order in which they are placed, with the joint (None: the guide) that
-        each is placed from.
+        The bodies in the order in which they are placed, with the point that each is placed from
+        and the points that it places.
     unknowns
-        The bodies whose coordinate this block determines, in the order of the file.
+        The bodies whose coordinate this block determines; of a dyad in the order of its loop.
     loops
-        The loops that determine them.
+        The loops that determine them: two equations each.
     kind
-        ``"RRR"``, ``"RRP"``, ``"PP"``; ``""`` where there is nothing to solve.
+        One of `CLOSED_FORMS`, `ITERATED`, or ``""`` where there is nothing to solve.
     """
 
     index: int
-    placements: tuple[tuple[str, str | None], ...]
+    placements: tuple[tuple[str, str, tuple[str, ...]], ...]
     unknowns: tuple[str, ...]
     loops: tuple[Loop, ...]
     kind: str
 
     @property
-    def label(self) -> str:
+    def surplus(self) -> int:
+        """Number of equations beyond the unknowns: redundant constraints."""
+        return 2 * len(self.loops) - len(self.unknowns)
+
+    @property
+    def title(self) -> str:
         """What messages call it."""
-        return f"{self.kind} dyad at joint {self.loops[0].apex}"
+        if self.kind in CLOSED_FORMS:
+            return CLOSED_FORMS[self.kind]
+        loops = len(self.loops)
+        title = f"group of {loops} loop{'s' if loops > 1 else ''}"
+        return f"{title} with {self.surplus} redundant equations" if self.surplus else title
 
-
-class UnsupportedBlockError(Exception):
-    """A group of bodies that has no closed-form solution."""
-
-    def __init__(self, bodies: Sequence[str], loops: int) -> None:
-        super().__init__(bodies, loops)
-        self.bodies = tuple(bodies)
-        self.loops = loops
+    @property
+    def label(self) -> str:
+        """The title and where it is."""
+        return f"{self.title} at joint {self.loops[0].apex}"
 
 
 class BlockBuilder:
-    """Places bodies group by group and closes a loop wherever a joint is reached twice.
+    """Places bodies group by group and closes a loop wherever a point is reached twice.
 
     Parameters
     ----------
     mechanism
         The bodies and their joints.
-    known
-        Bodies whose coordinate is driven or free.
+    orientations
+        What the orientation of each body depends on.
+    sliding
+        Sliders whose axis point is placed after their pin.
     """
 
-    def __init__(self, mechanism: Mechanism, known: Sequence[str]) -> None:
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        orientations: Mapping[str, Orientation],
+        sliding: Collection[str] = (),
+    ) -> None:
         self._mechanism = mechanism
-        self._known = frozenset(known)
+        self._orientations = orientations
+        self._sliding = frozenset(sliding)
         self._solved = 0
+        self._anchors = frozenset(mechanism.anchors)
         self.placing: dict[str, str] = {}
-        self.entry: dict[str, str | None] = {}
+        self.entry: dict[str, str] = {}
 
-    def add(self, group: Sequence[str]) -> Block:
+    def add(self, group: Group) -> Block:
         """The block that solves a group, given all groups added before."""
-        before = set(self._mechanism.ground) | set(self.placing)
-        closings = self._place(group, before)
-        unknowns = tuple(body for body in group if body not in self._known)
+        before = self._anchors | set(self.placing)
+        closings, placements = self._place(group, before)
         loops = tuple(self._loop(joint, body, before) for joint, body in closings)
-        if len(unknowns) != 2 * len(loops) or len(loops) > 1:
-            raise UnsupportedBlockError(group, len(loops))
+        unknowns = group.unknowns
         kind = ""
         if unknowns:
-            loops = (self._oriented(loops[0], unknowns),)
-            kind = self._kind(unknowns)
+            kind = self._kind(unknowns, loops)
+            if kind in CLOSED_FORMS:
+                unknowns, loops = self._oriented(unknowns, loops[0])
         index = self._solved if unknowns else -1
         self._solved += bool(unknowns)
-        placements = tuple((body, self.entry[body]) for body in self.entry if body in group)
         return Block(index, placements, unknowns, loops, kind)
 
     def _body(self, name: str) -> Body:
         return self._mechanism.bodies[name]
 
-    def _place(self, group: Sequence[str], before: set[str]) -> list[tuple[str, str]]:
-        """Breadth first from what is known; returns the (joint, body) that close loops."""
-        front: list[tuple[str | None, str]] = [
-            (None, b) for b in group if not self._body(b).rotates
-        ]
-        front += [(j, b) for b in group for j in self._body(b).points if j in before]
+    def _points(self, group: Group) -> dict[str, tuple[str, ...]]:
+        """Points that can be placed now, body by body."""
+        points = {body: self._mechanism.labels(body) for body in group.bodies}
+        for body in self._sliding & points.keys():
+            points[body] = points[body][1:]
+        for body in group.sliding:
+            points[body] = (axis_label(body), next(iter(self._body(body).points)))
+        return points
+
+    def _place(
+        self, group: Group, before: Collection[str]
+    ) -> tuple[list[tuple[str, str]], tuple[tuple[str, str, tuple[str, ...]], ...]]:
+        """Breadth first from what is known.
+
+        Returns
+        -------
+        The (point, body) that close loops, and the placements.
+        """
+        points = self._points(group)
+        sliding = [body for body in points if not self._body(body).rotates]
+        front = [(points[b][0], b) for b in sliding if points[b][0] in before]
+        front += [(point, body) for body in points for point in points[body] if point in before]
         closings: list[tuple[str, str]] = []
+        placed: dict[str, tuple[str, tuple[str, ...]]] = {}
         reached = set(before)
         while front:
-            following: list[tuple[str | None, str]] = []
-            for joint, body in front:
-                if body not in self.entry:
-                    self.entry[body] = joint
-                    following += self._reach(body, joint, group, reached, closings)
+            following: list[tuple[str, str]] = []
+            for entry, body in front:
+                if body in placed:
+                    continue
+                self.entry.setdefault(body, entry)
+                others = [point for point in points[body] if point != entry]
+                closings += [(point, body) for point in others if point in reached]
+                fresh = tuple(point for point in others if point not in reached)
+                reached.update(fresh)
+                self.placing |= dict.fromkeys(fresh, body)
+                placed[body] = (entry, fresh)
+                following += [(p, other) for p in fresh for other in points if p in points[other]]
             front = following
-        return closings
+        return closings, tuple((body, *found) for body, found in placed.items())
 
-    def _reach(
-        self,
-        body: str,
-        entry: str | None,
-        group: Sequence[str],
-        reached: set[str],
-        closings: list[tuple[str, str]],
-    ) -> list[tuple[str | None, str]]:
-        """Place the other joints of a body; returns what they give access to."""
-        access: list[tuple[str | None, str]] = []
-        for joint in self._body(body).points:
-            if joint == entry:
-                continue
-            if joint in reached:
-                closings.append((joint, body))
-                continue
-            reached.add(joint)
-            self.placing[joint] = body
-            access += [(joint, other) for other in group if joint in self._body(other).points]
-        return access
-
-    def _loop(self, joint: str, closing: str, before: set[str]) -> Loop:
+    def _loop(self, joint: str, closing: str, before: Collection[str]) -> Loop:
         """From the known end on the placing side over `joint` to that of the closing side."""
         out, start = self._chain(joint, before)
         last = Step(closing, self.entry[closing], joint)
         back, end = self._chain(self.entry[closing], before)
-        return Loop(joint, (*out, *(step.reversed for step in reversed([*back, last]))), start, end)
+        back = [*back, last]
+        while out and back and out[0] == back[0]:  # the part that both sides share cancels
+            start = end = out[0].end
+            out, back = out[1:], back[1:]
+        return Loop(joint, (*out, *(step.reversed for step in reversed(back))), start, end)
 
-    def _chain(self, joint: str | None, before: set[str]) -> tuple[list[Step], str | None]:
-        """Steps from a known place to a joint, and that place."""
+    def _chain(self, joint: str, before: Collection[str]) -> tuple[list[Step], str]:
+        """Steps from a known place to a point, and that place."""
         steps: list[Step] = []
-        while joint is not None and joint not in before:
+        while joint not in before:
             body = self.placing[joint]
             steps.append(Step(body, self.entry[body], joint))
             joint = self.entry[body]
         return steps[::-1], joint
 
-    def _oriented(self, loop: Loop, unknowns: Sequence[str]) -> Loop:
-        """Run so that the first unknown turning body of the file comes first."""
-        order = [step.body for step in loop.steps if step.body in unknowns]
-        turning = [body for body in unknowns if self._body(body).rotates]
-        first = turning[0] if turning else unknowns[0]
-        return loop if order[0] == first else loop.reversed
+    def _masters(self, body: str, unknowns: Sequence[str]) -> list[str]:
+        return [m for m in self._orientations[body].masters if m in unknowns]
 
-    def _kind(self, unknowns: Sequence[str]) -> str:
-        turning = sum(self._body(body).rotates for body in unknowns)
-        return {2: "RRR", 1: "RRP", 0: "PP"}[turning]
+    def _kind(self, unknowns: Sequence[str], loops: Sequence[Loop]) -> str:
+        if len(loops) != 1 or len(unknowns) != 2:
+            return ITERATED
+        for step in loops[0].steps:
+            if self._masters(step.body, unknowns) and not self._orientations[step.body].rigid:
+                return ITERATED
+        sliding = [u for u in unknowns if not self._body(u).rotates]
+        guided = any(self._masters(slider, unknowns) for slider in sliding)
+        kinds = {0: "RRR", 1: "RPR" if guided else "RRP", 2: ITERATED if guided else "PP"}
+        return kinds[len(sliding)]
+
+    def _oriented(
+        self, unknowns: Sequence[str], loop: Loop
+    ) -> tuple[tuple[str, ...], tuple[Loop, ...]]:
+        """Run so that the first bar of the file comes first; unknowns in that order."""
+        bodies = list(self._mechanism.bodies)
+
+        def moves(unknown: str, body: str) -> bool:
+            return body == unknown or unknown in self._masters(body, unknowns)
+
+        def first_place(unknown: str, loop: Loop) -> int:
+            places = (i for i, step in enumerate(loop.steps) if moves(unknown, step.body))
+            return next(places, len(loop.steps))
+
+        def first_bar(unknown: str) -> int:
+            """Place in the file; with welds and gears it need not be the unknown itself."""
+            bars = (s.body for s in loop.steps if self._body(s.body).rotates)
+            return min((bodies.index(b) for b in bars if moves(unknown, b)), default=len(bodies))
+
+        turning = [u for u in unknowns if self._body(u).rotates]
+        first = min(turning, key=first_bar) if turning else unknowns[0]
+        second = next(u for u in unknowns if u != first)
+        if first_place(first, loop) > first_place(second, loop):
+            loop = loop.reversed
+        return (first, second), (loop,)

@@ -1,27 +1,30 @@
 """The order in which positions are solved: block-triangular form of the point equations.
 
-Every moving joint has two coordinates, every body has a place and, unless driven or free, one
-unknown coordinate. Each time a joint lies on a body, two scalar equations hold. A perfect matching
-of equations and unknowns directs their bipartite graph; its strongly connected components are the
-smallest groups of bodies that must be solved together (Assur groups), whatever loops are chosen
-later. Pins shared by several bodies need no special treatment, because joints are unknowns too.
+Every moving point has two coordinates, every body has a place and, unless it is driven, free or
+follows from others, one unknown coordinate. Each time a point lies on a body, two scalar equations
+hold. A largest matching of equations and unknowns directs their bipartite graph; its strongly
+connected components are the smallest groups of bodies that must be solved together (Assur groups),
+whatever loops are chosen later. Pins shared by several bodies need no special treatment, because
+points are unknowns too. Equations that no unknown is left for stay with the group that they close.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 import networkx as nx
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body
+from linkages.components.terms import axis_label
+from linkages.topology.orientation import Orientation
 
 Unknown = tuple[str, str, str]
 Equation = tuple[str, str, str, str]
 
 
 class StructureError(Exception):
-    """Equations and unknowns cannot be matched one to one.
+    """Some coordinates follow from no equation.
 
     Parameters
     ----------
@@ -37,7 +40,48 @@ class StructureError(Exception):
         self.contested = tuple(contested)
 
 
-def solution_order(mechanism: Mechanism, known: Collection[str]) -> list[tuple[str, ...]]:
+@dataclass(frozen=True)
+class Group:
+    """Bodies that are placed together.
+
+    Parameters
+    ----------
+    bodies
+        In the order of the mechanism.
+    unknowns
+        Bodies whose own coordinate this group determines, in the order of the mechanism.
+    sliding
+        Those among them that have been placed before, by their pin: their axis point follows.
+    """
+
+    bodies: tuple[str, ...]
+    unknowns: tuple[str, ...]
+    sliding: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Order:
+    """The groups in an order in which they can be solved.
+
+    Parameters
+    ----------
+    groups
+        Earliest first.
+    redundant
+        Joints at which more equations hold than unknowns are left: they hold by themselves, or the
+        mechanism cannot move.
+    """
+
+    groups: tuple[Group, ...]
+    redundant: tuple[str, ...]
+
+
+def solution_order(
+    mechanism: Mechanism,
+    known: Collection[str],
+    orientations: Mapping[str, Orientation],
+    whole: bool = False,
+) -> Order:
     """Groups of bodies in an order in which their positions can be solved.
 
     Parameters
@@ -45,25 +89,51 @@ def solution_order(mechanism: Mechanism, known: Collection[str]) -> list[tuple[s
     mechanism
         Its bodies keep the order of the file within a group and, where possible, among groups.
     known
-        Bodies whose coordinate is driven or free.
+        Bodies whose coordinate is driven, free or follows from others.
+    orientations
+        What the orientation of each body depends on.
+    whole
+        Whether all that has more equations than unknowns is solved as a whole: which of its
+        equations are the redundant ones is not a matter of structure alone.
 
     Raises
     ------
     StructureError
-        If the mechanism is not exactly determined by the known coordinates.
+        If equations are missing.
     """
-    incidence, equations = _incidence(mechanism, known)
-    matching = nx.bipartite.hopcroft_karp_matching(incidence, equations)
+    incidence, equations = _incidence(mechanism, known, orientations)
+    matching = _matching(incidence, equations)
     unmatched = [equation for equation in equations if equation not in matching]
     unknowns = [node for node in incidence if node not in equations]
     loose = [unknown for unknown in unknowns if unknown not in matching]
-    if unmatched or loose:
+    over = _alternating(incidence, matching, unmatched)
+    contested = sorted({node[1] for node in over if node[0] == "at"} & _pins(mechanism))
+    if loose:
         under = _alternating(incidence, matching, loose)
-        over = _alternating(incidence, matching, unmatched)
         surplus = {node[1] for node in under if node[0] in ("body", "coordinate")}
-        contested = {node[1] for node in over if node[0] == "at"} - set(mechanism.ground)
-        raise StructureError(sorted(surplus), sorted(contested))
-    return _body_groups(mechanism, incidence, equations, matching)
+        raise StructureError(sorted(surplus), contested)
+    together = [equation for equation in equations if whole and equation in over]
+    groups = _groups(mechanism, incidence, equations, matching, unmatched, orientations, together)
+    redundant = dict.fromkeys(equation[1] for equation in unmatched)
+    return Order(tuple(groups), tuple(redundant))
+
+
+def _matching(
+    incidence: nx.Graph, equations: Collection[Equation]
+) -> dict[Unknown | Equation, Unknown | Equation]:
+    """A largest matching, the same in every process: sets of texts have an order of the day."""
+    nodes = list(incidence)
+    number = {node: index for index, node in enumerate(nodes)}
+    numbered = nx.Graph()
+    numbered.add_nodes_from(range(len(nodes)))
+    numbered.add_edges_from((number[a], number[b]) for a, b in incidence.edges)
+    tops = [number[equation] for equation in equations]
+    found = nx.bipartite.hopcroft_karp_matching(numbered, tops)
+    return {nodes[a]: nodes[b] for a, b in found.items()}
+
+
+def _pins(mechanism: Mechanism) -> set[str]:
+    return {j for b in mechanism.bodies.values() for j in b.points} - set(mechanism.ground)
 
 
 def _alternating(
@@ -89,59 +159,85 @@ def _alternating(
 
 
 def _incidence(
-    mechanism: Mechanism, known: Collection[str]
+    mechanism: Mechanism, known: Collection[str], orientations: Mapping[str, Orientation]
 ) -> tuple[nx.Graph, dict[Equation, None]]:
-    """Bipartite graph of equations and unknowns; equations are at (joint, body, axis)."""
+    """Bipartite graph of equations and unknowns; equations are at (point, body, axis)."""
     graph = nx.Graph()
     equations: dict[Equation, None] = {}
-    for body in mechanism.bodies.values():
-        graph.add_nodes_from(_own_unknowns(body, known))
-        for joint in body.points:
+    for name in mechanism.bodies:
+        if name not in known:
+            graph.add_node(("coordinate", name, ""))
+        for label in mechanism.labels(name):
             for axis in ("x", "y"):
-                equation = ("at", joint, body.name, axis)
+                equation = ("at", label, name, axis)
                 equations[equation] = None
-                graph.add_node(equation)
-                if joint not in mechanism.ground:
-                    graph.add_edge(equation, ("joint", joint, axis))
-                for unknown in _own_unknowns(body, known):
-                    if unknown[2] in (axis, ""):
-                        graph.add_edge(equation, unknown)
+                graph.add_edge(equation, ("body", name, axis))
+                if label not in mechanism.anchors:
+                    graph.add_edge(equation, ("joint", label, axis))
+                for owner in _owners(mechanism, name, label, orientations):
+                    if owner not in known:
+                        graph.add_edge(equation, ("coordinate", owner, ""))
     return graph, equations
 
 
-def _own_unknowns(body: Body, known: Collection[str]) -> list[Unknown]:
-    place = [("body", body.name, "x"), ("body", body.name, "y")] if body.rotates else []
-    return place if body.name in known else [*place, ("coordinate", body.name, "")]
+def _owners(
+    mechanism: Mechanism, name: str, label: str, orientations: Mapping[str, Orientation]
+) -> tuple[str, ...]:
+    """Bodies whose own coordinates say where a point of a body is, relative to its place."""
+    masters = orientations[name].masters
+    body = mechanism.bodies[name]
+    if body.rotates:
+        return masters
+    if label == axis_label(name):
+        return (name, *masters)
+    return () if label == next(iter(body.points)) else masters
 
 
-def _body_groups(
+def _groups(
     mechanism: Mechanism,
     incidence: nx.Graph,
     equations: dict[Equation, None],
     matching: dict[Unknown | Equation, Unknown | Equation],
-) -> list[tuple[str, ...]]:
+    unmatched: list[Equation],
+    orientations: Mapping[str, Orientation],
+    together: list[Equation],
+) -> list[Group]:
     """Strongly connected components of 'needs the value of', earliest first, as bodies."""
     needs = nx.DiGraph()
     needs.add_nodes_from(equations)
     for equation in equations:
         for unknown in incidence[equation]:
             if matching[unknown] != equation:
-                needs.add_edge(matching[unknown], equation)
-    condensed = nx.condensation(needs)
+                needs.add_edge(equation, matching[unknown])
+    for kind, label, body, axis in unmatched:
+        # solved together with the other component of the same vector equation
+        partner = (kind, label, body, "y" if axis == "x" else "x")
+        needs.add_edge(partner, (kind, label, body, axis))
+    needs.add_edges_from(zip(together, together[1:] + together[:1], strict=True))
+    condensed = nx.condensation(needs.reverse())
     position = {name: index for index, name in enumerate(mechanism.bodies)}
 
-    def determined(component: int) -> list[str]:
-        """Bodies with an unknown that the equations of this component are matched to."""
-        members = (matching[equation] for equation in condensed.nodes[component]["members"])
-        return sorted({u[1] for u in members if u[0] != "joint"}, key=position.__getitem__)
+    def matched(component: int, *kinds: str) -> list[str]:
+        """Bodies with an unknown of some kinds that equations of a component are matched to."""
+        members = condensed.nodes[component]["members"]
+        found = (matching[equation] for equation in members if equation in matching)
+        return sorted({u[1] for u in found if u[0] in kinds}, key=position.__getitem__)
 
     def rank(component: int) -> int:
-        return min((position[body] for body in determined(component)), default=-1)
+        bodies = matched(component, "body", "coordinate")
+        return min((position[body] for body in bodies), default=-1)
 
-    order = nx.lexicographical_topological_sort(condensed, key=rank)
-    groups = [determined(component) for component in order]
-    # x and y of a body with a known angle are components of their own: it stands in the later
-    last = {body: index for index, group in enumerate(groups) for body in group}
-    kept = [tuple(b for b in group if last[b] == index) for index, group in enumerate(groups)]
-    immediate = [(body,) for body in mechanism.bodies if body not in last]
-    return [*immediate, *(group for group in kept if group)]
+    order = list(nx.lexicographical_topological_sort(condensed, key=rank))
+    solved = {owner: step for step, c in enumerate(order) for owner in matched(c, "coordinate")}
+    # x, y and the angle of a body may be components of their own: it stands in the last
+    last = {body: step for step, c in enumerate(order) for body in matched(c, "body")}
+    for body, orientation in orientations.items():
+        last[body] = max([last[body], *(solved[m] for m in orientation.masters if m in solved)])
+    groups = []
+    for step, component in enumerate(order):
+        bodies = tuple(b for b in mechanism.bodies if last[b] == step)
+        unknowns = tuple(matched(component, "coordinate"))
+        sliding = tuple(name for name in unknowns if last[name] < step)
+        if bodies or unknowns:
+            groups.append(Group(bodies, unknowns, sliding))
+    return groups

@@ -35,14 +35,20 @@ def topology_graph(mechanism: Mechanism) -> nx.MultiGraph:
     for pair in pairs(mechanism):
         graph.add_edge(pair.first, pair.second, key=pair.joint, kind="revolute")
     for body in mechanism.bodies.values():
-        if not body.rotates:
-            graph.add_edge(GROUND, body.name, key=body.name, kind="prismatic")
+        if body.guide is not None:
+            carrier = GROUND if body.guide.body is None else body.guide.body
+            graph.add_edge(carrier, body.name, key=body.name, kind="prismatic")
     return graph
 
 
-def gruebler_mobility(graph: nx.MultiGraph) -> int:
-    """Mobility 3·bodies − 2·pairs of the graph (Grübler's formula); the ground does not count."""
-    return 3 * (graph.number_of_nodes() - 1) - 2 * graph.number_of_edges()
+def gruebler_mobility(mechanism: Mechanism) -> int:
+    """Mobility 3·bodies − 2·pairs − relations (Grübler's formula); the ground does not count.
+
+    Welds and gears are relations: each takes away one coordinate.
+    """
+    graph = topology_graph(mechanism)
+    free = 3 * (graph.number_of_nodes() - 1) - 2 * graph.number_of_edges()
+    return free - len(mechanism.relations)
 
 
 def loop_count(graph: nx.MultiGraph) -> int:

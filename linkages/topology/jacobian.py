@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.terms import axis_label
 from linkages.topology.blocks import Block, Loop, Step
 from linkages.topology.topology import Topology
 
@@ -15,17 +16,21 @@ Places = Mapping[str, NDArray[np.float64]]
 
 def ground_loop(topology: Topology, loop: Loop) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
     """Both ways from the ground to the apex of a loop, without the steps that they share."""
-    apex_at = next(i for i, step in enumerate(loop.steps) if step.end == loop.apex)
-    out = [*_way(topology, loop.start), *loop.steps[: apex_at + 1]]
-    back = [*_way(topology, loop.end), *(s.reversed for s in reversed(loop.steps[apex_at + 1 :]))]
+    apex_at = next((i for i, step in enumerate(loop.steps) if step.end == loop.apex), -1)
+    out = [*topology.path(loop.start)[0], *loop.steps[: apex_at + 1]]
+    back = [
+        *topology.path(loop.end)[0],
+        *(s.reversed for s in reversed(loop.steps[apex_at + 1 :])),
+    ]
     shared = 0
     while shared < min(len(out), len(back)) and out[shared] == back[shared]:
         shared += 1
     return tuple(out[shared:]), tuple(back[shared:])
 
 
-def _way(topology: Topology, joint: str | None) -> list[Step]:
-    return [] if joint is None else topology.path(joint)[0]
+def owners(topology: Topology) -> tuple[str, ...]:
+    """Bodies with a coordinate of their own: all but those that a weld or gear turns."""
+    return tuple(b for b in topology.mechanism.bodies if b not in topology.slaves)
 
 
 def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArray[np.float64]:
@@ -36,35 +41,62 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
     topology
         The mechanism.
     places
-        Joint → position, shape (2,).
+        Point → position, shape (2,).
     axes
         Slider → unit vector of its axis, shape (2,).
 
     Returns
     -------
-    Shape (2·loops, bodies): two rows per loop in the order of the blocks, a column per body in
-    the order of the mechanism. A column of a body that no loop contains is zero.
+    Shape (2·loops, coordinates): two rows per loop in the order of the blocks, a column for each
+    of `owners`. A column of a body that no loop contains is zero.
     """
-    column = {body: index for index, body in enumerate(topology.mechanism.bodies)}
+    column = {body: index for index, body in enumerate(owners(topology))}
+    gradients = turning_gradients(topology)
     loops = [loop for block in topology.solved_blocks for loop in block.loops]
     jacobian = np.zeros((2 * len(loops), len(column)))
     for row, loop in enumerate(loops):
+        rows = slice(2 * row, 2 * row + 2)
         for sign, way in zip((1.0, -1.0), ground_loop(topology, loop), strict=True):
             for step in way:
-                rows = slice(2 * row, 2 * row + 2)
-                jacobian[rows, column[step.body]] += sign * _derivative(step, places, axes)
+                x, y = places[step.end] - places[step.start]
+                for master, ratio in gradients[step.body].items():
+                    jacobian[rows, column[master]] += sign * ratio * np.array([-y, x])
+                own = (step.start == axis_label(step.body)) - (step.end == axis_label(step.body))
+                if own:
+                    jacobian[rows, column[step.body]] += sign * own * axes[step.body]
     norms = np.linalg.norm(jacobian, axis=0)
     return jacobian / np.where(norms > 0, norms, 1.0)
 
 
-def _derivative(step: Step, places: Places, axes: Places) -> NDArray[np.float64]:
-    """Derivative of a link's vector with respect to its coordinate."""
-    if step.start is None:
-        return axes[step.body]
-    if step.end is None:
-        return -axes[step.body]
-    x, y = places[step.end] - places[step.start]
-    return np.array([-y, x])
+def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
+    """Body → how its orientation changes with the angles of the bodies that it depends on."""
+    mechanism = topology.mechanism
+    found: dict[str, dict[str, float]] = {}
+
+    def gradient(name: str) -> dict[str, float]:
+        if name not in found:
+            guide = mechanism.bodies[name].guide
+            if name in topology.slaves:
+                found[name] = follower(name)
+            elif guide is None:
+                found[name] = {name: 1.0}
+            else:
+                found[name] = {} if guide.body is None else gradient(guide.body)
+        return found[name]
+
+    def follower(name: str) -> dict[str, float]:
+        relation = topology.slaves[name]
+        parts = {relation.body: -1.0}
+        for other, ratio in relation.parts:
+            parts[other] = parts.get(other, 0.0) + ratio.value
+        scale = -1.0 / parts.pop(name)
+        total: dict[str, float] = {}
+        for other, factor in parts.items():
+            for master, value in gradient(other).items():
+                total[master] = total.get(master, 0.0) + scale * factor * value
+        return total
+
+    return {name: gradient(name) for name in mechanism.bodies}
 
 
 def numerical_mobility(jacobian: NDArray[np.float64]) -> int:
@@ -74,10 +106,8 @@ def numerical_mobility(jacobian: NDArray[np.float64]) -> int:
     return jacobian.shape[1] - int(np.linalg.matrix_rank(jacobian, tol=1e-9))
 
 
-def block_condition(
-    topology: Topology, jacobian: NDArray[np.float64], block: Block, index: int
-) -> float:
-    """Condition number of the 2×2 system that a block solves for its unknown rates.
+def block_condition(topology: Topology, jacobian: NDArray[np.float64], block: Block) -> float:
+    """Condition number of the system that a block solves for its unknown rates.
 
     Parameters
     ----------
@@ -85,9 +115,9 @@ def block_condition(
         The mechanism and its closure Jacobian.
     block
         A block with unknowns.
-    index
-        Its place among them.
     """
-    order = list(topology.mechanism.bodies)
+    order = owners(topology)
     columns = [order.index(body) for body in block.unknowns]
-    return float(np.linalg.cond(jacobian[2 * index : 2 * index + 2, columns]))
+    first = 2 * sum(len(b.loops) for b in topology.solved_blocks if b.index < block.index)
+    rows = slice(first, first + 2 * len(block.loops))
+    return float(np.linalg.cond(jacobian[rows, columns]))

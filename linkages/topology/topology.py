@@ -8,9 +8,9 @@ import networkx as nx
 
 from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
-from linkages.components.terms import Path
+from linkages.components.terms import Path, Relation
 from linkages.errors import InputError
-from linkages.topology.blocks import Block, BlockBuilder, Step, UnsupportedBlockError
+from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Step
 from linkages.topology.decomposition import StructureError, solution_order
 from linkages.topology.graph import (
     bodies_at,
@@ -18,6 +18,13 @@ from linkages.topology.graph import (
     loop_count,
     topology_graph,
     unreachable_bodies,
+)
+from linkages.topology.orientation import (
+    ContestedRelationError,
+    Orientation,
+    orientations,
+    slaves,
+    turned_bodies,
 )
 
 
@@ -33,16 +40,24 @@ class Topology:
         Bodies are nodes, joints are edges.
     driven, free, dependent
         Bodies by what determines their coordinate: a drive, the motion, the closure.
+    slaves
+        Body → the weld or gear that its angle follows from.
+    orientations
+        Body → what its orientation depends on.
+    turned
+        Bodies whose angle counts with its whole turns.
     blocks
         In an order in which positions can be solved.
     placing
-        Joint → the body that places it (ground joints are missing).
+        Point → the body that places it (points of the ground are missing).
     entry
-        Body → the joint that it is placed from; None for the guide of a slider.
+        Body → the point that it is placed from.
     mobility
         By Grübler's formula.
     loops
         Number of independent loops.
+    redundant
+        Joints at which constraints repeat others (or contradict them).
     """
 
     mechanism: Mechanism
@@ -50,11 +65,40 @@ class Topology:
     driven: tuple[str, ...]
     free: tuple[str, ...]
     dependent: tuple[str, ...]
+    slaves: dict[str, Relation]
+    orientations: dict[str, Orientation]
+    turned: frozenset[str]
     blocks: tuple[Block, ...]
     placing: dict[str, str]
-    entry: dict[str, str | None]
+    entry: dict[str, str]
     mobility: int
     loops: int
+    redundant: tuple[str, ...]
+
+    @property
+    def iterated(self) -> tuple[str, ...]:
+        """Bodies whose coordinate comes out of an iteration, which needs a value to start from."""
+        return tuple(u for b in self.blocks if b.kind == ITERATED for u in b.unknowns)
+
+    @property
+    def carried(self) -> tuple[str, ...]:
+        """Dependent bodies whose coordinate is carried along by an integration.
+
+        An iteration starts from it, and whole turns are counted by it.
+        """
+        masters = {m for name in self.turned for m in self.orientations[name].masters}
+        turned = (name for name in self.dependent if name in masters)
+        return tuple(dict.fromkeys([*self.iterated, *turned]))
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Bodies whose coordinate is integrated: the free ones, then those carried along."""
+        return (*self.free, *self.carried)
+
+    def unwrapped(self, name: str) -> bool:
+        """Whether an integrated coordinate is not to be kept within one turn."""
+        masters = {m for turned in self.turned for m in self.orientations[turned].masters}
+        return name in masters
 
     @property
     def solved_blocks(self) -> tuple[Block, ...]:
@@ -72,26 +116,31 @@ class Topology:
         meeting = bodies_at(self.mechanism)
         return tuple(j for j, (first, *others) in meeting.items() if not others and first != GROUND)
 
-    def path(self, joint: str) -> tuple[list[Step], str | None]:
-        """Way from the ground to a joint along the bodies that place it, and where it starts."""
+    def path(self, joint: str) -> tuple[list[Step], str]:
+        """Way from the ground to a point along the bodies that place it, and where it starts."""
         steps: list[Step] = []
-        place: str | None = joint
-        while place is not None and place in self.placing:
+        place = joint
+        while place in self.placing:
             body = self.placing[place]
             steps.append(Step(body, self.entry[body], place))
             place = self.entry[body]
         return steps[::-1], place
 
 
-def build_topology(mechanism: Mechanism) -> Topology:
+def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     """Analyse a mechanism whose free coordinates are all named.
+
+    Parameters
+    ----------
+    mechanism
+        What to analyse.
+    whole
+        As `linkages.topology.decomposition.solution_order` takes it.
 
     Raises
     ------
     InputError
-        For bodies without connection to the ground, a mobility that drives and free coordinates
-        do not match, constraints that contradict or repeat each other, and groups of bodies that
-        have no closed-form solution.
+        For bodies without connection to the ground, and coordinates that nothing determines.
     """
     graph = topology_graph(mechanism)
     loose = unreachable_bodies(graph)
@@ -99,31 +148,41 @@ def build_topology(mechanism: Mechanism) -> Topology:
         message = "not connected to the ground by any chain of joints"
         raise mechanism.error([(mechanism.bodies[body].path, message) for body in loose])
     known = (*mechanism.prescribed, *mechanism.initial)
-    mobility = gruebler_mobility(graph)
-    if mobility != len(known):
-        raise _wrong_mobility(mechanism, mobility)
-    builder = BlockBuilder(mechanism, known)
+    mobility = gruebler_mobility(mechanism)
+    if mobility > len(known):
+        raise wrong_mobility(mechanism, mobility)
     try:
-        blocks = tuple(builder.add(group) for group in solution_order(mechanism, known))
+        followers = slaves(mechanism, known)
+    except ContestedRelationError as error:
+        message = "the angles of all its bodies are given already; expected one of them to follow"
+        raise mechanism.error([(error.relation.path, message)]) from None
+    found = orientations(mechanism, followers)
+    try:
+        order = solution_order(mechanism, (*known, *followers), found, whole)
     except StructureError as error:
         raise _undetermined(mechanism, error) from None
-    except UnsupportedBlockError as error:
-        raise _no_closed_form(mechanism, error) from None
+    sliding = [name for group in order.groups for name in group.sliding]
+    builder = BlockBuilder(mechanism, found, sliding)
     return Topology(
         mechanism=mechanism,
         graph=graph,
         driven=tuple(b for b in mechanism.bodies if b in mechanism.prescribed),
         free=tuple(b for b in mechanism.bodies if b in mechanism.initial),
         dependent=tuple(b for b in mechanism.bodies if b not in known),
-        blocks=blocks,
+        slaves=followers,
+        orientations=found,
+        turned=frozenset(turned_bodies(mechanism)),
+        blocks=tuple(builder.add(group) for group in order.groups),
         placing=builder.placing,
         entry=builder.entry,
         mobility=mobility,
         loops=loop_count(graph),
+        redundant=order.redundant,
     )
 
 
-def _wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
+def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
+    """Drives and free coordinates do not match the mobility."""
     driven, free = len(mechanism.prescribed), len(mechanism.initial)
     found = f"mobility is {mobility}, but {driven} coordinates are driven and {free} free"
     if driven + free > mobility:
@@ -150,12 +209,3 @@ def _undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
         )
         found.append(((), message))
     return mechanism.error(found)
-
-
-def _no_closed_form(mechanism: Mechanism, error: UnsupportedBlockError) -> InputError:
-    bodies = ", ".join(error.bodies)
-    message = (
-        f"{bodies} form a group of {error.loops} loops that must be solved together (Assur group "
-        "of class III or higher); expected a mechanism made of dyads"
-    )
-    return mechanism.error([(mechanism.bodies[error.bodies[0]].path, message)])

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import linkages
+from linkages.cli.terminal import console, print_notes
 from linkages.reading.locate import shipped
 
 VERBS = ("simulate", "check", "equations", "list")
@@ -152,6 +153,82 @@ def test_check_mentions_free_ends_and_what_it_chose(cli, tmp_path):
     assert any(note.startswith("rod was chosen as a free coordinate") for note in notes)
 
 
+EVERYTHING = """\
+gravity: [0, -9.81]
+joints: {O: [0, 0], D: [0.5, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1, mass: 1}
+  coupler: {joints: [A, B], length: 0.4, mass: 1}
+  rocker: {joints: [D, B], length: 0.3, mass: 1}
+  lever: {joints: [B, L], length: 0.1}
+  wheel: {joints: [D, W], length: 0.1, mass: 1}
+welds: {B: {bars: [rocker, lever], angle: 40 deg}}
+gears: [{bars: [crank, wheel], ratio: -2}]
+masses: {L: 2 kg}
+springs:
+  - {between: [D, A], stiffness: 500, length: 0.1, damping: 3}
+  - {bar: rocker, stiffness: 5, angle: 1}
+dampers: [{joint: A, damping: 0.1}, {between: [D, L], damping: 0}]
+loads:
+  - {joint: B, force: [0, -20*sin(3*t)]}
+  - {bars: [crank, coupler], torque: 4}
+free: {crank: {angle: 1}}
+assembly: {B: left}
+"""
+
+
+def test_check_lists_welds_gears_loads_and_masses(cli, tmp_path):
+    (tmp_path / "m.yaml").write_text(EVERYTHING)
+    content = json.loads(cli("check", "m.yaml", "--json").out)
+    assert [(r["kind"], r["on"], r["path"]) for r in content["relations"]] == [
+        ("weld", "rocker and lever", "welds.B"), ("gear", "crank and wheel", "gears[0]"),
+    ]  # fmt: skip
+    assert [(r["kind"], r["on"], r["value"]) for r in content["loads"]] == [
+        ("force", "joint B", "[0 N, a law of time (N)]"),
+        ("torque", "coupler against crank", "4 N m"),
+        ("spring", "joints D and A", "500 N/m, length 0.1 m, damping 3 N s/m"),
+        ("torsional spring", "rocker", "5 N m/rad, angle 1 rad"),
+        ("torsional damper", "coupler against crank", "damping 0.1 N m s/rad"),
+        ("mass", "joint L", "2 kg"),
+    ]
+    assert content["redundant"] == []
+    text = plain(cli("check", "m.yaml").out)
+    for expected in ("Welds and gears", "Loads, springs and masses", "at B, 40°", "springs[0]"):
+        assert expected in text
+
+
+@pytest.mark.parametrize(
+    ("name", "titles"),
+    [
+        ("quick-return", {"RPR dyad, closed form", "RRP dyad, closed form"}),
+        ("scotch-yoke", {"PP dyad, closed form"}),
+        ("class-three", {"group of 2 loops, iterated"}),
+    ],
+)
+def test_blocks_are_named_by_how_they_are_solved(cli, name, titles):
+    content = json.loads(cli("check", name, "--json").out)
+    assert {block["kind"] for block in content["blocks"]} == titles
+
+
+def test_check_names_redundant_joints(cli, tmp_path):
+    """A parallelogram with a third crank that repeats what the other two hold."""
+    (tmp_path / "m.yaml").write_text(
+        "joints: {O: [0, 0], D: [0.4, 0], E: [0.2, 0]}\nbars:\n"
+        "  crank: {joints: [O, A], length: 0.1}\n  rocker: {joints: [D, B], length: 0.1}\n"
+        "  coupler: {points: {A: [0, 0], B: [0.4, 0], C: [0.2, 0]}}\n"
+        "  third: {joints: [E, C], length: 0.1, mass: 1}\n"
+        "drives: {crank: {angle: 1, speed: 1}}\nassembly: {B: [0.454, 0.084], C: [0.254, 0.084]}\n"
+    )
+    result = cli("check", "m.yaml", "--json")
+    assert (result.code, result.err) == (0, "")
+    content = json.loads(result.out)
+    assert content["mobility"] == {"gruebler": 0, "numerical": 1}
+    assert content["redundant"]
+    joints = ", ".join(content["redundant"])
+    assert any(f"constraints at {joints} are redundant" in note for note in content["notes"])
+    assert f"redundant joints: {joints}" in plain(cli("check", "m.yaml").out)
+
+
 def test_markup_in_a_name_is_text(cli, tmp_path):
     title = "Press [/b] [bold]x[/red] :smile:"
     text = shipped()["four-bar"].read_text().replace("Four-bar linkage (crank-rocker)", "TITLE")
@@ -240,6 +317,50 @@ def test_table_of_maxima(cli):
     for words in ("driving torque", "displacement", "velocity", "acceleration", "piston", "at t"):
         assert words in text
     assert "2 files in results/slider-crank" in text
+
+
+PARALLELOGRAM = """\
+joints: {O: [0, 0], D: [0.5, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  coupler: {joints: [A, B], length: 0.5, mass: 1}
+  rocker: {joints: [D, B], length: 0.1}
+drives: {crank: {angle: 1, speed: 2}}
+assembly: {B: [0.554, 0.084]}
+simulate: {end: 3, samples: 31}
+"""
+
+
+@pytest.mark.parametrize(("option", "code"), [("pass", 0), ("stop", 1), (None, 1)])
+def test_change_points_are_passed_where_asked_for(cli, tmp_path, option, code):
+    """All bars of a parallelogram are in line where the crank has turned to π and 2π."""
+    (tmp_path / "m.yaml").write_text(PARALLELOGRAM)
+    chosen = () if option is None else ("--change-points", option)
+    result = cli("simulate", "m.yaml", "--no-figures", *chosen)
+    assert result.code == code
+    lines = [line for line in result.out.splitlines() if line.startswith("note: ")]
+    if option == "pass":
+        times = [float(re.search(r"at t = (\S+) s", line).group(1)) for line in lines]
+        assert times == pytest.approx([(np.pi - 1) / 2, (2 * np.pi - 1) / 2], rel=1e-5)
+        assert all("change point" in line and line.endswith("in line") for line in lines)
+    else:
+        assert not lines
+        assert "stopped at t = 1.0707" in result.err
+
+
+def test_of_many_notes_the_first_are_printed(capsys):
+    print_notes([f"number {i}" for i in range(25)], console())
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["note: number 0", "note: number 1"]
+    assert lines[-1] == "15 more notes; --json lists all of them"
+
+
+@pytest.mark.slow
+def test_an_iterated_motion_is_said_to_be_integrated(cli):
+    """All coordinates of the class-III linkage are driven; its group is carried along."""
+    result = cli("simulate", "class-three", "--no-figures", "--no-verify", *SHORT)
+    assert (result.code, result.err) == (0, "")
+    assert "nothing integrated" not in result.out
 
 
 @pytest.mark.slow

@@ -150,6 +150,55 @@ def test_driven_and_free():
     ]
 
 
+GEAR = "gears:\n- {bars: [crank, rocker], ratio: -2}\n"
+
+
+@pytest.mark.parametrize(
+    ("rest", "found"),
+    [
+        (
+            GEAR + "drives:\n  rocker: {angle: 0, speed: 1}\n",
+            "gears[0]: the angle of 'rocker' follows from this relation and is driven; "
+            "expected one of the two",
+        ),
+        (
+            GEAR + "free:\n  rocker: {angle: 0}\n",
+            "gears[0]: the angle of 'rocker' follows from this relation and is free; "
+            "expected one of the two",
+        ),
+        (
+            GEAR + "welds:\n  B: {bars: [coupler, rocker], angle: 0}\n",
+            "gears[0]: the angle of 'rocker' follows from this relation and from another one; "
+            "expected one: turn the relation round, with the inverse ratio",
+        ),
+        (
+            GEAR + "- {bars: [coupler, crank], ratio: 2}\n- {bars: [rocker, coupler], ratio: 2}\n",
+            "gears[0]: angles follow from each other: rocker → crank → coupler → rocker",
+        ),
+        (
+            "clearances:\n  r1: {joint: B, bar: rocker, size: 1e-4}\n"
+            "welds:\n  B: {bars: [coupler, rocker], angle: 0}\n",
+            "clearances.r1: bar 'rocker' is welded at joint 'B'",
+        ),
+    ],
+)
+def test_coordinates_with_two_laws(rest, found):
+    (problem,) = complaints(BARS + rest)
+    assert problem.endswith(found)
+
+
+def test_relations_one_after_another_are_no_cycle():
+    rest = "- {bars: [rocker, coupler], ratio: 2, carrier: crank}\n"
+    assert len(mechanism(BARS + GEAR + rest).relations) == 2
+
+
+def test_a_bar_and_a_slider_of_one_name():
+    rest = "sliders:\n  crank: {joint: B, through: O}\ndrives:\n  crank: {angle: 0, speed: 1}\n"
+    assert complaints(BARS + rest) == [
+        "line 7, column 3, sliders.crank: the name 'crank' is taken already; expected a new one"
+    ]
+
+
 def test_everything_at_once_in_the_order_of_the_file():
     text = """joints: {O: [0, 0], C: [1, zero]}
 bars:

@@ -1,6 +1,9 @@
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+from law_values import value
 
-from linkages.components.load import SliderForce
+from linkages.components.functions import Number
+from linkages.components.load import JointForce, SliderForce
+from linkages.components.terms import AxialForce, Parameter
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars:
@@ -24,15 +27,18 @@ def test_frozen_and_keyword_only():
 
 def test_terms():
     (term,) = PRESS.terms()
-    assert (term.body, term.force.value, term.path) == ("piston", -100, ("loads", 0))
-    assert term.force.path == ("loads", 0, "force")
-    assert SliderForce(index=0, slider="piston", force=0).terms()[0].force.absent
+    force = Parameter(("loads", 0, "force"), -100.0, structural=True)
+    assert term == AxialForce("piston", Number(force), ("loads", 0))
+    assert SliderForce(index=0, slider="piston", force=0).terms()[0].force.parameter.absent
 
 
 def test_several_loads_on_one_slider():
     entries = "  - {slider: piston, force: 1}\n  - {slider: piston, force: 2}\n"
-    forces = mechanism(SLIDER_CRANK + entries).forces
-    assert [(f.path, f.force.value) for f in forces] == [(("loads", 0), 1), (("loads", 1), 2)]
+    loads = mechanism(SLIDER_CRANK + entries).loads
+    assert [(f.path, f.force.parameter.value) for f in loads] == [
+        (("loads", 0), 1),
+        (("loads", 1), 2),
+    ]
 
 
 def test_unknown_slider_in_the_second_entry():
@@ -51,3 +57,42 @@ def test_bars_take_no_axial_force():
 def test_index_is_no_key():
     (problem,) = complaints(SLIDER_CRANK + "  - {slider: piston, force: 1, index: 4}\n")
     assert "unknown key 'index'" in problem
+
+
+def test_force_that_follows_a_law():
+    text = (
+        SLIDER_CRANK + "  - {slider: piston, force: {rise: polynomial, to: 2 kN, duration: 3 s}}\n"
+    )
+    (term,) = component(text, "loads", 0).terms()
+    assert [value(term.force, t) for t in (-1, 0, 1.5, 3, 4)] == [0, 0, 1000, 2000, 2000]
+
+
+PUSH = JointForce(index=0, joint="A", force=(1.0, "-2*t"))
+
+
+def test_force_at_a_joint():
+    made = component(SLIDER_CRANK + "  - {joint: A, force: [1 N, -2*t]}\n", "loads", 0)
+    assert made == PUSH
+    assert_frozen_and_keyword_only(made)
+    (term,) = made.terms()
+    assert (term.joint, term.path) == ("A", ("loads", 0))
+    assert [value(f, 3.0) for f in term.force] == [1.0, -6.0]
+    assert term.force[0].parameter == Parameter(("loads", 0, "force", 0), 1.0, structural=True)
+
+
+def test_joints_of_forces_must_move():
+    assert complaints(SLIDER_CRANK + "  - {joint: O, force: [1, 0]}\n") == [
+        "line 8, column 6, loads[0].joint: joint 'O' is fixed to the ground; expected another"
+    ]
+    assert complaints(SLIDER_CRANK + "  - {joint: E, force: [1, 0]}\n") == [
+        "line 8, column 6, loads[0].joint: unknown joint 'E'; expected one of: A, B, O"
+    ]
+
+
+def test_force_at_a_joint_has_two_components():
+    (problem,) = complaints(SLIDER_CRANK + "  - {joint: A, force: 3 N}\n")
+    assert problem.startswith(
+        "line 8, column 16, loads[0].force: expected a list of two numbers (newtons, or with units)"
+    )
+    (problem,) = complaints(SLIDER_CRANK + "  - {joint: A, force: [3 N, 2 mm]}\n")
+    assert problem.startswith("line 8, column 29, loads[0].force[1]: expected a force")

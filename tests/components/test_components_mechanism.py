@@ -13,6 +13,7 @@ from linkages.components.load import SliderForce
 from linkages.components.mechanism import Mechanism
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.slider import Slider
+from linkages.components.torsional_damper import ClearanceDamper
 from linkages.errors import InputError
 
 TEXT = """
@@ -79,7 +80,7 @@ def test_terms_by_kind(slider_crank):
     assert [*slider_crank.prescribed] == ["crank"]
     assert [*slider_crank.initial] == ["r1"]
     assert [*slider_crank.hints] == ["B"]
-    assert [f.force.value for f in slider_crank.forces] == [-40]
+    assert [load.force.parameter.value for load in slider_crank.loads] == [-40]
     assert slider_crank.gravity.y.value == -9.81
     assert slider_crank.simulation.end == 2
 
@@ -105,6 +106,12 @@ def test_ideal_has_no_clearances(slider_crank):
     assert [*ideal.bodies["rod"].points] == ["A", "B"]
     assert ideal.name == "Slider-crank (ideal)"
     assert not ideal.initial
+
+
+def test_ideal_has_no_friction_in_clearances(slider_crank):
+    rubbing = slider_crank.with_component(ClearanceDamper(index=0, clearance="r1", damping=0.1))
+    assert [type(load).__name__ for load in rubbing.loads] == ["AxialForce", "TorsionSpring"]
+    assert rubbing.ideal().loads == slider_crank.loads
 
 
 def test_with_component(slider_crank):

@@ -3,12 +3,38 @@ from component_reading import mechanism
 
 from linkages.components.bar import Bar
 from linkages.components.component import Component
+from linkages.components.damper import GuideDamper, LineDamper
+from linkages.components.drive import Drive, SliderDrive
 from linkages.components.free import FreeAngle, FreePosition
+from linkages.components.load import JointForce, SliderForce
 from linkages.components.plate import Plate
 from linkages.components.registry import SECTIONS
+from linkages.components.spring import JointSpring
+from linkages.components.torque import BarTorque, TorqueBetweenBars
+from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper
+from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
 
 ENTRIES = {
     "bars": [({"joints": ["O", "A"]}, Bar), ({"points": {}}, Plate), ("nonsense", Bar)],
+    "drives": [({"angle": 1}, Drive), ({"position": 1}, SliderDrive), ({"law": "t"}, Drive)],
+    "loads": [
+        ({"slider": "s"}, SliderForce),
+        ({"joint": "A"}, JointForce),
+        ({"bar": "b"}, BarTorque),
+        ({"bars": ["a", "b"]}, TorqueBetweenBars),
+    ],
+    "springs": [
+        ({"between": ["A", "B"]}, JointSpring),
+        ({"between_bars": ["a", "b"]}, SpringBetweenBars),
+        ({"bar": "a"}, BarSpring),
+    ],
+    "dampers": [
+        ({"joint": "A", "bars": ["a", "b"]}, JointDamper),
+        ({"between": ["A", "B"]}, LineDamper),
+        ({"bars": ["a", "b"]}, DamperBetweenBars),
+        ({"slider": "s"}, GuideDamper),
+        ({"clearance": "r1"}, ClearanceDamper),
+    ],
     "free": [({"angle": 1}, FreeAngle), ({"position": 1}, FreePosition), (None, FreeAngle)],
 }
 
@@ -50,7 +76,7 @@ def test_examples_can_be_used(section):
         "value": about.example,
     }
     rest = REST.get(section, FRAME)
-    if section in ("loads", "assembly"):
+    if section in ("loads", "assembly", "springs"):
         rest += PISTON
     text = f"{rest}\n{section}: {entry[about.form]}\n"
     assert any(c.section == section for c in mechanism(text).components)

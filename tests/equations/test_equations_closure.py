@@ -98,6 +98,83 @@ drives: {{crank: {{angle: 0, speed: 1}}}}
     assert ("x_s_0", "0") in written(loop.right)  # apart from the displacement on a horizontal axis
 
 
+def test_axis_on_a_moving_body_turns_with_it():
+    equations = equations_of("""
+joints: {O: [0, 0], P: [0, -0.5]}
+bars: {crank: {joints: [O, A], length: 0.2}, lever: {joints: [P, B], length: 0.9}}
+sliders: {block: {joint: A, on: lever, through: [0.1, 0], angle: 0.3}}
+drives: {crank: {angle: 0, speed: 1}}
+""")
+    (loop,) = equations.loops
+    assert written(loop.left) == [("L_crank", "theta_crank")]
+    assert written(loop.right) == [
+        ("y_P", "pi/2"),
+        ("x_block_0", "theta_lever"),
+        ("s_block", "phi_block + theta_lever"),
+    ]
+    assert loop.apex == "the axis of block"
+    assert [unknown.name for unknown in loop.unknowns] == ["theta_lever", "s_block"]
+
+
+def test_points_of_a_block_lie_beside_its_joint():
+    loop = equations_of("""
+joints: {O: [0, 0]}
+bars: {crank: {joints: [O, A], length: 0.2}, rod: {joints: [A, B], length: 0.9}}
+sliders: {block: {joint: C, through: O, points: {B: [0.1, 0.05]}}}
+masses: {C: 1}
+drives: {crank: {angle: 0, speed: 1}}
+""").loops[0]
+    assert written(loop.right) == [("y_block_B", "pi/2"), ("x_block_B", "0"), ("s_block", "0")]
+
+
+def test_welded_and_geared_bodies_have_no_coordinate():
+    equations = equations_of("""
+joints: {O: [0, 0], P: [1, 0], Q: [0, 1]}
+bars:
+  crank: {joints: [O, A], length: 0.2}
+  rod: {joints: [A, B], length: 0.9}
+  arm: {joints: [B, C], length: 0.1}
+  lever: {joints: [P, C], length: 0.5}
+  wheel: {points: {Q: [0, 0], W: [0.1, 0]}, mass: 1, center: [0, 0], inertia: 1}
+welds: {B: {bars: [rod, arm], angle: 90 deg}}
+gears: [{bars: [lever, wheel], ratio: -2, angle: 0.1}]
+drives: {crank: {angle: 0, speed: 1}}
+""")
+    names = [coordinate.name for coordinate in equations.coordinates]
+    assert names == ["theta_crank", "theta_rod", "theta_lever"]
+    rod, lever, ratio, start = sp.symbols("theta_rod theta_lever i_1 phi_1", real=True)
+    assert [d.value for d in equations.followers] == [rod + sp.pi / 2, ratio * lever + start]
+    (loop,) = equations.loops
+    assert ("L_arm", "theta_rod + pi/2") in written(loop.terms)
+    inertia = equations.lagrange.masses[lever, lever].value
+    assert sp.simplify(inertia - ratio**2 * sp.Symbol("J_wheel", real=True)) == 0
+
+
+def test_groups_of_several_loops_share_their_unknowns():
+    equations = equations_of("""
+joints: {O: [0, 0], C: [1, 0.1], D: [0.4, 0.9]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  one: {joints: [A, E], length: 0.4}
+  two: {joints: [C, F], length: 0.4}
+  three: {joints: [D, G], length: 0.4}
+  plate: {points: {E: [0, 0], F: [0.4, 0], G: [0.2, 0.2]}}
+drives: {crank: {angle: 0, speed: 1}}
+""")
+    (block,) = equations.blocks
+    assert len(block.loops) == 2
+    assert len(block.unknowns) == 4
+    assert block.surplus == 0
+    (coefficients,) = equations.lagrange.blocks
+    system = coefficients.system
+    assert system.matrix.shape == (4, 4)
+    assert system.coefficients.shape == (4, 1)
+    unknowns = sp.Matrix(block.unknowns)
+    assert sp.simplify(system.matrix - sp.Matrix(equations.closure).jacobian(unknowns)) == sp.zeros(
+        4
+    )
+
+
 def test_pendulum_has_no_loops():
     equations = equations_of("""
 joints: {O: [0, 0]}

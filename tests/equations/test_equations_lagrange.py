@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 import sympy as sp
+from lagrange_mechanisms import MORE_MECHANISMS
+from printed_modules import Printed, topology_of
 
-from linkages.components.definition import from_document
-from linkages.equations import derive, render
-from linkages.kernel.model import Model
-from linkages.kernel.scalars import Evaluator
-from linkages.reading.document import parse
-from linkages.topology.topology import build_topology
+from linkages.equations import derive
 
 PENDULUM = """
 gravity: [0, -9.81]
@@ -53,54 +50,17 @@ loads: [{slider: slider, force: 25}]
 drives: {crank: {angle: 0.5, speed: 3}}
 """
 
-MECHANISMS = {"nine-bar": NINE_BAR, "plates": PLATES}
-
-
-def topology_of(text):
-    return build_topology(from_document(parse(text, "test.yaml")))
-
-
-def module_of(equations):
-    module = {}
-    exec(compile(render(equations, "python"), "equations.py", "exec"), module)
-    return module
+KINDS = ("class-three", "parallelogram-free", "planetary", "floating-guides", "scotch-yoke")
+MECHANISMS = {
+    "nine-bar": NINE_BAR,
+    "plates": PLATES,
+    **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
+}
 
 
 @pytest.fixture(scope="module", params=MECHANISMS)
-def mechanism(request):
-    """Topology, equations, printed module, and states (t, q, q̇, q̈, efforts) of the kernel."""
-    topology = topology_of(MECHANISMS[request.param])
-    equations = derive(topology)
-    return topology, equations, module_of(equations), kernel_states(topology)
-
-
-def kernel_states(topology, count=6):
-    model = Model(topology)
-    joined = {}
-    for name, body in topology.mechanism.bodies.items():
-        unit = model.positions.unit(name) if body.rotates else None
-        joined[name] = (unit.y, unit.x) if unit else (model.positions.displacements[name],)
-    names = list(joined)
-    nodes = [node for nodes in joined.values() for node in nodes]
-    nodes += [model.velocities.bodies[name] for name in names]
-    nodes += [model.accelerations.bodies[name] for name in names]
-    independent = (*topology.driven, *topology.free)
-    nodes += [model.required_force(model.accelerations, model.partial(n)) for n in independent]
-    evaluate = Evaluator(nodes)
-    rng = np.random.default_rng(4)
-    states = []
-    for _ in range(count):
-        free = len(topology.free)
-        y, a = rng.uniform(-2, 2, 2 * free), rng.uniform(-9, 9, free)
-        t = rng.uniform(0, 2, 1)
-        values = iter(evaluate(t=t, y=y, a=a, p=np.array([*model.inputs.parameters.values()])))
-        q = [
-            np.arctan2(next(values), next(values)) if len(joined[name]) == 2 else next(values)
-            for name in names
-        ]
-        dq, ddq = ([float(next(values)) for _ in names] for _ in range(2))
-        states.append((t, np.array(q), np.array(dq), np.array(ddq), [*map(float, values)]))
-    return states
+def printed(request):
+    return Printed(topology_of(MECHANISMS[request.param]), count=6)
 
 
 def test_pendulum_by_hand():
@@ -127,61 +87,66 @@ def test_slider_force_acts_on_the_displacement():
     )
 
 
-def test_mass_matrix_is_the_hessian_of_kinetic_energy(mechanism):
-    _, equations, module, states = mechanism
+def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
+    equations = printed.equations
     rates = list(equations.symbols.rates.values())
     hessian = sp.hessian(equations.kinetic_energy, rates)
     values = equations.symbols.values
-    arguments = (equations.coordinates, list(values))
-    evaluate = sp.lambdify(arguments, hessian, cse=True)
-    for _, q, *_ in states:
+    evaluate = sp.lambdify((equations.coordinates, list(values)), hessian, cse=True)
+    for state in printed.states:
+        q = printed.of(state.position)
         expected = evaluate(q, list(values.values()))
-        np.testing.assert_allclose(module["mass_matrix"](q), expected, rtol=1e-12, atol=1e-15)
+        found = printed.module["mass_matrix"](q)
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
 
 
-def test_velocity_coefficients_keep_the_loops_closed(mechanism):
-    _, _, module, states = mechanism
-    for _, q, dq, *_ in states:
-        coefficients = module["velocity_coefficients"](q)
-        slip = module["closure_jacobian"](q) @ coefficients
-        np.testing.assert_allclose(slip, 0.0, atol=1e-13 * (1 + np.abs(coefficients).max()))
-        independent = [module["COORDINATES"].index(name) for name in module["GENERALISED"]]
-        np.testing.assert_allclose(coefficients @ dq[independent], dq, rtol=1e-11, atol=1e-11)
+def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
+    for state in printed.states:
+        p = printed.parameters(state)
+        coefficients = printed.module["velocity_coefficients"](printed.of(state.position), p)
+        known = [state.rate[name] for name in printed.generalised]
+        allowed = 1e-11 * (1 + np.abs(coefficients).max())
+        np.testing.assert_allclose(coefficients @ known, printed.of(state.rate), atol=allowed)
 
 
-def test_reduced_energy_is_the_kinetic_energy(mechanism):
-    _, _, module, states = mechanism
-    for _, q, dq, *_ in states:
-        rates = dq[[module["COORDINATES"].index(name) for name in module["GENERALISED"]]]
-        energy = 0.5 * rates @ module["inertia"](q) @ rates
-        assert energy == pytest.approx(module["kinetic_energy"](q, dq), rel=1e-11)
-
-
-def test_printed_inertia_terms_are_those_of_the_module(mechanism):
-    _, equations, module, states = mechanism
-    reduced = equations.lagrange
-    known = {d.symbol: d.value for d in reduced.masses.values()}
-    known |= {d.symbol: d.value for block in reversed(reduced.blocks) for d in block}
-    values = equations.symbols.values
-    for _, q, *_ in states[:2]:
-        numbers = values | dict(zip(equations.coordinates, q, strict=True))
+def test_printed_inertia_terms_are_those_of_the_module(printed):
+    equations, reduced = printed.equations, printed.equations.lagrange
+    for state in printed.states[:2]:
+        q = printed.of(state.position)
+        numbers = equations.symbols.values | dict(zip(equations.coordinates, q, strict=True))
         for block in reduced.blocks:
-            numbers |= {d.symbol: float(d.value.subs(numbers)) for d in block}
+            if block.system is not None:
+                numbers |= solved(block.system, numbers)
+            numbers |= {d.symbol: float(d.value.subs(numbers)) for d in block.definitions}
         numbers |= {d.symbol: float(d.value.subs(numbers)) for d in reduced.masses.values()}
-        inertia = module["inertia"](q)
+        inertia = printed.module["inertia"](q)
         for (i, j), definition in reduced.inertia.items():
-            assert float(definition.value.subs(numbers)) == pytest.approx(inertia[i, j], rel=1e-10)
+            value = float(definition.value.subs(numbers))
+            assert value == pytest.approx(inertia[i, j], rel=1e-10, abs=1e-12)
 
 
-def test_papers_form_gives_the_kernels_efforts(mechanism):
+def solved(system, numbers):
+    """Coefficients that the printed linear system defines."""
+    matrix, right = (
+        np.array(part.subs(numbers).evalf(), dtype=float) for part in (system.matrix, system.right)
+    )
+    values = np.linalg.lstsq(matrix, right, rcond=None)[0]
+    return dict(zip(system.coefficients, map(float, values.ravel()), strict=True))
+
+
+def test_papers_form_gives_the_kernels_efforts(printed):
     """Eq. 4: Σ J_ij q̈_j + Σ (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i − Q_i."""
-    _, equations, module, states = mechanism
+    module = printed.module
     step = 1e-4  # fourth-order differences: 1e-16 of truncation, 1e-12 of rounding
-    independent = [module["COORDINATES"].index(name) for name in module["GENERALISED"]]
-    no_efforts = np.zeros(len(equations.efforts))
-    for _, q, dq, ddq, efforts in states:
-        coefficients = module["velocity_coefficients"](q)
-        inertia = module["inertia"]
+    no_efforts = np.zeros(len(printed.equations.efforts))
+    for state in printed.states:
+        q, dq, p = printed.of(state.position), printed.of(state.rate), printed.parameters(state)
+        coefficients = module["velocity_coefficients"](q, p)
+
+        def inertia(place, p=p):
+            return module["inertia"](place, p)
+
+        # Steps along a tangent open the loops by terms even in the step, which differences cancel.
         slopes = np.array(
             [
                 8 * (inertia(q + step * k) - inertia(q - step * k))
@@ -189,15 +154,17 @@ def test_papers_form_gives_the_kernels_efforts(mechanism):
                 for k in coefficients.T
             ]
         ) / (12 * step)
-        rates = dq[independent]
+        rates = np.array([state.rate[name] for name in printed.generalised])
+        accelerations = np.array([state.acceleration[name] for name in printed.generalised])
+        acting = module["generalised_forces"](state.time, q, dq, no_efforts, p)
         rows = np.stack(
             [
-                inertia(q) @ ddq[independent],
+                inertia(q) @ accelerations,
                 np.einsum("kij,j,k->i", slopes, rates, rates),
                 -0.5 * np.einsum("ijk,j,k->i", slopes, rates, rates),
-                coefficients.T @ module["potential_gradient"](q),
-                -coefficients.T @ module["generalised_forces"](no_efforts),
+                coefficients.T @ module["potential_gradient"](q, p),
+                -coefficients.T @ acting,
             ]
         )
-        error = np.abs(rows.sum(axis=0) - efforts) / np.abs(rows).max(axis=0)
-        assert error.max() < 1e-8
+        error = np.abs(rows.sum(axis=0) - printed.row(state, "effort"))
+        assert (error / np.abs(rows).max(axis=0)).max() < 1e-8

@@ -8,7 +8,9 @@ import sys
 
 import numpy as np
 import pytest
+from lagrange_mechanisms import MORE_MECHANISMS
 from matplotlib.mathtext import MathTextParser
+from printed_modules import topology_of
 
 from linkages.components.definition import from_document
 from linkages.equations import derive, render
@@ -93,6 +95,39 @@ Lagrange's equations
 """
 
 
+EVERYTHING = """
+name: Everything
+joints: {O: [0, 0], C: [0.5, 0.1]}
+bars:
+  crank: {joints: [O, A], length: 0.15, mass: 0.5}
+  lever: {joints: [C, B], length: 0.55, mass: 1.1}
+  arm: {joints: [B, T], length: 0.2}
+sliders: {block: {joint: A, on: lever, angle: 0.1}}
+welds: {B: {bars: [lever, arm], angle: 90 deg}}
+masses: {T: 0.3}
+drives: {crank: {law: "0.5 + sin(2*t)**3"}}
+loads:
+  - {joint: T, force: [3, "2*t"]}
+  - {bar: lever, torque: {rise: cycloidal, to: 3, duration: 2}}
+  - {slider: block, force: {table: {times: [0, 1, 3], values: [1, 2, 0]}}}
+springs: [{between: [O, T], stiffness: 100, length: 0.3, damping: 2}, {bar: arm, stiffness: 4}]
+dampers: [{slider: block, damping: 3}]
+"""
+
+EVERYTHING_LINES = """\
+  q_1 = θ_crank = p_crank,1 + sin(p_crank,2·t)³   (driven)
+  q̇_1 = 3·p_crank,2·sin(p_crank,2·t)²·cos(p_crank,2·t)
+  θ_lever   (dependent, from the loop closed at the axis of block)
+  θ_arm = θ_lever + π/2   (by a weld or gear)
+  f_1(t)   (natural cubic spline through 3 points: loads[2].force.table)
+  L_crank∠θ_crank = x_C + y_C∠90° + s_block∠(φ_block + θ_lever)   (at the axis of block)
+  X_T = x_C + y_C∠90° + L_lever∠θ_lever + L_arm∠(θ_lever + 90°)
+  D_O,T = |x_C + y_C∠90° + L_lever∠θ_lever + L_arm∠(θ_lever + 90°)|
+  V = k_1·(D_O,T − L_1)²/2 + k_2·(θ_lever + π/2)²/2
+  K_lever,1 = L_crank·cos(φ_block − θ_crank + θ_lever)/s_block
+"""
+
+
 def equations_of(text):
     return derive(build_topology(from_document(parse(text, "test.yaml"))))
 
@@ -115,6 +150,44 @@ def test_text_is_the_default_and_folded(awkward):
     assert "L_link_2∠θ_link_2" in text
     assert "e_{link-2}∠(θ_{link-2} + 90°)" in text
     assert "− x_import,β∠θ_import" in text
+
+
+def test_text_of_what_other_components_add():
+    text = render(equations_of(EVERYTHING), "text")
+    assert set(EVERYTHING_LINES.splitlines()) <= set(text.splitlines())
+    forces = " ".join(text.split("Q_1 = ")[1].split())
+    assert "K_block,1·(−b_1·ṡ_block + f_1(t))" in forces
+    assert "M_2,to·[1 if −1 + t/M_2,duration ≥ 0, else [" in forces
+    assert "− F_1,x·sin(θ_lever)" in forces
+    assert "Ḋ_O,T·d_1·" in forces
+
+
+def test_text_of_a_group_of_loops():
+    text = render(derive(topology_of(MORE_MECHANISMS["class-three"])), "text")
+    assert "Φ_z K = −Φ_q   (4 equations for 4 unknowns per coordinate)" in text
+    assert "θ_leg1   (dependent, from the loops closed at F and G)" in text
+    assert "= L_crank·sin(θ_crank)" in text
+    text = render(derive(topology_of(MORE_MECHANISMS["parallelogram-free"])), "text")
+    assert "(2 equations for 1 unknown per coordinate; 1 of them redundant: least squares)" in text
+
+
+@pytest.mark.parametrize("name", MORE_MECHANISMS)
+def test_all_kinds_are_printed(name):
+    equations = derive(topology_of(MORE_MECHANISMS[name]))
+    text = render(equations, "text")
+    assert max(map(len, text.splitlines())) <= WIDTH + 20  # where nothing can be folded
+    looks = set(map(symbol_text, equations.symbols.notations.values()))
+    assert len(looks) == len(equations.symbols.notations)
+    latex = render(equations, "latex")
+    assert latex.count("{") == latex.count("}")
+    for environment in ("align*", "cases"):
+        begun = latex.count(rf"\begin{{{environment}}}")
+        assert begun == latex.count(rf"\end{{{environment}}}")
+    for unprinted in ("Select", "Spline", "**", "Piecewise"):
+        assert unprinted not in text
+        assert unprinted not in latex
+    tree = ast.parse(render(equations, "python"))
+    assert [n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)] == ["numpy"]
 
 
 def test_identifiers_are_valid_and_unique(awkward):

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from kernel_motion import places_at
 from linkage_models import refusal, system, system_of
 
 from linkages.errors import InputError
@@ -34,21 +35,22 @@ def test_sides_are_seen_along_the_bars_of_the_file(word, side, swapped):
     if swapped:
         lines[3:5] = lines[3:5][::-1]
     of = system_of("".join(lines) + f"assembly: {{B: {word}}}")
-    assert of.sides == {0: side}
-    assert of.assumed == ()
+    assert of.assembly.sides == {0: side}
+    assert of.assembly.assumed == ()
     ends = ("C", "A") if swapped else ("A", "C")
     assert side_of(of.places(), "B", *ends) == side
 
 
 @pytest.mark.parametrize(("where", "side"), [("[0.9, 0.6]", 1), ("[0.6, -0.5]", -1), ("[9, 9]", 1)])
 def test_the_nearest_place_is_taken(where, side):
-    assert system_of(FOUR_BAR + f"assembly: {{B: {where}}}").sides == {0: side}
+    of = system_of(FOUR_BAR + f"assembly: {{B: {where}}}")
+    assert of.assembly.sides == {0: side}
 
 
 def test_a_side_holds_in_motion():
     """The sign of a dyad is the same at all times: positions are continuous."""
     of = system_of(FOUR_BAR + "assembly: {B: right}")
-    sides = [side_of(of.places(t), "B", "A", "C") for t in np.linspace(0, 7, 50)]
+    sides = [side_of(places_at(of, t), "B", "A", "C") for t in np.linspace(0, 7, 50)]
     assert set(sides) == {-1}
 
 
@@ -72,7 +74,7 @@ def test_a_hint_can_be_given_where_the_clearance_is(bar):
     assert "B.r1" not in message
     for word, side in (("left", 1), ("right", -1)):
         of = system_of(text + f"assembly: {{B: {word}}}")
-        assert of.sides == {0: side}
+        assert of.assembly.sides == {0: side}
         assert side_of(of.places(), "B", "A", "C") == side
 
 
@@ -99,7 +101,7 @@ def test_a_side_of_a_point_beside_the_meeting_joint():
     places = [system_of(text + f"assembly: {{B: {w}}}").places()["E"] for w in ("left", "right")]
     for place, side in zip(places, (1, -1), strict=True):
         hint = f"assembly: {{E: [{place[0]}, {place[1]}]}}"
-        assert system_of(text + hint).sides == {0: side}
+        assert system_of(text + hint).assembly.sides == {0: side}
 
 
 def test_a_side_of_a_sliders_joint():
@@ -111,11 +113,11 @@ def test_a_side_of_a_sliders_joint():
 
 def test_a_slider_lies_forward_unless_told_otherwise():
     of = system_of(SLIDER_CRANK)
-    assert (of.sides, of.assumed) == ({0: 1}, (0,))
+    assert (of.assembly.sides, of.assembly.assumed) == ({0: 1}, (0,))
     places = of.places()
     assert places["B"][0] > places["A"][0]
     told = system_of(SLIDER_CRANK + "assembly: {B: [-1, 0]}")
-    assert (told.sides, told.assumed) == ({0: -1}, ())
+    assert (told.assembly.sides, told.assembly.assumed) == ({0: -1}, ())
     assert told.places()["B"][0] < places["A"][0]
     turned = system_of(SLIDER_CRANK.replace("angle: 0}", "angle: 180 deg}"))
     assert turned.places()["B"][0] < places["A"][0]
@@ -136,7 +138,7 @@ def test_a_hint_as_near_to_one_place_as_to_the_other():
 
 def test_hints_of_joints_that_are_known_anyway_do_no_harm():
     of = system_of(FOUR_BAR + "assembly: {B: left, A: [0.1, 0.2], O: [0, 0]}")
-    assert of.sides == {0: 1}
+    assert of.assembly.sides == {0: 1}
 
 
 @pytest.mark.parametrize(
@@ -165,7 +167,7 @@ def test_a_rod_that_cannot_reach_the_axis():
 
 def test_the_second_block_is_judged_with_the_side_of_the_first():
     of = system("ninebar")
-    assert of.sides == {0: 1, 1: -1, 2: 1}
+    assert of.assembly.sides == {0: 1, 1: -1, 2: 1}
     places = of.places()
     assert side_of(places, "B", "A", "C.r1") == 1
     assert side_of(places, "E", "O", "B") == -1
@@ -173,8 +175,10 @@ def test_the_second_block_is_judged_with_the_side_of_the_first():
 
 
 def test_two_sliders_have_one_place():
-    assert system("trammel").sides == {}
-    assert system("trammel").assumed == ()
+    of = system("trammel")
+    assert len(of.modes()) == 1
+    assert of.assembly.assumed == ()
+    assert ("side", 0) not in of.model.inputs.parameters
 
 
 def test_every_wrong_side_in_one_report():

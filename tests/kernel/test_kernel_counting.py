@@ -1,6 +1,8 @@
+from group_models import TRIAD
 from linkage_models import program, system, system_of, text_of
 
 from linkages.kernel.counting import KINDS, PARTS, report_kernel
+from linkages.kernel.scalars import FUNCTIONS, SEVERAL
 
 
 def report(of):
@@ -70,3 +72,43 @@ def test_counts_are_those_of_the_program():
             node.operation in operations for node in written.groups[level]
         )
         assert len(written.groups[level]) == sum(counts[part].values())
+
+
+DRIVEN = """
+joints: {O: [0, 0]}
+bars: {rod: {joints: [O, P], length: 1, mass: 1}}
+springs: [{bar: rod, stiffness: 2, angle: 0.1}]
+loads: [{bar: rod, torque: '3*sin(2*t)'}, {joint: P, force: [5, 'exp(-t)']}]
+masses: {P: 0.5}
+KNOWN: {rod: {angle: 0.3, speed: 1}}
+"""
+
+
+def test_numbers_of_all_loads_are_listed():
+    """Also those of formulas, and of masses at joints."""
+    left_out = report(system_of(DRIVEN.replace("KNOWN", "drives"))).left_out
+    expected = {
+        ("bars", "rod", "mass"),
+        ("bars", "rod", "inertia"),
+        ("masses", "P"),
+        ("springs", 0, "stiffness"),
+        ("springs", 0, "angle"),
+        ("loads", 0, "torque", 0),
+        ("loads", 0, "torque", 1),
+        ("loads", 1, "force", 0),
+    }
+    assert {*left_out} == expected
+    assert report(system_of(DRIVEN.replace("KNOWN", "free"))).left_out == ()
+
+
+def test_every_operation_is_of_some_kind():
+    """But picking one of several results is none."""
+    counted = [name for names in KINDS.values() for name in names]
+    assert len(set(counted)) == len(counted)
+    assert {*FUNCTIONS, *SEVERAL} <= {*counted}
+
+
+def test_counts_of_a_group_that_is_iterated():
+    counts = report(system_of(TRIAD)).counts["once per state"]
+    assert counts["iterations"] == 1
+    assert counts["linear systems"] >= 2

@@ -7,14 +7,15 @@ import pytest
 import sympy
 from linkage_models import LOOPED, program, system
 
-from linkages.kernel.assembly import parameter_values
 from linkages.kernel.derivatives import (
     compile_jacobian,
     derivative,
     jacobian_nodes,
     write_jacobian,
 )
-from linkages.kernel.scalars import Evaluator, Level, ScalarGraph, reachable
+from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.modes import parameter_values
+from linkages.kernel.scalars import Level, ScalarGraph, reachable
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 
@@ -89,7 +90,7 @@ def moving(name):
     model, n = of.model, of.model.inputs.coordinates
     accelerations = model.free_accelerations
     state = np.array(of.state) + np.concatenate([np.full(n, 0.01), np.linspace(1.0, 2.0, n)])
-    return model, accelerations, parameter_values(model, of.sides), state
+    return model, accelerations, parameter_values(model, of.assembly), state
 
 
 FREE = [name for name in LOOPED if system(name).topology.free]

@@ -1,30 +1,22 @@
 """The kernel satisfies Lagrange's equations of the first kind, derived with SymPy.
 
-The symbolic road shares no formula with the kernel: T and V of all bodies in absolute coordinates,
-centres of mass instead of pin masses, loops as constraints with multipliers instead of dyads.
-Clearances are given a variable length, held constant by a force: that is the force in the link.
+See `lagrange_equations` for the symbolic road and `lagrange_states` for the states.
 """
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 import pytest
-import sympy as sp
+from lagrange_equations import Lagrange, agree, assert_agrees
+from lagrange_mechanisms import MORE_MECHANISMS
+from lagrange_states import Kernel, analysed
 
 from linkages.components.definition import from_document
-from linkages.equations.derivation import derive
-from linkages.equations.energies import kinetic_energy, time_derivative
-from linkages.equations.places import Places
-from linkages.equations.polar import components
-from linkages.kernel.model import Model
-from linkages.kernel.scalars import Evaluator
 from linkages.reading.document import parse
-from linkages.topology.topology import build_topology
 
-STATES = 40
-SMALLEST_MARGIN = 0.1  # of the largest possible: errors grow like its inverse
-TOLERANCE = 1e-9
+__all__ = ["Kernel", "Lagrange", "agree"]
+
+COUNT = 100
 
 NINE_BAR = """
 gravity: [9.81, 0]
@@ -145,236 +137,23 @@ MECHANISMS = {
     "double-pendulum": DOUBLE_PENDULUM,
     "cart-with-pendulum-and-disc": CART,
     "trammel": TRAMMEL,
+    **MORE_MECHANISMS,
 }
-
-
-@dataclass
-class State:
-    """What the kernel says about one state, by body and joint."""
-
-    position: dict[str, float]
-    rate: dict[str, float]
-    acceleration: dict[str, float]
-    effort: dict[str, float]
-    link_force: dict[str, float]
-    x: dict[str, float]
-    y: dict[str, float]
-    energy: dict[str, float]
-
-
-@dataclass
-class Answer:
-    """What Lagrange's equations say about it, in the order of the coordinates."""
-
-    closure: np.ndarray
-    closure_rate: np.ndarray
-    joints: np.ndarray
-    energies: np.ndarray
-    acceleration: np.ndarray
-    efforts: np.ndarray
-    largest_terms: np.ndarray
-
-
-class Kernel:
-    """The kernel's graph, evaluated with NumPy."""
-
-    def __init__(self, topology):
-        self.topology = topology
-        self.model = model = Model(topology)
-        bodies = topology.mechanism.bodies
-        clearances = [name for name, body in bodies.items() if body.kind == "clearance"]
-        turning = [name for name, body in bodies.items() if body.rotates]
-        joints = {name: model.positions.joints[name] for name in topology.joints}
-        self.first = {
-            "free": dict(zip(topology.free, model.free_accelerations, strict=True)),
-            "rate": model.velocities.bodies,
-            "cos": {name: model.positions.unit(name).x for name in turning},
-            "sin": {name: model.positions.unit(name).y for name in turning},
-            "position": model.positions.displacements,
-            "margin": dict(enumerate(model.margins)),
-            "scale": dict(enumerate(model.margin_scales)),
-            "x": {name: place.x for name, place in joints.items()},
-            "y": {name: place.y for name, place in joints.items()},
-            "energy": {
-                "kinetic": 0.5 * model.inertia.product(model.velocities, model.velocities),
-                "potential": -model.gravity.dot(model.inertia.moment_of_mass()),
-            },
-        }
-        self.second = {
-            "acceleration": model.accelerations.bodies,
-            "effort": {
-                name: model.required_force(model.accelerations, model.partial(name))
-                for name in topology.driven
-            },
-            "link_force": {
-                name: -model.required_force(model.accelerations, model.partial(name, stretch=name))
-                for name in clearances
-            },
-        }
-
-    @staticmethod
-    def _evaluate(groups, **inputs):
-        nodes = [node for group in groups.values() for node in group.values()]
-        values = iter(Evaluator(nodes)(**inputs))
-        return {key: {name: next(values) for name in group} for key, group in groups.items()}
-
-    def states(self, seed):
-        """Random states far enough from singular positions."""
-        rng = np.random.default_rng(seed)
-        parameters = {path: np.full(STATES, v) for path, v in self.model.inputs.parameters.items()}
-        for path in parameters:
-            if path[0] == "side":
-                parameters[path] = rng.choice([-1.0, 1.0], STATES)
-            elif path[0] == "drives":
-                parameters[path] = rng.uniform(-6, 6, STATES)
-        count = len(self.topology.free)
-        positions, rates = rng.uniform(-3, 3, (count, STATES)), rng.normal(0, 5, (count, STATES))
-        inputs = {
-            "t": rng.uniform(0, 2, (1, STATES)),
-            "y": np.concatenate([positions, rates]),
-            "p": np.array(list(parameters.values())).reshape(len(parameters), STATES),
-        }
-        values = self._evaluate(self.first, **inputs)
-        acceleration = np.array([*values["free"].values()]).reshape(count, STATES)
-        values |= self._evaluate(self.second, a=acceleration, **inputs)
-        values["position"] |= {
-            name: np.arctan2(values["sin"][name], values["cos"][name]) for name in values["cos"]
-        }
-        values = {
-            k: {n: np.broadcast_to(v, STATES) for n, v in g.items()} for k, g in values.items()
-        }
-        usable = np.full(STATES, True)
-        for block, margin in values["margin"].items():
-            usable &= np.abs(margin) > SMALLEST_MARGIN * values["scale"][block]  # False for nan
-        return [
-            State(
-                **{
-                    key: {name: float(value[i]) for name, value in values[key].items()}
-                    for key in State.__dataclass_fields__
-                }
-            )
-            for i in np.flatnonzero(usable)
-        ]
-
-
-class Lagrange:
-    """M q̈ + h = Φ_qᵀ λ + efforts, and Φ̈ = 0, solved for q̈, λ and efforts together."""
-
-    def __init__(self, topology):
-        self.equations = equations = derive(topology)
-        symbols = equations.symbols
-        sizes = [
-            symbols.parameter(list(body.points.values())[1][0])
-            for body in topology.mechanism.bodies.values()
-            if body.kind == "clearance"
-        ]
-        rates = symbols.rates | {size: symbols.dotted(size) for size in sizes}
-        self.q, dq = list(rates), list(rates.values())
-        self.held = [*equations.driven, *sizes]  # each by an effort of its own
-        self.names = {coordinate: name for name, coordinate in symbols.coordinates.items()}
-        places = Places(topology, symbols)
-        joints = [components(places.joint(joint)) for joint in topology.joints]
-        energy = kinetic_energy(equations.bodies, rates)
-        results = [
-            *self._dynamics(energy, rates),
-            *self._constraints(rates),
-            sp.Matrix(joints),
-            sp.Matrix([energy, equations.potential_energy]),
-        ]
-        parameters = [symbol for symbol in symbols.values if symbol not in sizes]
-        self.values = [symbols.values[symbol] for symbol in parameters]
-        self.evaluate = sp.lambdify((self.q, dq, parameters), results, cse=True)
-
-    def _dynamics(self, energy, rates):
-        """Mass matrix, and everything else in d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q − Q but drives."""
-        equations = self.equations
-        no_drives = dict.fromkeys(equations.efforts.values(), 0)
-        momenta = [sp.diff(energy, rate) for rate in rates.values()]
-        mass = sp.Matrix([[sp.diff(p, rate) for rate in rates.values()] for p in momenta])
-        force = [
-            time_derivative(p, rates)
-            - sp.diff(energy - equations.potential_energy, q)
-            - sp.sympify(equations.forces.get(q, 0)).subs(no_drives)
-            for p, q in zip(momenta, rates, strict=True)
-        ]
-        return mass, sp.Matrix(force)
-
-    def _constraints(self, rates):
-        """Φ, Φ_q, and Φ̈ without its terms in q̈."""
-        closure = self.equations.closure
-        jacobian = sp.Matrix(len(closure), len(rates), lambda i, j: sp.diff(closure[i], self.q[j]))
-        slip = jacobian * sp.Matrix(list(rates.values()))
-        bias = slip.applyfunc(lambda value: time_derivative(value, rates))
-        return sp.Matrix(len(closure), 1, closure), jacobian, bias
-
-    def solve(self, state):
-        """The answer at the kernel's positions and rates."""
-        sizes = self.equations.symbols.values
-        q = [state.position[self.names[c]] if c in self.names else sizes[c] for c in self.q]
-        dq = [state.rate[self.names[c]] if c in self.names else 0.0 for c in self.q]
-        mass, force, closure, jacobian, bias, joints, energies = self.evaluate(q, dq, self.values)
-        force, closure, bias, energies = map(np.ravel, (force, closure, bias, energies))
-        jacobian = np.reshape(jacobian, (len(closure), len(q)))
-        held = np.array([[c is other for c in self.q] for other in self.held], dtype=float)
-        constraints = np.concatenate([jacobian, held.reshape(len(self.held), len(q))])
-        right = np.concatenate([-bias, np.zeros(len(self.held))])
-        acceleration, multipliers = saddle(mass, constraints, -force, right)
-        terms = [force, *(mass * acceleration).T, *(constraints.T * multipliers).T]
-        return Answer(
-            closure=closure,
-            closure_rate=jacobian @ dq,
-            joints=joints,
-            energies=energies,
-            acceleration=acceleration,
-            efforts=multipliers[len(closure) :],
-            largest_terms=np.abs(terms).max(axis=0),
-        )
-
-
-def saddle(mass, constraints, force, right):
-    """Solve M x − Cᵀ λ = force, C x = right.
-
-    Rows and columns are scaled alike: inertia terms of clearances are 1e-8 of the others.
-    """
-    count = len(constraints)
-    matrix = np.block([[mass, -constraints.T], [constraints, np.zeros((count, count))]])
-    scale = 1.0 / np.sqrt(np.abs(matrix).max(axis=1))
-    scaled = matrix * scale[:, None] * scale
-    values = scale * np.linalg.solve(scaled, scale * np.concatenate([force, right]))
-    return values[: len(mass)], values[len(mass) :]
 
 
 @cache
 def roads(name):
-    topology = build_topology(from_document(parse(MECHANISMS[name], f"{name}.yaml")))
+    topology = analysed(from_document(parse(MECHANISMS[name], f"{name}.yaml")))
     return Kernel(topology), Lagrange(topology)
-
-
-def agree(kernel_values, values, scales):
-    """Whether values agree to the tolerance, relative to the scale of each."""
-    scales = np.broadcast_to(scales, np.shape(values))
-    np.testing.assert_array_less(np.abs(np.subtract(kernel_values, values)), TOLERANCE * scales)
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_kernel_satisfies_lagrange_equations(name):
     kernel, lagrange = roads(name)
-    states = [state for seed in (1, 2, 3) for state in kernel.states(seed)]
-    assert len(states) >= 2 * STATES
+    states = kernel.random_states(COUNT)
+    assert len(states) == COUNT
     for state in states:
-        answer = lagrange.solve(state)
-        # Angles come from atan2, lengths are of order 1: a few units in the last place.
-        np.testing.assert_allclose(answer.closure, 0.0, atol=1e-13)
-        np.testing.assert_allclose(answer.closure_rate, 0.0, atol=1e-12)
-        places = np.transpose([[*state.x.values()], [*state.y.values()]])
-        np.testing.assert_allclose(places, answer.joints, atol=1e-13)
-        agree([*state.energy.values()], answer.energies, 1.0 + np.abs(answer.energies))
-        accelerations = [state.acceleration[body] for body in lagrange.names.values()]
-        bodies = answer.acceleration[: len(accelerations)]
-        agree(accelerations, bodies, 1.0 + np.abs(bodies))
-        efforts = [*state.effort.values(), *(-force for force in state.link_force.values())]
-        rows = [lagrange.q.index(coordinate) for coordinate in lagrange.held]
-        agree(efforts, answer.efforts, answer.largest_terms[rows])
+        assert_agrees(lagrange, state)
 
 
 def test_assembly_modes_and_drives_differ_between_states():
@@ -385,3 +164,21 @@ def test_assembly_modes_and_drives_differ_between_states():
     # both sides of E: E is left or right of the line from O to B
     sides = {np.sign(s.x["B"] * s.y["E"] - s.y["B"] * s.x["E"]) for s in states}
     assert sides == {-1.0, 1.0}
+
+
+def test_states_of_iterated_groups_are_far_from_each_other():
+    kernel, _ = roads("class-three")
+    states = kernel.random_states(COUNT)
+    angles = {name: [state.position[name] for state in states] for name in ("crank", "leg1")}
+    assert np.ptp(angles["crank"]) > 2.0
+    assert np.ptp(angles["leg1"]) > 0.8  # the crank is a third of its length
+
+
+@pytest.mark.parametrize("what", ["effort", "acceleration", "energy"])
+def test_a_wrong_value_is_found(what):
+    kernel, lagrange = roads("class-three")
+    state = kernel.random_states(1)[0]
+    values = getattr(state, what)
+    values |= {name: value * (1 + 1e-6) + 1e-6 for name, value in values.items()}
+    with pytest.raises(AssertionError):
+        assert_agrees(lagrange, state)

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.printing import Statements
-from linkages.kernel.scalars import Evaluator, Level, ScalarGraph, reachable
+from linkages.kernel.scalars import Level, ScalarGraph, reachable
 
 
 @pytest.fixture

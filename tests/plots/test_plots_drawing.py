@@ -6,8 +6,9 @@ from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from plot_data import JOINTS, press, press_data
 
 from linkages.plots.bodies import convex_hull
-from linkages.plots.drawing import draw, figure, positions_at
+from linkages.plots.drawing import draw, figure
 from linkages.plots.labels import Labels
+from linkages.plots.samples import positions_at
 from linkages.plots.style import CLEARANCE, style
 from linkages.plots.view import gravity_arrow
 

@@ -3,7 +3,13 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import SERIES, press, press_data
 
-from linkages.plots.time_figures import QUANTITIES, draw, time_figure
+from linkages.plots.time_figures import (
+    QUANTITIES,
+    draw,
+    force_figure,
+    time_figure,
+    torque_figure,
+)
 
 
 def axes():
@@ -27,7 +33,7 @@ def test_labels_name_the_quantity_and_its_units(variable, label):
     assert ax.get_xlabel() == "time [s]"
 
 
-@pytest.mark.parametrize("variable", QUANTITIES)
+@pytest.mark.parametrize("variable", [name for name in QUANTITIES if name in SERIES])
 def test_curve_has_the_values_in_shown_units(variable):
     data = press_data()
     size = SERIES[variable][2]
@@ -98,6 +104,18 @@ def test_backward_motion_is_drawn_with_time_to_the_right():
 def test_short_data(samples):
     figure = time_figure("slider_velocity")(press_data(samples), press())
     assert figure.axes[0].lines
+
+
+def test_forces_and_torques_of_drives_have_no_common_axis():
+    data = press_data(drive=["crank", "ram"])
+    (torque,), (force,) = torque_figure(data, press()).axes, force_figure(data, press()).axes
+    assert torque.get_ylabel() == "driving torque [N·m]"
+    assert force.get_ylabel() == "driving force [N]"
+    assert (torque.get_title(loc="left"), force.get_title(loc="left")) == (
+        "Press: crank", "Press: ram",
+    )  # fmt: skip
+    np.testing.assert_array_equal(force.lines[0].get_ydata(), data["drive_effort"].values[:, 1])
+    assert force_figure(press_data(), press()) is None
 
 
 def test_nothing_to_draw():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from plot_data import press, press_data
 
-from linkages.plots.traces import figure, moving_joints
+from linkages.plots.traces import COUPLER, LED, figure, led_joints, moving_joints
 
 
 def test_moving_joints_leave_out_ground_and_what_a_clearance_hides():
@@ -25,6 +25,17 @@ def test_each_trace_is_drawn_in_the_units_of_the_axes_and_labelled():
         line.get_xydata().shape == path.shape and np.allclose(line.get_xydata(), path)
         for line in ax.lines
     )
+
+
+def test_coupler_curves_are_thicker_than_what_the_ground_leads():
+    # crank and rocker turn on the ground, the ram slides on it: only P is free of it
+    assert {"A", "F"} <= led_joints(press())
+    assert "P" not in led_joints(press())
+    data = press_data()
+    (ax,) = figure(data, press()).axes
+    samples = data.sizes["time"]
+    widths = [line.get_linewidth() for line in ax.lines if len(line.get_xdata()) == samples]
+    assert sorted(widths) == [LED, LED, COUPLER, COUPLER]  # B's bar ends beside the pin, at B.r1
 
 
 @pytest.mark.parametrize("samples", [1, 2])

@@ -111,6 +111,22 @@ def test_assignments_that_cannot_be_made(document, path, value, expected):
     assert "\n" not in str(problem)
 
 
+def test_one_value_of_a_misspelt_entry(document):
+    with pytest.raises(InputError) as caught:
+        apply(document, {"bars.cank.length": 1})
+    (problem,) = caught.value.problems
+    assert problem.message == (
+        "unknown name 'cank'; did you mean 'crank'? (from set bars.cank.length=1)"
+    )
+
+
+def test_a_new_entry_may_have_a_similar_name(document):
+    changed = apply(document, {"bars.crank2.length": 1, "bars.crank2.joints": "[B, C]"})
+    assert changed.content["bars"]["crank2"] == {"length": 1, "joints": ["B", "C"]}
+    changed = apply(document, {"bars.crank2": "{length: 1}"})
+    assert changed.content["bars"]["crank2"] == {"length": "1"}
+
+
 def test_all_faulty_assignments_at_once(document):
     with pytest.raises(InputError) as caught:
         apply(document, {"loads[7]": 1, "gravity.x": 2, "bars.crank.length": 1})

@@ -28,6 +28,9 @@ UNITS = {
     "joint_velocity": ("m/s", ("joint", "axis")),
     "joint_acceleration": ("m/s^2", ("joint", "axis")),
     "joint_reaction": ("N", ("joint", "axis")),
+    "transmission_angle": ("rad", ("dyad",)),
+    "mechanical_advantage": ("1", ("drive", "bar")),
+    "slider_mechanical_advantage": ("1/m", ("drive", "slider")),
     "drive_effort": ("N m", ("drive",)),
     "kinetic_energy": ("J", ()),
     "potential_energy": ("J", ()),
@@ -36,7 +39,8 @@ UNITS = {
     "closure_residual": ("m", ()),
 }
 ON_REQUEST = {"joint_reaction", "kinetic_energy", "potential_energy", "drive_power", "load_power",
-              "energy_residual"}  # fmt: skip
+              "energy_residual", "transmission_angle", "mechanical_advantage",
+              "slider_mechanical_advantage"}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +69,7 @@ def test_contract_of_dimensions_and_units(everything):
         "clearance": ["r1"],
         "joint": ["O", "D", "A", "B", "C.r1", "C", "E", "F"],
         "axis": ["x", "y"],
+        "dyad": ["B", "E", "slider9"],
         "drive": ["crank1", "crank4"],
     }
 
@@ -157,8 +162,8 @@ def test_size_follows_samples_not_steps(press):
     """Some 10 000 steps, three samples: only these are kept."""
     solution = linkages.simulate(press, end=2.0, samples=3)
     assert solution.motion.cost["steps"] > 5000
-    motion = solution.motion
-    for array in (motion.time, motion.state, motion.turns, motion.acceleration):
+    (piece,) = solution.motion.pieces
+    for array in (piece.time, piece.state, piece.turns, piece.acceleration):
         assert array.shape[-1] == 3
         assert array.base is None or array.base.size < 100
     assert solution.data.nbytes < 10_000

@@ -135,15 +135,14 @@ def test_there_and_back():
 def test_nine_bar_there_and_back():
     forth = linkages.simulate(linkages.load("ninebar"), end=0.2, samples=3, rtol=1e-12)
     end = forth.data.isel(time=-1)
-    drives = forth.mechanism.prescribed
     back = linkages.load(
         "ninebar",
         set={
             "clearances.r1.angle": float(end.clearance_angle[0]),
             "clearances.r1.speed": float(end.clearance_speed[0]),
             **{
-                f"drives.{name}.angle": drive.start.value + 0.2 * drive.speed.value
-                for name, drive in drives.items()
+                f"drives.{name}.angle": float(end.bar_angle.sel(bar=name))
+                for name in forth.mechanism.prescribed
             },
         },
     )

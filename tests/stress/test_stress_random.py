@@ -27,6 +27,8 @@ METHODS = st.sampled_from(
 REASONS = ("diverged", "singular", "cannot be assembled", "step fell below", "allowed number")
 REASONS += ("could not be solved",)
 OUTPUTS = "all"
+ADVANTAGES = ("mechanical_advantage", "slider_mechanical_advantage")
+"""Infinite where a drive does not move a body."""
 drawn = settings(max_examples=30, deadline=None, derandomize=True, database=None)
 
 
@@ -58,7 +60,8 @@ def run(make, how, end):
         assert any(reason in solution.motion.failure for reason in REASONS)
         assert (np.abs(data.time) <= abs(solution.motion.stop_time)).all()
     for name in data.data_vars:
-        assert np.isfinite(data[name]).all(), (name, solution.motion.failure)
+        sound = ~np.isnan(data[name]) if name in ADVANTAGES else np.isfinite(data[name])
+        assert sound.all(), (name, solution.motion.failure)
     if "closure_residual" in data and data.sizes["time"]:
         assert float(data.closure_residual.max()) <= CLOSURE
     return solution

@@ -92,11 +92,27 @@ def test_free_motion_passes_close_to_its_change_point(margin, method):
 
 
 @pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
+def test_free_motion_too_close_may_pass_as_a_change_point(method):
+    """Six digits of the angle are left: what such links do cannot be told from the exact ones."""
+    found = four_bar(1e-6, FREE)
+    solution = linkages.simulate(
+        found, end=0.12, samples=401, method=method, change_points="pass", outputs="all"
+    )
+    assert any("change point" in note for note in solution.notes)
+    data = solution.data
+    assert float(data.closure_residual.max()) <= CLOSURE
+    energy = 0.5 * 0.2 * 0.04**2 / 3 * 400
+    assert float(np.abs(data.energy_residual).max()) < 1e-7 * energy
+
+
+@pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
 def test_free_motion_too_close_is_reported_as_singular(method):
     found = four_bar(1e-6, FREE)
-    solution = linkages.simulate(found, end=0.12, samples=401, method=method, throw=False)
+    solution = linkages.simulate(
+        found, end=0.12, samples=401, method=method, change_points="stop", throw=False
+    )
     assert not solution.completed
-    for words in ("joint B", "coupler and rocker are in line", "singular"):
+    for words in ("joint B", "are in line", "singular"):
         assert words in solution.motion.failure
     assert (solution.data.time < solution.motion.stop_time).all()
     assert all(np.isfinite(solution.data[name]).all() for name in solution.data)

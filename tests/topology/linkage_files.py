@@ -1,5 +1,6 @@
 """The linkages that the tests of this folder analyse."""
 
+from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
 
@@ -23,10 +24,10 @@ def mechanism(text: str) -> Mechanism:
     return from_document(parse(text, "m.yaml"))
 
 
-def refusal(text: str) -> list[str]:
-    """What `build_topology` finds wrong with a definition."""
+def refusal(text: str, analyse: Callable[[Mechanism], object] = build_topology) -> list[str]:
+    """What `build_topology`, or something else, finds wrong with a definition."""
     with pytest.raises(InputError) as caught:
-        build_topology(mechanism(text))
+        analyse(mechanism(text))
     assert caught.value.exit_code == 2
     return [str(problem) for problem in caught.value.problems]
 

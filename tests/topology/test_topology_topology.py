@@ -1,6 +1,9 @@
+import math
+
 import pytest
 from linkage_files import FOLDER, linkage, mechanism, refusal
 
+from linkages.kernel.system import System
 from linkages.topology.blocks import Step
 from linkages.topology.topology import build_topology
 
@@ -69,26 +72,54 @@ def test_missing_drive():
     ]
 
 
-def test_two_drives_for_one_degree_of_freedom():
-    drives = "drives:\n  crank: {angle: 1, speed: 1}\n  rocker: {angle: 1, speed: 1}\n"
-    assert refusal(FOUR_BAR + drives) == [
-        "line 6, column 1, drives: mobility is 1, but 2 coordinates are driven and 0 free; "
-        "expected as many as the mobility: remove a drive or a free coordinate"
-    ]
+INDEPENDENT = "expected the drives and free coordinates to be independent of each other"
+TWO = "\n  crank: {angle: 1, speed: 1}\n  rocker: {angle: ANGLE, speed: 1}\n"
 
 
-def test_a_free_coordinate_too_many():
-    text = FOUR_BAR + "free:\n  crank: {angle: 1}\n  rocker: {angle: 1}\n"
-    (problem,) = refusal(text)
-    assert problem.startswith("line 6, column 1, free: mobility is 1, but 0 coordinates are driven")
-    assert "and 2 free" in problem
+def angle_of_the_rocker():
+    """Where it is when the crank stands at 1 rad."""
+    crank = "drives: {crank: {angle: 1, speed: 1}}\nassembly: {B: left}\n"
+    x, y = System(mechanism(FOUR_BAR + crank)).places()["B"]
+    return math.atan2(y, x - 1.0)
 
 
-def test_a_structure_that_cannot_move():
+@pytest.mark.parametrize("section", ["drives", "free"])
+def test_two_known_bars_for_one_degree_of_freedom(section):
+    """Drives or free coordinates at angles that do not fit."""
+    (problem,) = refusal(FOUR_BAR + section + ":" + TWO.replace("ANGLE", "1"), System)
+    assert problem.startswith("line 4, column 3, bars.coupler: cannot be assembled: no position")
+    assert "more constraints than coordinates at B, and they contradict each other" in problem
+    assert problem.endswith("expected no more than the mobility, and fitting dimensions")
+
+
+@pytest.mark.parametrize("section", ["drives", "free"])
+@pytest.mark.parametrize("speed", [1, 0])
+def test_two_known_bars_that_fit_in_one_position(section, speed):
+    """They would be in the way of each other, even at rest."""
+    two = TWO.replace("ANGLE", repr(angle_of_the_rocker())).replace("speed: 1", f"speed: {speed}")
+    (problem,) = refusal(FOUR_BAR + section + ":" + two, System)
+    assert "more constraints than coordinates at B: they would not let crank move" in problem
+    assert INDEPENDENT in problem
+
+
+def test_a_drive_of_every_bar():
+    drives = TWO.replace("ANGLE", "1") + "  coupler: {angle: 0, speed: 0}\n"
+    (problem,) = refusal(FOUR_BAR + "drives:" + drives, System)
+    assert "cannot be assembled: nothing is left to be moved" in problem
+    assert "more constraints than coordinates at" in problem
+
+
+@pytest.mark.parametrize("speed", [0, 1])
+def test_a_structure_that_cannot_move(speed):
     text = FOUR_BAR.replace("crank: {joints: [O, A]", "crank: {joints: [O, C]")
     text = text.replace("coupler: {joints: [A,", "coupler: {joints: [O,")
-    (problem,) = refusal(text + "drives: {crank: {angle: 0, speed: 1}}\n")
-    assert "mobility is -1, but 1 coordinates are driven" in problem
+    drive = f"drives: {{crank: {{angle: 0, speed: {speed}}}}}\nassembly: {{B: left}}\n"
+    (problem,) = refusal(text + drive, System)
+    assert problem.startswith("line 3, column 3, bars.crank: cannot be assembled")
+    assert "crank meets C; more constraints than coordinates at C" in problem
+    # and where its length fits, its drive still has nothing to move
+    (problem,) = refusal(text.replace("0.3}", "1}") + drive, System)
+    assert "more constraints than coordinates at C: they would not let crank move" in problem
 
 
 def test_unreachable_bodies_are_all_named():
@@ -157,26 +188,37 @@ drives: {crank: {angle: 0, speed: 1}}
 """
 
 
+def groups(topology):
+    return [(b.kind, {*b.unknowns}, len(b.loops)) for b in topology.solved_blocks]
+
+
 def test_a_plate_on_three_links_is_no_dyad():
-    assert refusal(TRIAD) == [
-        "line 4, column 3, bars.plate: plate, a, b, c form a group of 2 loops that must be solved "
-        "together (Assur group of class III or higher); expected a mechanism made of dyads"
-    ]
+    """It is one group of two loops, solved by iteration from coordinates that are carried along."""
+    topology = build_topology(mechanism(TRIAD))
+    assert groups(topology) == [("N", {"plate", "a", "b", "c"}, 2)]
+    (block,) = topology.solved_blocks
+    assert (block.title, block.surplus) == ("group of 2 loops", 0)
+    assert {*topology.carried} == {*topology.iterated} == {"plate", "a", "b", "c"}
+    assert topology.coordinates == topology.carried
+    assert topology.redundant == ()
 
 
 def test_whether_a_group_is_a_dyad_depends_on_the_drive():
     """Stephenson III: dyads from the crank, a triad from the other end."""
     text = (FOLDER / "stephenson.yaml").read_text()
-    assert len(build_topology(mechanism(text)).solved_blocks) == 2
-    (problem,) = refusal(text.replace("  crank: {angle", "  arm: {angle"))
-    assert "crank, coupler, rocker, tie form a group of 2 loops" in problem
-    assert "class III" in problem
+    dyads = build_topology(mechanism(text))
+    assert [kind for kind, *_ in groups(dyads)] == ["RRR", "RRR"]
+    assert dyads.carried == ()
+    triad = build_topology(mechanism(text.replace("  crank: {angle", "  arm: {angle")))
+    assert groups(triad) == [("N", {"crank", "coupler", "rocker", "tie"}, 2)]
 
 
-def test_a_triad_behind_dyads_is_found():
+def test_a_triad_before_a_dyad():
     extra = "  tie: {joints: [P, X], length: 1}\n  arm: {joints: [C, X], length: 1}\ndrives:"
-    (problem,) = refusal(TRIAD.replace("drives:", extra))
-    assert "plate, a, b, c form a group" in problem
+    topology = build_topology(mechanism(TRIAD.replace("drives:", extra)))
+    expected = [("N", {"plate", "a", "b", "c"}, 2), ("RRR", {"tie", "arm"}, 1)]
+    assert groups(topology) == expected
+    assert {*topology.carried} == {"plate", "a", "b", "c"}
 
 
 # --- where the drive is -------------------------------------------------------------------------

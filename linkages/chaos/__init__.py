@@ -1,0 +1,1 @@
+"""Whether a motion is regular or chaotic: sections, exponents, diagrams, maps, verdicts."""

@@ -1,0 +1,226 @@
+"""Bifurcation diagrams: sections of the motion for many values of a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.free_states import PAIRS, free_names, require_free
+from linkages.chaos.lyapunov import lyapunov
+from linkages.chaos.section import poincare
+from linkages.chaos.sweep import Executor, Progress, attempt, sweep
+from linkages.chaos.varied import Axis, axis, varied
+from linkages.components.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+STARTS = ("same", "forward", "backward")
+EXPONENT_PERIODS = 100
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What is computed at every value."""
+
+    mechanism: Mechanism
+    axis: Axis
+    section: Mapping[str, Any]
+    exponent: bool
+
+    def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
+        return varied(self.mechanism, {**self.axis.at(index), **overrides})
+
+    def compute(self, mechanism: Mechanism) -> dict[str, Floats]:
+        data = poincare(mechanism, **self.section)
+        found = {str(name): np.asarray(values) for name, values in data.data_vars.items()}
+        found["time"] = np.asarray(data["time"])
+        if self.exponent:
+            rtol = self.section["rtol"]
+            exponents = lyapunov(mechanism, periods=EXPONENT_PERIODS, count=1, rtol=rtol)
+            found["exponent"] = np.asarray(exponents["exponent"][0])
+            found["error"] = np.asarray(exponents["error"][0])
+        return found
+
+
+def bifurcation(
+    mechanism: Mechanism,
+    vary: Mapping[str, Sequence[float] | Floats] | Axis,
+    *,
+    periods: int = 200,
+    skip: int = 100,
+    phase: float = 0.0,
+    section: str | None = None,
+    direction: str = "up",
+    start: str = "same",
+    initial: Sequence[Mapping[str, object]] = ({},),
+    exponent: bool = False,
+    method: str | None = None,
+    rtol: float | None = None,
+    executor: Executor | None = None,
+    watch: Callable[[Progress], None] | None = None,
+) -> xr.Dataset:
+    """Section points for every value of a parameter, or of several in lockstep.
+
+    Parameters
+    ----------
+    mechanism
+        From `linkages.load`.
+    vary
+        Dotted path of the definition file → its values in SI; several paths vary together.
+    periods, skip, phase, section, direction, method, rtol
+        As `linkages.poincare` takes them.
+    start
+        ``"same"``: each value starts from the state of the file; ``"forward"`` or ``"backward"``:
+        from the last state of the value before or behind it, which shows hysteresis.
+    initial
+        Overrides of the file, one for each initial state that is tried at every value, such as
+        ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
+    exponent
+        Whether to compute the largest Lyapunov exponent at every value as well.
+    executor
+        Where values are computed; the cores of this machine if not given.
+    watch
+        Called after each value with the progress.
+
+    Returns
+    -------
+    Dataset with the free coordinates and their rates (start, value, crossing, …), `time`, and with
+    `exponent` and its `error` (start, value) if asked for; `reason` (start, value) says why a value
+    could not be computed, which leaves nan. The attribute ``interrupted`` is 1 after Ctrl-C.
+
+    Raises
+    ------
+    InputError
+        If a path names nothing or nothing is free.
+    ValueError
+        For arguments that make no sense.
+    """
+    values = vary if isinstance(vary, Axis) else axis(vary)
+    if start not in STARTS:
+        raise ValueError(f"start must be one of {', '.join(STARTS)}, found {start!r}")
+    taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
+             "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
+    request = _Request(mechanism, values, taken, exponent)
+    system = System(request.at(0, initial[0]))  # what is wrong with the request shows here
+    require_free(system)
+    if start == "same":
+        found, interrupted = _independent(request, initial, executor, watch)
+    else:
+        found, interrupted = _continued(request, initial, start, executor, watch)
+    return _labelled(system, request, found, len(initial), periods, interrupted)
+
+
+Found = list[tuple[dict[str, Floats] | None, str]]
+"""Per start and value: results and reason."""
+
+
+def _independent(
+    request: _Request,
+    initial: Sequence[Mapping[str, object]],
+    executor: Executor | None,
+    watch: Callable[[Progress], None] | None,
+) -> tuple[Found, bool]:
+    """Every value from the state of the file."""
+    points = [(i, overrides) for overrides in initial for i in range(len(request.axis))]
+    swept = sweep(
+        lambda point: request.compute(request.at(*point)), points, executor=executor, watch=watch
+    )
+    results = [None if o is None else o.value for o in swept.outcomes]
+    return list(zip(results, swept.reasons, strict=True)), swept.interrupted
+
+
+def _continued(
+    request: _Request,
+    initial: Sequence[Mapping[str, object]],
+    start: str,
+    executor: Executor | None,
+    watch: Callable[[Progress], None] | None,
+) -> tuple[Found, bool]:
+    """Every value from the last state of its neighbour: a chain for each start."""
+    order = list(range(len(request.axis)))
+    if start == "backward":
+        order.reverse()
+
+    def chain(overrides: Mapping[str, object]) -> Found:
+        found: Found = [(None, "not computed")] * len(order)
+        state: dict[str, tuple[float, float]] = {}
+        for index in order:
+            changed = request.at(index, overrides)
+            if state:
+                changed = changed.with_state(state)
+            outcome = attempt(request.compute, index, changed)
+            found[index] = (outcome.value, outcome.reason or "")
+            if outcome.value is not None:
+                state = _last_state(System(changed), outcome.value)
+        return found
+
+    swept = sweep(chain, list(initial), executor=executor, watch=watch)
+    result: Found = []
+    for outcome, reason in zip(swept.outcomes, swept.reasons, strict=True):
+        if outcome is None or outcome.value is None:
+            result += [(None, reason)] * len(order)
+        else:
+            result += outcome.value
+    return result, swept.interrupted
+
+
+def _last_state(system: System, found: Mapping[str, Floats]) -> dict[str, tuple[float, float]]:
+    state: dict[str, tuple[float, float]] = {}
+    for dim, names in free_names(system).items():
+        value, rate = (found[output][-1] for output in PAIRS[dim])
+        state |= {n: (float(value[i]), float(rate[i])) for i, n in enumerate(names)}
+    return state
+
+
+def _labelled(
+    system: System,
+    request: _Request,
+    found: Found,
+    starts: int,
+    points: int,
+    interrupted: bool,
+) -> xr.Dataset:
+    """Arrays padded with nan where fewer points were found."""
+    import xarray as xr
+
+    shape = (starts, len(request.axis))
+    names = free_names(system)
+    variables: dict[str, Any] = {}
+    for dim, elements in names.items():
+        for output in PAIRS[dim]:
+            array = np.full((starts * shape[1], points, len(elements)), np.nan)
+            for row, (result, _) in enumerate(found):
+                if result is not None:
+                    array[row, : len(result[output])] = result[output]
+            entry = VARIABLES[output]
+            attrs = {"units": entry.units, "long_name": entry.long_name}
+            dims = ("start", "value", "crossing", dim)
+            variables[output] = (dims, array.reshape(*shape, points, -1), attrs)
+    if request.exponent:
+        for name, words in (("exponent", "largest Lyapunov exponent"), ("error", "its error")):
+            rows = [np.nan if r is None else float(r[name]) for r, _ in found]
+            attrs = {"units": "1/s", "long_name": words}
+            variables[name] = (("start", "value"), np.reshape(rows, shape), attrs)
+    reasons = np.array([reason for _, reason in found], dtype=object).reshape(shape)
+    variables["reason"] = (("start", "value"), reasons)
+    coordinates: dict[str, Any] = {
+        path: ("value", numbers, {"units": request.axis.unit})
+        for path, numbers in zip(request.axis.paths, request.axis.values, strict=True)
+    }
+    coordinates |= {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
+    attributes: dict[str, Any] = {
+        "name": request.mechanism.name,
+        "source": request.mechanism.source,
+        "varied": request.axis.label,
+        "interrupted": int(interrupted),
+    }
+    return xr.Dataset(variables, coordinates, attributes)

@@ -1,0 +1,149 @@
+"""The common period of the drives and loads of a mechanism, from their laws of time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields
+from fractions import Fraction
+
+from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.components.mechanism import Mechanism
+
+MOST_PERIODS = 1000
+"""Largest number of one drive's periods within the common one."""
+
+EQUAL = 1e-9
+"""Relative difference below which periods count as commensurable."""
+
+
+class NoPeriodError(ValueError):
+    """There is no common period; the message says why."""
+
+
+@dataclass(frozen=True)
+class _Course:
+    """What a function of time does.
+
+    Parameters
+    ----------
+    rate
+        Its mean rate.
+    periods
+        Periods of what it does beyond that; None if it does not repeat.
+    """
+
+    rate: float
+    periods: tuple[float, ...] | None
+
+
+def common_period(mechanism: Mechanism) -> float:
+    """Time after which all drives and loads repeat, in seconds.
+
+    Raises
+    ------
+    NoPeriodError
+        If nothing depends on time, something does not repeat, or periods are incommensurable.
+    """
+    periods: list[float] = []
+    for name, drive in mechanism.prescribed.items():
+        course = _course(drive.law)
+        if course.periods is None:
+            raise NoPeriodError(f"the law of drive {name!r} does not repeat")
+        periods += course.periods
+        if course.rate:
+            if not mechanism.bodies[name].rotates:
+                raise NoPeriodError(f"drive {name!r} moves on and on: its law does not repeat")
+            periods.append(2 * math.pi / abs(course.rate))
+    for load in mechanism.loads:
+        for function in _functions(load):
+            course = _course(function)
+            if course.periods is None or course.rate:
+                raise NoPeriodError("the law of a load does not repeat")
+            periods += course.periods
+    if not periods:
+        raise NoPeriodError("nothing depends on time, so there is no period of the drives")
+    return _common(periods)
+
+
+def _functions(load: object) -> Iterator[Function]:
+    for found in fields(load):  # type: ignore[arg-type]
+        value = getattr(load, found.name)
+        parts = value if isinstance(value, tuple) else (value,)
+        yield from (p for p in parts if isinstance(p, Number | Time | Operation | Table))
+
+
+def _course(function: Function) -> _Course:
+    """Mean rate and periods of a function."""
+    match function:
+        case Number():
+            return _Course(0.0, ())
+        case Time():
+            return _Course(1.0, ())
+        case Table():
+            span = function.times[-1] - function.times[0]
+            return _Course(0.0, (span,) if function.periodic else None)
+        case Operation("neg", (a,)):
+            inner = _course(a)
+            return _Course(-inner.rate, inner.periods)
+        case Operation("add" | "sub" as name, (a, b)):
+            one, other = _course(a), _course(b)
+            sign = 1.0 if name == "add" else -1.0
+            return _Course(one.rate + sign * other.rate, _joined([one, other]))
+        case Operation("mul" | "div" as name, (a, b)):
+            return _product(name, a, b)
+        case Operation("sin" | "cos" | "tan", (a,)):
+            inner = _course(a)
+            if inner.periods is None:
+                return inner
+            own = (2 * math.pi / abs(inner.rate),) if inner.rate else ()
+            return _Course(0.0, (*inner.periods, *own))
+        case Operation(_, arguments):
+            courses = [_course(argument) for argument in arguments]
+            if any(course.rate for course in courses):
+                return _Course(0.0, None)
+            return _Course(0.0, _joined(courses))
+    return _Course(0.0, None)
+
+
+def _product(name: str, a: Function, b: Function) -> _Course:
+    """A constant factor scales the rate; otherwise both have to repeat."""
+    one, other = _course(a), _course(b)
+    if isinstance(b, Number):
+        factor = b.parameter.value if name == "mul" else 1.0 / b.parameter.value
+        return _Course(one.rate * factor, one.periods)
+    if isinstance(a, Number) and name == "mul":
+        return _Course(other.rate * a.parameter.value, other.periods)
+    if one.rate or other.rate:
+        return _Course(0.0, None)
+    return _Course(0.0, _joined([one, other]))
+
+
+def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:
+    found: list[float] = []
+    for course in courses:
+        if course.periods is None:
+            return None
+        found += course.periods
+    return tuple(found)
+
+
+def _common(periods: list[float]) -> float:
+    """The least common multiple of periods whose ratios are those of whole numbers."""
+    first = periods[0]
+    multiple = Fraction(1)
+    for period in periods[1:]:
+        ratio = period / first
+        fraction = Fraction(ratio).limit_denominator(MOST_PERIODS)
+        if fraction <= 0 or abs(float(fraction) - ratio) > EQUAL * ratio:
+            raise NoPeriodError(
+                f"periods {first:.9g} s and {period:.9g} s have no common multiple of at most "
+                f"{MOST_PERIODS} of them"
+            )
+        multiple = Fraction(
+            math.lcm(multiple.numerator, fraction.numerator),
+            math.gcd(multiple.denominator, fraction.denominator),
+        )
+    if multiple > MOST_PERIODS:
+        raise NoPeriodError(f"the common period would last {float(multiple):.6g} of {first:.6g} s")
+    return float(multiple) * first

@@ -1,0 +1,226 @@
+"""Lyapunov exponents: spectrum, convergence, standard errors, and what must hold between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.averages import drift, mean_error
+from linkages.chaos.directions import start_tangents
+from linkages.chaos.systems import TangentSystem
+from linkages.errors import ComputationError
+
+Floats = NDArray[np.float64]
+
+FEWEST_INTERVALS = 64
+"""Four parts of a history are compared, each with an error of its own."""
+
+FURTHEST_APART = 1e9
+"""Ratio of lengths of tangents after one interval beyond which the shortest is but error."""
+
+DRIFTS = 6.0
+"""Drift, in standard errors, from which on a history has not settled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Exponents:
+    """Lyapunov exponents in 1/s (of a map: per step), the largest first.
+
+    Parameters
+    ----------
+    growth
+        Mean growth rate of each direction over each interval, shape (intervals, count).
+    states
+        States at the ends of intervals, the start included, shape (intervals + 1, d).
+    times
+        Their times, shape (intervals + 1,), in seconds or steps.
+    """
+
+    growth: Floats
+    states: Floats
+    times: Floats
+
+    @cached_property
+    def values(self) -> Floats:
+        """The exponents, shape (count,)."""
+        return self.growth.mean(axis=0)
+
+    @cached_property
+    def errors(self) -> Floats:
+        """Standard errors by batch means (`mean_error`), shape (count,)."""
+        return mean_error(self.growth)[0]
+
+    @cached_property
+    def history(self) -> Floats:
+        """Exponents after each interval, shape (intervals, count); belongs to ``times[1:]``."""
+        number = np.arange(1, len(self.growth) + 1)[:, None]
+        return np.cumsum(self.growth, axis=0) / number
+
+    @property
+    def sum(self) -> tuple[float, float]:
+        """Sum of all exponents and its standard error: the mean rate of change of volumes."""
+        total = self.growth.sum(axis=1)
+        return float(total.mean()), float(mean_error(total)[0][0])
+
+    @cached_property
+    def unsettled(self) -> str:
+        """Why the values cannot be trusted yet; empty if they can."""
+        apart = np.ptp(self.growth, axis=1) * np.diff(self.times)
+        if apart.max() > np.log(FURTHEST_APART):
+            return (
+                f"Tangents differ by a factor of {np.exp(min(apart.max(), 700)):.0e} after an "
+                "interval, more than numbers resolve: take shorter intervals."
+            )
+        drifts, found = drift(self.growth), mean_error(self.growth)[1]
+        worst = int(np.argmax(drifts))
+        if drifts[worst] > DRIFTS:
+            quarters = [part[:, worst].mean() for part in np.array_split(self.growth, 4)]
+            text = ", ".join(f"{value:.4g}" for value in quarters)
+            return (
+                f"Exponent {worst + 1} drifts: its four quarters give {text}. The motion sticks to "
+                "a region, is regular, or has not reached its attractor: skip more or run longer."
+            )
+        if not found.all():
+            return (
+                f"Exponent {int(np.argmin(found)) + 1}: growth is correlated over times as long as "
+                "the run, so its error is too small. Run longer."
+            )
+        return ""
+
+    @property
+    def settled(self) -> bool:
+        """Whether no exponent drifts beyond its error; `unsettled` says why."""
+        return not self.unsettled
+
+
+def lyapunov_spectrum(
+    system: TangentSystem,
+    *,
+    intervals: int,
+    interval: float,
+    count: int | None = None,
+    skip: int = 0,
+    watch: Callable[[float], None] | None = None,
+) -> Exponents:
+    """Lyapunov exponents from tangents that are made orthonormal again after every interval.
+
+    Parameters
+    ----------
+    system
+        Goes on from where it is, and is left at the end of the run.
+    intervals
+        How many are averaged, at least 64.
+    interval
+        Length of one in seconds or steps, in which lengths of tangents come to differ by less than
+        1e6 or so. A whole part or multiple of the drive period makes the history smooth.
+    count
+        How many exponents, the largest ones; all of them by default.
+    skip
+        Intervals before the average begins: motion and tangents find their attractor in them.
+    watch
+        Called now and then with the fraction done.
+
+    Returns
+    -------
+    Exponents with history and standard errors. The system must not drift, see `settled`.
+
+    Raises
+    ------
+    ValueError
+        For numbers out of range, or if the system carries another number of tangents.
+    ComputationError
+        If the motion cannot go on, or tangents become parallel within an interval.
+
+    References
+    ----------
+    .. [1] G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
+    .. [2] I. Shimada, T. Nagashima, Prog. Theor. Phys. 61 (1979) 1605.
+    """
+    size = len(system.state)
+    columns = size if count is None else count
+    if intervals < FEWEST_INTERVALS:
+        raise ValueError(f"intervals must be at least {FEWEST_INTERVALS}, not {intervals}")
+    if not interval > 0 or skip < 0:
+        raise ValueError("interval must be > 0 and skip must be ≥ 0")
+    start_tangents(system, columns)
+    growth = np.empty((intervals, columns))
+    states, times = np.empty((intervals + 1, size)), np.empty(intervals + 1)
+    for number in range(-skip, intervals):
+        if number == 0:
+            states[0], times[0] = system.state, system.time
+        rates = _orthonormalise(system, interval)
+        if number >= 0:
+            growth[number] = rates
+            states[number + 1], times[number + 1] = system.state, system.time
+        if watch is not None:
+            watch((number + skip + 1) / (intervals + skip))
+    return Exponents(growth=growth, states=states, times=times)
+
+
+def _orthonormalise(system: TangentSystem, interval: float) -> Floats:
+    """Advance; growth rates of the directions, shape (count,)."""
+    system.advance(interval)
+    q, r = np.linalg.qr(system.tangents)
+    lengths = np.abs(np.diag(r))
+    if not (lengths > 0).all():
+        raise ComputationError(
+            f"A tangent vanished within the interval before time {system.time:g}; "
+            "take shorter intervals or fewer exponents.",
+            time=system.time,
+        )
+    system.tangents = q
+    return np.log(lengths) / interval
+
+
+def hamiltonian_pairs(exponents: Exponents) -> tuple[Floats, Floats]:
+    """Sums λ_i + λ_{d+1-i} and their standard errors, shape (d/2,) each.
+
+    They vanish for motions that conserve energy and have no friction or drives that take it away.
+
+    Raises
+    ------
+    ValueError
+        If the spectrum is not whole, or of an odd number.
+    """
+    whole, size = exponents.growth.shape[1], exponents.states.shape[1]
+    if whole != size or whole % 2:
+        raise ValueError(f"pairs need the whole spectrum of an even number, not {whole} of {size}")
+    half = whole // 2
+    sums = exponents.growth[:, :half] + exponents.growth[:, : -half - 1 : -1]
+    return sums.mean(axis=0), mean_error(sums)[0]
+
+
+def divergence_gap(
+    exponents: Exponents,
+    divergence: Callable[[float, Floats], float],
+    *,
+    steps: bool = False,
+) -> tuple[float, float]:
+    """Sum of the spectrum less the mean divergence along the motion, and its standard error.
+
+    Parameters
+    ----------
+    exponents
+        The whole spectrum.
+    divergence
+        Of (time, state): the trace of the Jacobian in 1/s; for a map ln|det| of it.
+    steps
+        Whether the system is a map, taken with an interval of one step. For a flow the divergence
+        is averaged by the trapezoidal rule over the ends of intervals.
+
+    Raises
+    ------
+    ValueError
+        If the spectrum is not whole.
+    """
+    if exponents.growth.shape[1] != exponents.states.shape[1]:
+        raise ValueError("the divergence is the sum of the whole spectrum")
+    visited = zip(exponents.times, exponents.states, strict=True)
+    values = np.array([divergence(float(time), state) for time, state in visited])
+    means = values[:-1] if steps else 0.5 * (values[:-1] + values[1:])
+    gaps = exponents.growth.sum(axis=1) - means
+    return float(gaps.mean()), float(mean_error(gaps)[0][0])

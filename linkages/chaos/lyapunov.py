@@ -1,0 +1,152 @@
+"""Lyapunov exponents of a mechanism."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.exponents import FEWEST_INTERVALS, Exponents, lyapunov_spectrum
+from linkages.chaos.free_states import require_free
+from linkages.chaos.section import section_settings
+from linkages.chaos.tangents import LinkageTangents
+from linkages.components.mechanism import Mechanism
+from linkages.kernel.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PARTS = 4
+"""Intervals within a period: tangents must not become parallel within one."""
+
+
+def lyapunov(
+    mechanism: Mechanism,
+    *,
+    periods: int = 300,
+    skip: int = 0,
+    count: int | None = None,
+    interval: float | None = None,
+    method: str | None = None,
+    rtol: float | None = None,
+    watch: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Lyapunov exponents from the variational equations, with exact derivatives.
+
+    Parameters
+    ----------
+    mechanism
+        With at least one free coordinate.
+    periods
+        Length of the run in common periods of the drives, or in units of `interval`.
+    skip
+        Periods before the average begins.
+    count
+        How many exponents, the largest; the whole spectrum if not given. The cost grows with it.
+    interval
+        What counts as a period, in seconds; the common period of the drives, or the file's end
+        time where drives have none.
+    method, rtol
+        As `linkages.simulate` takes them; those of the file if not given.
+    watch
+        Called now and then with the fraction done.
+
+    Returns
+    -------
+    Dataset with `exponent` and `error` (index) in 1/s, the largest first, and their `history`
+    (time, index). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history has not
+    settled, ``sum`` and ``sum_error`` of the exponents.
+
+    Raises
+    ------
+    InputError
+        If nothing is free.
+    ValueError
+        For arguments that make no sense.
+    ComputationError
+        If the motion cannot go on.
+    """
+    exponents = exponents_of(
+        mechanism,
+        periods=periods,
+        skip=skip,
+        count=count,
+        interval=interval,
+        method=method,
+        rtol=rtol,
+        watch=watch,
+    )
+    return labelled_exponents(mechanism, exponents)
+
+
+def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset:
+    """Exponents as `lyapunov` returns them."""
+    import xarray as xr
+
+    units = {"units": "1/s"}
+    total, total_error = exponents.sum
+    index = np.arange(1, len(exponents.values) + 1)
+    return xr.Dataset(
+        {
+            "exponent": ("index", exponents.values, {**units, "long_name": "Lyapunov exponent"}),
+            "error": ("index", exponents.errors, {**units, "long_name": "standard error"}),
+            "history": (("time", "index"), exponents.history, {**units, "long_name": "exponent"}),
+        },
+        {
+            "time": ("time", exponents.times[1:], {"units": "s", "long_name": "time"}),
+            "index": index,
+        },
+        {
+            "name": mechanism.name,
+            "source": mechanism.source,
+            "settled": int(exponents.settled),
+            "warning": exponents.unsettled,
+            "sum": total,
+            "sum_error": total_error,
+        },
+    )
+
+
+def exponents_of(
+    mechanism: Mechanism,
+    *,
+    periods: int,
+    skip: int = 0,
+    count: int | None = None,
+    interval: float | None = None,
+    method: str | None = None,
+    rtol: float | None = None,
+    watch: Callable[[float], None] | None = None,
+) -> Exponents:
+    """The same as `lyapunov`, with the growth in every interval."""
+    system = System(mechanism)
+    require_free(system)
+    if periods < 1 or skip < 0:
+        raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
+    whole = 2 * len(system.topology.free)
+    columns = whole if count is None else count
+    if not 1 <= columns <= whole:
+        raise ValueError(f"count must be from 1 to {whole}, found {count}")
+    settings = section_settings(mechanism, method, rtol)
+    tangents = LinkageTangents(system, columns, settings.method, settings.rtol)
+    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
+    length = characteristic_period(mechanism) if interval is None else interval
+    return lyapunov_spectrum(
+        tangents,
+        intervals=periods * parts,
+        interval=length / parts,
+        count=columns,
+        skip=skip * parts,
+        watch=watch,
+    )
+
+
+def characteristic_period(mechanism: Mechanism) -> float:
+    """The common period of the drives, or the file's end time where there is none."""
+    try:
+        return common_period(mechanism)
+    except NoPeriodError:
+        return mechanism.simulation.end

@@ -1,0 +1,132 @@
+"""A linkage with tangents to its motion: what exponents and indicators are computed from."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.errors import ComputationError
+from linkages.kernel.system import System
+from linkages.solution.flows import Flows
+from linkages.solution.integration import failure_text
+from linkages.solvers.integrate import integrate
+from linkages.solvers.outcome import Outcome
+
+Floats = NDArray[np.float64]
+
+TANGENT_ATOL = 1e-6
+"""Absolute tolerance of tangents: they are of length one when they start."""
+
+
+class LinkageTangents:
+    """Free coordinates and rates of a mechanism, with solutions of the variational equations.
+
+    Parameters
+    ----------
+    system
+        A system with free coordinates.
+    tangents
+        Number of tangents, at most 2n.
+    method, rtol
+        As `linkages.simulate` takes them.
+    """
+
+    def __init__(
+        self, system: System, tangents: int = 1, method: str = "dop853", rtol: float = 1e-10
+    ) -> None:
+        self.system = system
+        self.time = system.time
+        self._count = len(system.topology.free)
+        self._columns = tangents
+        self._flow = Flows(system, tangents=tangents).flow()
+        self._method, self._rtol = method, rtol
+        self._total = self._flow.coordinates
+        self._tangent_rows = self._rows()
+        self._atol = np.full(2 * self._total, rtol)
+        self._atol[self._tangent_rows.ravel()] = TANGENT_ATOL
+        self._vector = np.zeros(2 * self._total)
+        self.evaluations = 0
+        self._turns = np.zeros(self._count)
+        self.restart(self._own(system.state), np.eye(2 * self._count)[:, :tangents])
+
+    def _rows(self) -> NDArray[np.int64]:
+        """Places of the tangents in the integrated vector, shape (2n, k)."""
+        n, first = self._count, self._total - self._columns * self._count
+        places = first + np.arange(self._columns) * n + np.arange(n)[:, None]
+        return np.concatenate([places, self._total + places])
+
+    def _own(self, state: Floats) -> Floats:
+        """Free coordinates and rates of a state of the system."""
+        half = len(state) // 2
+        return np.concatenate([state[: self._count], state[half : half + self._count]])
+
+    @property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which entries of the state are angles, kept within one turn."""
+        rotates = self._flow.rotates[: self._count]
+        return np.concatenate([rotates, np.zeros(self._count, dtype=bool)])
+
+    @property
+    def state(self) -> Floats:
+        """Free coordinates, then their rates, shape (2n,)."""
+        n = self._count
+        return np.concatenate([self._vector[:n], self._vector[self._total : self._total + n]])
+
+    @property
+    def unwrapped(self) -> Floats:
+        """Free coordinates with the turns made since the start, shape (n,)."""
+        return self._vector[: self._count] + 2 * np.pi * self._turns
+
+    @property
+    def tangents(self) -> Floats:
+        """Shape (2n, k)."""
+        return self._vector[self._tangent_rows].copy()
+
+    @tangents.setter
+    def tangents(self, values: Floats) -> None:
+        self._vector[self._tangent_rows] = values
+
+    def restart(
+        self,
+        state: Floats | None = None,
+        tangents: Floats | None = None,
+        time: float | None = None,
+    ) -> None:
+        """Go on from another state, with other tangents, at another time."""
+        if time is not None:
+            self.time = time
+        if state is not None:
+            n = self._count
+            carried = len(self.system.topology.carried)
+            full = self.system.state
+            half = len(full) // 2
+            self._vector[n : n + carried] = full[n : n + carried]
+            self._vector[self._total + n : self._total + n + carried] = full[half + n :]
+            self._vector[:n], self._vector[self._total : self._total + n] = state[:n], state[n:]
+        if tangents is not None:
+            self.tangents = tangents
+
+    def advance(self, interval: float) -> None:
+        """Integrate motion and tangents over a time in seconds.
+
+        Raises
+        ------
+        ComputationError
+            If the motion cannot go on.
+        """
+        end = self.time + interval
+        trajectory = integrate(
+            self._flow,
+            self._vector,
+            [end],
+            start=self.time,
+            method=self._method,
+            rtol=self._rtol,
+            atol=self._atol,
+        )
+        self.evaluations += trajectory.evaluations
+        if trajectory.outcome is not Outcome.DONE:
+            text = failure_text(self.system, trajectory)
+            raise ComputationError(str(text), time=trajectory.stop_time)
+        self._vector, self.time = trajectory.final_state.copy(), end
+        self._turns += trajectory.final_turns[: self._count]

@@ -1,0 +1,124 @@
+"""A mechanism with other numbers: values along the paths of its definition file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.definition import from_document
+from linkages.components.mechanism import Mechanism
+from linkages.reading.overrides import apply
+from linkages.spec.arithmetic import NumberError, leading_number
+
+RANGE = "clearances.r1.size=0.01mm:0.5mm:200"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Numbers that some paths of a definition file take one after the other, in lockstep.
+
+    Parameters
+    ----------
+    paths
+        Dotted paths.
+    values
+        For each path its numbers, in `unit`, shape (paths, points).
+    unit
+        As the definition file would have it after the number; empty for SI.
+    """
+
+    paths: tuple[str, ...]
+    values: NDArray[np.float64]
+    unit: str = ""
+
+    def __len__(self) -> int:
+        return self.values.shape[1]
+
+    @property
+    def label(self) -> str:
+        """What the axis is called."""
+        return self.paths[0]
+
+    def at(self, index: int) -> dict[str, object]:
+        """Overrides for one point."""
+        numbers = self.values[:, index]
+        return {
+            path: f"{float(number)!r} {self.unit}" if self.unit else float(number)
+            for path, number in zip(self.paths, numbers, strict=True)
+        }
+
+
+def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
+    """An axis from paths and numbers in SI.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to vary, or the numbers do not go together.
+    """
+    if not vary:
+        raise ValueError(f"nothing is varied; expected a path and its values, such as {RANGE}")
+    arrays = [np.atleast_1d(np.asarray(values, dtype=float)) for values in vary.values()]
+    sizes = {array.shape for array in arrays}
+    if len(sizes) > 1 or arrays[0].ndim != 1:
+        raise ValueError(f"paths that vary together need equally many values, found {sizes}")
+    if len(arrays[0]) < 2:
+        raise ValueError(f"a range needs at least two values, found {len(arrays[0])}")
+    if not all(np.isfinite(array).all() for array in arrays):
+        raise ValueError("the values of a range must be finite")
+    return Axis(tuple(vary), np.stack(arrays))
+
+
+def parse_range(text: str) -> Axis:
+    """Read ``"path=first:last:count"``; both ends may carry the same unit.
+
+    Raises
+    ------
+    ValueError
+        If it is not that.
+    """
+    path, equals, bounds = text.partition("=")
+    parts = [part.strip() for part in bounds.split(":")]
+    if not equals or not path.strip() or len(parts) != 3:
+        raise ValueError(f"expected a range such as {RANGE}, found {text!r}")
+    try:
+        first, unit = leading_number(parts[0])
+        last, other = leading_number(parts[1])
+        count, nothing = leading_number(parts[2])
+    except NumberError as error:
+        raise ValueError(f"expected a range such as {RANGE}, found {text!r}: {error}") from None
+    if unit != other:
+        raise ValueError(f"both ends of a range need the same unit, found {unit!r} and {other!r}")
+    if nothing or count != int(count) or count < 2:
+        raise ValueError(f"a range needs at least two values, found {parts[2]!r}")
+    values = np.linspace(first, last, int(count))
+    return Axis((path.strip(),), values[None], unit)
+
+
+def together(axes: Sequence[Axis]) -> Axis:
+    """Several ranges in lockstep."""
+    if len({len(found) for found in axes}) != 1 or len({found.unit for found in axes}) != 1:
+        raise ValueError("ranges that vary together need equally many values and the same unit")
+    paths = tuple(path for found in axes for path in found.paths)
+    return Axis(paths, np.concatenate([found.values for found in axes]), axes[0].unit)
+
+
+def varied(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:
+    """The mechanism with other values at some paths of its definition file.
+
+    Raises
+    ------
+    InputError
+        If a path names nothing.
+    ValueError
+        If the mechanism does not come from a definition file.
+    """
+    if mechanism.document is None:
+        raise ValueError(
+            f"{mechanism.name} was not read from a definition file, so it has no paths to vary; "
+            "expected a mechanism from linkages.load"
+        )
+    return from_document(apply(mechanism.document, overrides))

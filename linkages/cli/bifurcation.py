@@ -1,0 +1,256 @@
+"""``bifurcation``: section points over a parameter, with figures and tables."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.markup import escape
+
+from linkages.cli.requests import Request, initial_states, ranges
+from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
+from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
+from linkages.components.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.chaos.sweep import Progress
+    from linkages.chaos.varied import Axis
+
+BOTH = "both"
+INTERRUPTED = "interrupted: what was computed up to then has been written"
+TOO_EARLY = "interrupted before anything was computed"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """What is varied, and from where each value starts.
+
+    Parameters
+    ----------
+    vary, initial
+        Ranges and initial states as on the command line.
+    start
+        ``"same"``, ``"forward"``, ``"backward"`` or ``"both"`` of the latter.
+    cores
+        Number of threads; all cores if None.
+    """
+
+    vary: Sequence[str]
+    initial: Sequence[str] = ()
+    start: str = "same"
+    cores: int | None = None
+
+
+def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
+    """Sweep with the arguments of `linkages.bifurcation`; returns the exit code."""
+    mechanism = request.mechanism()
+    axis = ranges("--vary", swept.vary)
+    states = initial_states(swept.initial)
+    with request.answering():
+        _check(mechanism, axis, states, run)
+        data = _compute(request, mechanism, axis, states, swept, run)
+    written = _save(data, request)
+    failed = _failures(data)
+    interrupted = bool(data.attrs["interrupted"])
+    total = data.sizes["start"] * data.sizes["value"]
+    nothing = sum(failed.values()) == total
+    if request.json:
+        _print_json(data, written, failed)
+    else:
+        _print(data, written, failed, request)
+    if interrupted:
+        print(TOO_EARLY if nothing else INTERRUPTED, file=sys.stderr)
+    elif nothing:
+        print(f"no value could be computed: {next(iter(failed))}", file=sys.stderr)
+    return 1 if interrupted or nothing else 0
+
+
+def _check(
+    mechanism: Mechanism,
+    axis: Axis,
+    states: Sequence[dict[str, object]],
+    run: dict[str, Any],
+) -> None:
+    """What is wrong with every value of a sweep is wrong with the request.
+
+    Raises
+    ------
+    InputError
+        For paths that name nothing.
+    ValueError
+        For a section that names nothing, or none where there is no common period.
+    """
+    from linkages.chaos.section import parse_section, stroboscopic_period
+    from linkages.chaos.varied import varied
+    from linkages.kernel.system import System
+
+    changed = [varied(mechanism, {**axis.at(0), **state}) for state in states]
+    if run["section"] is None:
+        stroboscopic_period(changed[0])
+    else:
+        parse_section(System(changed[0]), run["section"])
+    if not 0 <= run["phase"] < 1:
+        raise ValueError(f"phase must be from 0 to below 1, found {run['phase']:g}")
+    if run["periods"] < 1 or run["skip"] < 0:
+        raise ValueError("expected --periods > 0 and --skip >= 0")
+
+
+def _compute(
+    request: Request,
+    mechanism: Mechanism,
+    axis: Axis,
+    states: Sequence[dict[str, object]],
+    swept: Sweep,
+    run: dict[str, Any],
+) -> xr.Dataset:
+    """One sweep, or one in either direction put together; starts have names."""
+    import xarray as xr
+
+    from linkages.chaos.bifurcation import bifurcation
+    from linkages.chaos.sweep import Threads
+
+    starts = ("forward", "backward") if swept.start == BOTH else (swept.start,)
+    parts: list[xr.Dataset] = []
+    for start in starts:
+        if parts and parts[-1].attrs["interrupted"]:
+            break
+        label = f"{escape(axis.label)} of {escape(mechanism.name)}"
+        with progress(label, shown=not request.json, what="of values") as update:
+            data = bifurcation(
+                mechanism,
+                axis,
+                start=start,
+                initial=states,
+                rtol=request.rtol,
+                executor=Threads(swept.cores),
+                watch=watched(update),
+                **run,
+            )
+        parts.append(data.assign_coords(start=_names(start if len(starts) > 1 else "", states)))
+    whole = parts[0] if len(parts) == 1 else xr.concat(parts, "start", data_vars="all")
+    whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
+    return whole
+
+
+def watched(update: Callable[[float], None]) -> Callable[[Progress], None]:
+    """Show the progress of a sweep as a fraction."""
+    return lambda progress: update(progress.done / progress.total)
+
+
+def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
+    texts = [", ".join(f"{path}={value}" for path, value in state.items()) for state in states]
+    if len(states) == 1:
+        texts = [""]
+    return np.array([": ".join(t for t in (start, text) if t) for text in texts], dtype=object)
+
+
+def _save(data: xr.Dataset, request: Request) -> list[Any]:
+    folder = request.folder
+    written = [
+        save_netcdf(data, folder / "bifurcation.nc"),
+        save_table(_points(data), folder / "bifurcation.csv"),
+        save_table(_values(data), folder / "bifurcation_values.csv"),
+    ]
+    if request.figures:
+        from linkages.plots import bifurcations
+
+        drawn = {
+            "bifurcation": bifurcations.figure(data),
+            "bifurcation_rates": bifurcations.figure(data, rates=True),
+        }
+        written += save_figures(drawn, folder)
+    return written
+
+
+def _parameters(data: xr.Dataset) -> dict[str, np.ndarray]:
+    """Head → values of what is varied, shape (values,)."""
+    found = {}
+    for name, array in data.coords.items():
+        if array.dims == ("value",):
+            unit = array.attrs.get("units", "")
+            found[f"{name} ({unit})" if unit else str(name)] = array.to_numpy()
+    return found
+
+
+def _points(data: xr.Dataset) -> dict[str, Any]:
+    """Columns of all points that there are."""
+    free = free_columns(data)
+    starts, values, crossings = (data.sizes[dim] for dim in ("start", "value", "crossing"))
+    place = np.indices((starts, values, crossings)).reshape(3, -1)
+    there = np.isfinite(next(iter(free.values())))
+    columns: dict[str, Any] = {"start": place[0][there] + 1}
+    columns |= {head: array[place[1][there]] for head, array in _parameters(data).items()}
+    columns["point"] = place[2][there] + 1
+    return columns | {head: array[there] for head, array in free.items()}
+
+
+def _values(data: xr.Dataset) -> dict[str, Any]:
+    """Columns with a row for each start and value: how many points, exponent, reason."""
+    starts, values = data.sizes["start"], data.sizes["value"]
+    first = next(iter(data.data_vars.values()))
+    counts = np.isfinite(first.to_numpy()[..., 0]).sum(axis=2)
+    columns: dict[str, Any] = {"start": np.repeat(np.arange(starts) + 1, values)}
+    columns |= {head: np.tile(array, starts) for head, array in _parameters(data).items()}
+    columns["points"] = counts.ravel()
+    if "exponent" in data:
+        columns["exponent (1/s)"] = data["exponent"].to_numpy().ravel()
+        columns["error (1/s)"] = data["error"].to_numpy().ravel()
+    columns["reason"] = data["reason"].to_numpy().ravel()
+    return columns
+
+
+def _failures(data: xr.Dataset) -> Counter[str]:
+    """Reason → how often."""
+    return Counter(str(reason) for reason in data["reason"].to_numpy().ravel() if reason)
+
+
+def _print_json(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> None:
+    values = _values(data)
+    print_json(
+        {
+            "mechanism": data.attrs["name"],
+            "varied": data.attrs["varied"],
+            "starts": [str(name) for name in data["start"].values],
+            "interrupted": bool(data.attrs["interrupted"]),
+            "values": {head: np.asarray(column).tolist() for head, column in values.items()},
+            "failures": dict(failed),
+            "files": [str(path) for path in written],
+        }
+    )
+
+
+def _print(data: xr.Dataset, written: list[Any], failed: Counter[str], request: Request) -> None:
+    screen = console()
+    path = data.attrs["varied"]
+    numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
+    title = f"{data.attrs['name']}: {data.sizes['value']} values of {path}"
+    ends = f"{number(float(numbers[0]))} to {number(float(numbers[-1]))} {unit}".rstrip()
+    screen.print(f"{title} from {ends}", markup=False)
+    heads = ["start", "values computed", "points"]
+    rows = []
+    values = _values(data)
+    for index, name in enumerate(data["start"].values):
+        mine = values["start"] == index + 1
+        done = int((values["points"][mine] > 0).sum())
+        row = [escape(str(name)) or "of the file", str(done), str(values["points"][mine].sum())]
+        if "exponent" in data:
+            row.append(_chaotic(data["exponent"][index], data["error"][index]))
+        rows.append(row)
+    heads += ["exponent positive"] if "exponent" in data else []
+    screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
+    notes = [f"{count} values: {reason}" for reason, count in failed.most_common()]
+    print_notes(notes, screen)
+    screen.print(f"{len(written)} files in {request.folder}", markup=False)
+
+
+def _chaotic(exponent: Any, error: Any) -> str:
+    """At how many values the exponent exceeds three standard errors."""
+    from linkages.cli.lyapunov import BEYOND
+
+    return f"at {int((exponent > BEYOND * error).sum())}"

@@ -1,0 +1,142 @@
+"""``chaos``: a verdict on a motion with its evidence, on the terminal and as a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.lyapunov import exponent_rows
+from linkages.cli.requests import Request
+from linkages.cli.results import save_figures, save_netcdf
+from linkages.cli.terminal import (
+    console,
+    json_text,
+    number,
+    print_json,
+    print_notes,
+    progress,
+    table,
+)
+from linkages.solution.files import replaced
+
+if TYPE_CHECKING:
+    from linkages.chaos.report import ChaosReport
+
+LOOK = {"periodic": "blue", "quasi-periodic": "green", "chaotic": "red", "undecided": "yellow"}
+Table = tuple[str, list[str], list[list[str]]]
+
+
+def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) -> int:
+    """Judge a motion with the arguments of `linkages.chaos`; returns the exit code."""
+    from linkages.chaos.report import FEWEST_PERIODS, chaos
+
+    mechanism = request.mechanism()
+    label = f"judging {escape(mechanism.name)}"
+    length = periods if periods is not None else FEWEST_PERIODS if quick else 300
+    with request.answering(), progress(label, shown=not request.json) as watch:
+        report = chaos(mechanism, periods=length, rtol=request.rtol, watch=watch, **run)
+    tables = _tables(report)
+    written = _save(report, tables, request)
+    if request.json:
+        print_json({**report.to_dict(), "files": [str(path) for path in written]})
+    else:
+        _print(report, tables, console())
+        console().print(f"{len(written)} files in {request.folder}", markup=False)
+    return 0
+
+
+def _save(report: ChaosReport, tables: list[Table], request: Request) -> list[Path]:
+    from linkages.plots.chaos_page import chaos_figures, chaos_page
+
+    folder = request.folder
+    written = [
+        _write(json_text(report.to_dict()), folder / "chaos.json"),
+        save_netcdf(report.section, folder / "chaos_section.nc"),
+        save_netcdf(report.exponents, folder / "chaos_exponents.nc"),
+    ]
+    figures = chaos_figures(report) if request.figures else {}
+    written += save_figures(figures, folder)
+    written.append(_write(chaos_page(report, tables, figures), folder / "chaos.html"))
+    return written
+
+
+def _write(text: str, path: Path) -> Path:
+    with replaced(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path
+
+
+def _tables(report: ChaosReport) -> list[Table]:
+    """The evidence in numbers."""
+    exponents = [
+        [f"{row['index']}, {row['sign']}", number(row["value"]), f"{row['error']:.2g}"]
+        for row in exponent_rows(report.exponents)
+    ]
+    found: list[Table] = [
+        ("Lyapunov exponents", ["exponent", "value (1/s)", "standard error"], exponents),
+        _coordinates(report),
+    ]
+    if report.contact:
+        heads = ["clearance", "least (N)", "greatest (N)", "without contact", "first at t (s)"]
+        rows = [
+            [
+                contact.clearance,
+                number(contact.smallest),
+                number(contact.largest),
+                f"{100 * contact.share_lost:.3g} %",
+                "never" if contact.first_loss is None else number(contact.first_loss),
+            ]
+            for contact in report.contact
+        ]
+        found.append(("Forces in clearances", heads, rows))
+    found.append(("Other evidence", ["what", "found"], _others(report)))
+    return found
+
+
+def _coordinates(report: ChaosReport) -> Table:
+    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate (rad/s)"]
+    rows = []
+    for name, (growth, spread) in report.zero_one.items():
+        spectrum, rotation = report.spectra.get(name), report.rotation.get(name)
+        rows.append(
+            [
+                name,
+                f"{growth:.3f}",
+                f"{spread:.2g}",
+                "" if spectrum is None else f"{100 * spectrum.line_share:.4g} %",
+                "" if rotation is None else str(rotation.kind),
+                "" if rotation is None else number(rotation.rate),
+            ]
+        )
+    return "Free coordinates", heads, rows
+
+
+def _others(report: ChaosReport) -> list[list[str]]:
+    tighter, horizon, period = report.tighter, report.horizon, report.period
+    curves = 0 if report.curves is None else report.curves.count
+    rows = [
+        ["section repeats after", "–" if period is None else f"{period} points"],
+        ["closed curves in the section", str(curves) if curves else "none"],
+        [f"verdict at rtol {tighter['rtol']:g}", str(tighter["verdict"])],
+        ["energy dissipates", "no" if report.conservative else "yes"],
+    ]
+    if period == 1:
+        rows[0][1] = "1 point"
+    if horizon is not None:
+        until = f"t = {number(horizon.time)} s"
+        rows.append(["motion has correct digits until", "its end" if horizon.whole else until])
+    return rows
+
+
+def _print(report: ChaosReport, tables: list[Table], screen: Console) -> None:
+    look = LOOK.get(report.verdict, "default")
+    screen.print(f"[bold]{escape(report.name)}[/bold]: [bold {look}]{report.verdict}[/]")
+    for reason in report.reasons:
+        screen.print(f"- {reason}", markup=False, soft_wrap=True)
+    for heading, heads, rows in tables:
+        cells = [[escape(cell) for cell in row] for row in rows]
+        screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
+    print_notes(report.notes, screen)

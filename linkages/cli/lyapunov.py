@@ -1,0 +1,86 @@
+"""``lyapunov``: exponents with errors, their sum, how they settle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BEYOND = 3.0
+"""Standard errors beyond which an exponent is said to differ from zero."""
+
+
+def run_lyapunov(request: Request, **run: Any) -> int:
+    """Compute exponents with the arguments of `linkages.lyapunov`; returns the exit code."""
+    from linkages.chaos.lyapunov import lyapunov
+
+    mechanism = request.mechanism()
+    label = f"exponents of {escape(mechanism.name)}"
+    with request.answering(), progress(label, shown=not request.json) as watch:
+        data = lyapunov(mechanism, rtol=request.rtol, watch=watch, **run)
+    folder = request.folder
+    columns = {"time (s)": data["time"].to_numpy()} | {
+        f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
+        for index in data["index"].to_numpy()
+    }
+    written = [
+        save_netcdf(data, folder / "lyapunov.nc"),
+        save_table(columns, folder / "lyapunov.csv"),
+    ]
+    if request.figures:
+        from linkages.plots import exponents
+
+        written += save_figures({"lyapunov": exponents.figure(data)}, folder)
+    rows = exponent_rows(data)
+    end = float(data["time"][-1])
+    if request.json:
+        print_json(
+            {
+                "mechanism": mechanism.name,
+                "end": end,
+                "exponents": rows,
+                "sum": {"value": data.attrs["sum"], "error": data.attrs["sum_error"]},
+                "settled": bool(data.attrs["settled"]),
+                "warning": data.attrs["warning"] or None,
+                "files": [str(path) for path in written],
+            }
+        )
+        return 0
+    screen = console()
+    screen.print(f"[bold]{escape(mechanism.name)}[/bold]: exponents up to t = {number(end)} s")
+    screen.print(exponent_table(rows))
+    total = f"{number(data.attrs['sum'])} ± {data.attrs['sum_error']:.2g} 1/s"
+    screen.print(f"sum of these: {total}")
+    print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
+    screen.print(f"{len(written)} files in {folder}", markup=False)
+    return 0
+
+
+def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Each exponent with its error and what can be said about its sign."""
+    rows = []
+    for index in data["index"].to_numpy():
+        value = float(data["exponent"].sel(index=index))
+        error = float(data["error"].sel(index=index))
+        sign = "zero within its error"
+        if abs(value) > BEYOND * error:
+            sign = "positive" if value > 0 else "negative"
+        rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
+    return rows
+
+
+def exponent_table(rows: list[dict[str, Any]]) -> Any:
+    """The rows as a table."""
+    cells = [
+        [str(row["index"]), row["sign"], number(row["value"]), f"{row['error']:.2g}"]
+        for row in rows
+    ]
+    heads = ["exponent", "sign", "value (1/s)", "standard error"]
+    return table("Lyapunov exponents", heads, cells, numbers=2)

@@ -1,0 +1,102 @@
+"""``poincare``: points of a section, a table of where they lie, and a figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
+from linkages.cli.terminal import console, number, print_json, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run_poincare(request: Request, **section: Any) -> int:
+    """Compute a section with the arguments of `linkages.poincare`; returns the exit code."""
+    from linkages.chaos.section import poincare
+
+    mechanism = request.mechanism()
+    with request.answering():
+        data = poincare(mechanism, rtol=request.rtol, **section)
+    folder = request.folder
+    written = [
+        save_netcdf(data, folder / "poincare.nc"),
+        save_table(
+            {"time (s)": data["time"].to_numpy(), **free_columns(data)}, folder / "poincare.csv"
+        ),
+    ]
+    if request.figures:
+        from linkages.plots import sections
+
+        written += save_figures({"poincare": sections.figure(data)}, folder)
+    rows = section_rows(data)
+    if request.json:
+        print_json(
+            {
+                "mechanism": mechanism.name,
+                "points": data.sizes["crossing"],
+                "taken": {k: v for k, v in data.attrs.items() if k not in ("name", "source")},
+                "first": float(data["time"][0]),
+                "last": float(data["time"][-1]),
+                "coordinates": rows,
+                "files": [str(path) for path in written],
+            }
+        )
+        return 0
+    screen = console()
+    screen.print(f"[bold]{escape(mechanism.name)}[/bold]: {escape(taken(data))}")
+    screen.print(section_table(rows))
+    screen.print(f"{len(written)} files in {folder}", markup=False)
+    return 0
+
+
+def taken(data: xr.Dataset) -> str:
+    """How many points there are, and where they were taken."""
+    time, count = data["time"].to_numpy(), data.sizes["crossing"]
+    points = f"{count} point{'' if count == 1 else 's'}"
+    span = f"from t = {number(float(time[0]))} s to {number(float(time[-1]))} s"
+    if "period" in data.attrs:
+        return f"{points}, one per period of {number(data.attrs['period'])} s, {span}"
+    ways = {"up": "upwards", "down": "downwards", "both": "both ways"}
+    way = ways[data.attrs["direction"]]
+    return f"{points}, where {data.attrs['section']} is crossed {way}, {span}"
+
+
+def section_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Range and last value of every free coordinate and its rate."""
+    rows = []
+    for name, array in data.data_vars.items():
+        dim = str(array.dims[1])
+        for element in data[dim].values:
+            values = array.sel({dim: element}).to_numpy()
+            rows.append(
+                {
+                    "variable": str(name),
+                    "element": str(element),
+                    "least": float(np.min(values)),
+                    "greatest": float(np.max(values)),
+                    "last": float(values[-1]),
+                    "units": array.attrs["units"],
+                    "long_name": array.attrs["long_name"],
+                }
+            )
+    return rows
+
+
+def section_table(rows: list[dict[str, Any]], title: str = "Where the points lie") -> Any:
+    """The rows as a table."""
+    cells = [
+        [
+            row["long_name"],
+            escape(row["element"]),
+            row["units"],
+            *(number(row[key]) for key in ("least", "greatest", "last")),
+        ]
+        for row in rows
+    ]
+    heads = ["quantity", "of", "unit", "least", "greatest", "last"]
+    return table(title, heads, cells, numbers=3)

@@ -1,0 +1,75 @@
+"""Viscous dampers along a line: between joints, and in the guides of sliders."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import component
+from linkages.components.listed import ListedComponent
+from linkages.components.spring import ends, two_joints
+from linkages.components.terms import ZERO, AxialDamper, Parameter, Path, References, Spring
+from linkages.spec.quantities import Damping, Name
+
+
+@component
+class LineDamper(ListedComponent):
+    """A damper between two joints: its force is damping times the rate of their distance.
+
+    Parameters
+    ----------
+    index
+        Place in the list of dampers.
+    between
+        Two joints; one may be fixed to the ground.
+    damping
+        N·s/m, ≥ 0.
+    """
+
+    section: ClassVar[str] = "dampers"
+
+    index: int
+    between: tuple[Name, Name]
+    damping: Damping
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different joints."""
+        return two_joints((*self.path, "between"), self.between)
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    def terms(self) -> tuple[Spring, ...]:
+        """A spring without stiffness."""
+        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
+        return (Spring(*self.between, ZERO, ZERO, damping, self.path),)
+
+
+@component
+class GuideDamper(ListedComponent):
+    """Viscous friction of a slider in its guide.
+
+    Parameters
+    ----------
+    index
+        Place in the list of dampers.
+    slider
+        Slider name.
+    damping
+        N·s/m, ≥ 0.
+    """
+
+    section: ClassVar[str] = "dampers"
+
+    index: int
+    slider: Name
+    damping: Damping
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    def terms(self) -> tuple[AxialDamper, ...]:
+        """One damper along the axis."""
+        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
+        return (AxialDamper(self.slider, damping, self.path),)

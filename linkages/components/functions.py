@@ -1,0 +1,81 @@
+"""Functions of time as trees of operations: what laws of drives and loads consist of.
+
+They are data. Kernels and symbolic equations translate them node by node, so that text of a
+definition file never becomes code; their numbers are parameters like all others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from linkages.components.terms import Parameter, Path
+
+ONE_ARGUMENT = ("neg", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan")
+TWO_ARGUMENTS = ("add", "sub", "mul", "div")
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of the definition file, or a constant of a formula (then its path is empty)."""
+
+    parameter: Parameter
+
+
+@dataclass(frozen=True)
+class Time:
+    """The time t in seconds."""
+
+
+@dataclass(frozen=True)
+class Operation:
+    """An elementary operation.
+
+    Parameters
+    ----------
+    name
+        One of `ONE_ARGUMENT` or `TWO_ARGUMENTS`; ``"power"`` of a base and a whole exponent (a
+        constant); ``"select"`` of a condition c and two branches: the first where c ≥ 0, otherwise
+        the second.
+    arguments
+        Its operands.
+    """
+
+    name: str
+    arguments: tuple[Function, ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A cubic spline through values at given times (C², natural where it is not periodic).
+
+    Before the first and after the last time a periodic table repeats itself; any other goes on
+    in a straight line with the slope that it has there.
+
+    Parameters
+    ----------
+    path
+        Where it stands in the definition file.
+    times, values
+        Times in seconds, increasing, at least three, and the values there.
+    periodic
+        Whether it repeats; first and last value are then equal.
+    """
+
+    path: Path
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    periodic: bool = False
+
+
+Function: TypeAlias = Number | Time | Operation | Table
+
+
+def constant(value: float) -> Number:
+    """A fixed number of a formula, which is part of its structure."""
+    return Number(Parameter((), value))
+
+
+def linear(start: Parameter, speed: Parameter) -> Function:
+    """Return start + speed·t."""
+    return Operation("add", (Number(start), Operation("mul", (Number(speed), Time()))))

@@ -1,0 +1,79 @@
+"""Fields that are a quantity or a law of time, and the functions that they stand for."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from linkages.components.functions import Function, Number, Operation, Time, constant
+from linkages.components.laws.harmonic import HarmonicLaw
+from linkages.components.laws.named import NamedLaw
+from linkages.components.laws.rise import Rise
+from linkages.components.laws.run_up import RunUpLaw
+from linkages.components.laws.table import TableLaw
+from linkages.components.terms import Parameter, Path
+from linkages.spec import dimensions
+from linkages.spec.dimensions import Dimension
+from linkages.spec.formulas import Call, Clock, Constant, Formula, Node
+from linkages.spec.laws import LawRule
+from linkages.spec.quantities import Angle, AngularSpeed, Force, Length, Speed, Torque
+
+Law = float | Formula | NamedLaw
+
+
+def _rule(dimension: Dimension, value: Any, rate: Any = None) -> LawRule:
+    named: dict[str, Any] = {"harmonic": HarmonicLaw[value], "rise": Rise[value]}
+    if rate is not None:
+        named["run-up"] = RunUpLaw[value, rate]
+    named["table"] = TableLaw[value]
+    return LawRule(dimension, tuple(named.items()))
+
+
+AngleLaw = Annotated[Law, _rule(dimensions.ANGLE, Angle, AngularSpeed)]
+LengthLaw = Annotated[Law, _rule(dimensions.LENGTH, Length, Speed)]
+ForceLaw = Annotated[Law, _rule(dimensions.FORCE, Force)]
+TorqueLaw = Annotated[Law, _rule(dimensions.TORQUE, Torque)]
+
+
+def function_of(law: Law, path: Path) -> Function:
+    """Return the function of time of a law that stands at `path`.
+
+    The numbers of a formula are parameters at ``(*path, 0)``, ``(*path, 1)``, … from left to
+    right. A constant law of exactly zero is structure.
+    """
+    if isinstance(law, NamedLaw):
+        return law.function(path)
+    if isinstance(law, Formula):
+        return _Translation(path).of(law.tree)
+    return Number(Parameter(path, law, structural=True))
+
+
+class _Translation:
+    """Keeps what is translated: a part that `select` repeats stays one part, with its numbers."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.numbers = 0
+        self.done: dict[int, Function] = {}
+
+    def of(self, node: Node) -> Function:
+        if id(node) not in self.done:
+            self.done[id(node)] = self._translated(node)
+        return self.done[id(node)]
+
+    def _translated(self, node: Node) -> Function:
+        if isinstance(node, Clock):
+            return Time()
+        if isinstance(node, Constant):
+            self.numbers += 1
+            return Number(Parameter((*self.path, self.numbers - 1), node.value))
+        return Operation(node.name, tuple(self._argument(node, i) for i in range(_count(node))))
+
+    def _argument(self, node: Call, index: int) -> Function:
+        argument = node.arguments[index]
+        if node.name == "power" and index == 1 and isinstance(argument, Constant):
+            return constant(argument.value)  # how often to multiply is structure
+        return self.of(argument)
+
+
+def _count(node: Call) -> int:
+    return len(node.arguments)

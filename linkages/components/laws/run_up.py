@@ -1,0 +1,70 @@
+"""A run-up to constant speed."""
+
+from __future__ import annotations
+
+from typing import Any, Generic
+
+from pydantic import Field
+
+from linkages.components.component import component
+from linkages.components.functions import Function
+from linkages.components.laws.named import (
+    NOTHING,
+    TIME,
+    NamedLaw,
+    Rate,
+    Value,
+    argument,
+    fixed,
+    minus,
+    over,
+    plus,
+    power,
+    times,
+    where,
+)
+from linkages.components.terms import Path
+from linkages.spec.quantities import Duration
+
+
+@component
+class RunUp(Generic[Value, Rate]):
+    """At rest until t = 0; then the speed rises smoothly and stays.
+
+    The speed is speed·(3u² − 2u³) with u = t/duration from 0 to 1, so the acceleration is
+    continuous.
+
+    Parameters
+    ----------
+    speed
+        The constant speed in the end.
+    duration
+        Seconds until it is reached, > 0.
+    start
+        Value until t = 0; called ``from`` in the file.
+    """
+
+    speed: Rate
+    duration: Duration
+    start: Value = Field(default=NOTHING, alias="from")
+
+
+@component
+class RunUpLaw(NamedLaw, Generic[Value, Rate]):
+    """A run-up to constant speed; see `RunUp`."""
+
+    run_up: RunUp[Value, Rate] = Field(alias="run-up")
+
+    def function(self, path: Path) -> Function:
+        """The integral of the speed: start + speed·duration·(u³ − u⁴/2), later a straight line."""
+        path = (*path, "run-up")
+        first: Any = self.run_up.start
+        last: Any = self.run_up.speed
+        duration = argument(path, "duration", self.run_up.duration)
+        u = over(TIME, duration)
+        rising = minus(power(u, 3), times(fixed(0.5), power(u, 4)))
+        turned = where(minus(u, fixed(1)), minus(u, fixed(0.5)), where(u, rising, fixed(0)))
+        speed = argument(path, "speed", float(last))
+        return plus(
+            argument(path, "from", float(first), structural=True), times(speed, duration, turned)
+        )

@@ -1,0 +1,69 @@
+"""Springs between joints, with a damper beside them."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import component
+from linkages.components.listed import ListedComponent
+from linkages.components.terms import Parameter, Path, References, Spring
+from linkages.spec.quantities import Damping, Name, NonNegativeLength, Stiffness
+
+
+@component
+class JointSpring(ListedComponent):
+    """A spring and a damper side by side that pull two joints together.
+
+    Parameters
+    ----------
+    index
+        Place in the list of springs.
+    between
+        Two joints; one may be fixed to the ground.
+    stiffness
+        N/m, ≥ 0.
+    length
+        Length without force in metres, ≥ 0.
+    damping
+        N·s/m, ≥ 0.
+    """
+
+    section: ClassVar[str] = "springs"
+
+    index: int
+    between: tuple[Name, Name]
+    stiffness: Stiffness
+    length: NonNegativeLength
+    damping: Damping = 0.0
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different joints."""
+        return two_joints((*self.path, "between"), self.between)
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    def terms(self) -> tuple[Spring, ...]:
+        """One spring; a stiffness or damping of exactly zero is structure."""
+        return (
+            Spring(
+                *self.between,
+                stiffness=Parameter((*self.path, "stiffness"), self.stiffness, structural=True),
+                length=Parameter((*self.path, "length"), self.length, structural=True),
+                damping=Parameter((*self.path, "damping"), self.damping, structural=True),
+                path=self.path,
+            ),
+        )
+
+
+def ends(path: Path, joints: tuple[str, str]) -> tuple[tuple[Path, str], ...]:
+    """References to the joints of a list at a path."""
+    return tuple(((*path, place), joint) for place, joint in enumerate(joints))
+
+
+def two_joints(path: Path, joints: tuple[str, str]) -> tuple[tuple[Path, str], ...]:
+    """What is wrong with a pair of joints."""
+    if joints[0] == joints[1]:
+        return ((path, f"expected two different joints, found {joints[0]!r} twice"),)
+    return ()

@@ -1,0 +1,125 @@
+"""Viscous dampers that turn: at a joint, between bodies, and in a clearance."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import component
+from linkages.components.listed import ListedComponent, reference, turning, two_bodies
+from linkages.components.terms import (
+    ZERO,
+    ClearanceFriction,
+    JointFriction,
+    Parameter,
+    Path,
+    References,
+    TorsionSpring,
+)
+from linkages.spec.quantities import Name, TorsionalDamping
+
+
+@component
+class JointDamper(ListedComponent):
+    """Viscous friction in a revolute joint.
+
+    Parameters
+    ----------
+    index
+        Place in the list of dampers.
+    joint
+        A joint at which two bodies turn against each other, or one against the ground.
+    damping
+        N·m·s/rad, ≥ 0.
+    bars
+        Which two, where more meet; the first may be ``ground``.
+    """
+
+    section: ClassVar[str] = "dampers"
+
+    index: int
+    joint: Name
+    damping: TorsionalDamping
+    bars: tuple[Name, Name] | None = None
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
+
+    def references(self) -> References:
+        """The joint, and the bodies that have it."""
+        path, bars = (*self.path, "bars"), self.bars or ()
+        return References(
+            joints=(((*self.path, "joint"), self.joint),),
+            bodies=turning(path, bars),
+            meeting=tuple(((*path, place), bar, self.joint) for place, bar in enumerate(bars)),
+        )
+
+    def terms(self) -> tuple[JointFriction, ...]:
+        """Friction between bodies that only the whole mechanism knows."""
+        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
+        return (JointFriction(self.joint, self.bars, damping, self.path),)
+
+
+@component
+class DamperBetweenBars(ListedComponent):
+    """A torsional damper between two bodies, wherever they are.
+
+    Parameters
+    ----------
+    index
+        Place in the list of dampers.
+    bars
+        Two bars or plates; the first may be ``ground``.
+    damping
+        N·m·s/rad, ≥ 0.
+    """
+
+    section: ClassVar[str] = "dampers"
+
+    index: int
+    bars: tuple[Name, Name]
+    damping: TorsionalDamping
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "bars"), self.bars)
+
+    def references(self) -> References:
+        """The bodies."""
+        return References(bodies=turning((*self.path, "bars"), self.bars))
+
+    def terms(self) -> tuple[TorsionSpring, ...]:
+        """A torsional spring without stiffness."""
+        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
+        against = reference(self.bars)
+        return (TorsionSpring(self.bars[1], against, ZERO, ZERO, damping, self.path),)
+
+
+@component
+class ClearanceDamper(ListedComponent):
+    """Viscous friction in a clearance: between its link and the bar that it displaces.
+
+    Parameters
+    ----------
+    index
+        Place in the list of dampers.
+    clearance
+        Clearance name.
+    damping
+        N·m·s/rad, ≥ 0.
+    """
+
+    section: ClassVar[str] = "dampers"
+
+    index: int
+    clearance: Name
+    damping: TorsionalDamping
+
+    def references(self) -> References:
+        """The clearance."""
+        return References(bodies=(((*self.path, "clearance"), self.clearance, ("clearance",)),))
+
+    def terms(self) -> tuple[ClearanceFriction, ...]:
+        """Friction against a bar that the clearance knows."""
+        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
+        return (ClearanceFriction(self.clearance, damping, self.path),)

@@ -1,0 +1,99 @@
+"""Torsional springs between bodies and against the ground, with a damper beside them."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from linkages.components.component import component
+from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
+from linkages.components.terms import Parameter, Path, References, TorsionSpring
+from linkages.spec.quantities import Angle, Name, TorsionalDamping, TorsionalStiffness
+
+
+class _Torsional(ListedComponent):
+    stiffness: TorsionalStiffness
+    angle: Angle
+    damping: TorsionalDamping
+
+    def _spring(self, body: str, against: str | None) -> tuple[TorsionSpring, ...]:
+        stiffness, angle, damping = (
+            Parameter((*self.path, key), value, structural=True)
+            for key, value in (
+                ("stiffness", self.stiffness), ("angle", self.angle), ("damping", self.damping)
+            )
+        )  # fmt: skip
+        return (TorsionSpring(body, against, stiffness, angle, damping, self.path),)
+
+
+@component
+class BarSpring(_Torsional):
+    """A torsional spring and damper that turn a bar or plate against the ground.
+
+    Parameters
+    ----------
+    index
+        Place in the list of springs.
+    bar
+        The bar or plate.
+    stiffness
+        N·m/rad, ≥ 0.
+    angle
+        Angle of the bar without torque, in radians; whole turns count.
+    damping
+        N·m·s/rad, ≥ 0.
+    """
+
+    section: ClassVar[str] = "springs"
+
+    index: int
+    bar: Name
+    stiffness: TorsionalStiffness
+    angle: Angle = 0.0
+    damping: TorsionalDamping = 0.0
+
+    def references(self) -> References:
+        """The bar."""
+        return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
+
+    def terms(self) -> tuple[TorsionSpring, ...]:
+        """One torsional spring; numbers of exactly zero are structure."""
+        return self._spring(self.bar, None)
+
+
+@component
+class SpringBetweenBars(_Torsional):
+    """A torsional spring and damper between two bodies.
+
+    Parameters
+    ----------
+    index
+        Place in the list of springs.
+    between_bars
+        Two bars or plates; the first may be ``ground``.
+    stiffness
+        N·m/rad, ≥ 0.
+    angle
+        Angle of the second against the first without torque, in radians; whole turns count.
+    damping
+        N·m·s/rad, ≥ 0.
+    """
+
+    section: ClassVar[str] = "springs"
+
+    index: int
+    between_bars: tuple[Name, Name]
+    stiffness: TorsionalStiffness
+    angle: Angle = 0.0
+    damping: TorsionalDamping = 0.0
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "between_bars"), self.between_bars)
+
+    def references(self) -> References:
+        """The bodies."""
+        return References(bodies=turning((*self.path, "between_bars"), self.between_bars))
+
+    def terms(self) -> tuple[TorsionSpring, ...]:
+        """One torsional spring; numbers of exactly zero are structure."""
+        return self._spring(self.between_bars[1], reference(self.between_bars))

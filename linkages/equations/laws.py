@@ -1,0 +1,96 @@
+"""Functions of time as SymPy expressions."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.equations.symbols import Symbols
+
+_FUNCTIONS = {
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "tan": sp.tan,
+    "exp": sp.exp,
+    "log": sp.log,
+    "sqrt": sp.sqrt,
+    "tanh": sp.tanh,
+    "atan": sp.atan,
+}
+_LARGEST_DENOMINATOR = 100
+
+
+class Select(sp.Function):
+    """``Select(c, a, b)`` is a where c ≥ 0, otherwise b."""
+
+    nargs = 3
+
+    @classmethod
+    def eval(cls, condition: Any, first: Any, second: Any) -> Any:  # noqa: ARG003
+        """Nothing is selected between equals."""
+        return first if first == second else None
+
+    def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
+        condition, first, second = self.args
+        return Select(condition, sp.diff(first, symbol), sp.diff(second, symbol))
+
+
+class Spline(sp.Function):
+    """``Spline(n, k, t)`` is the k-th derivative of the n-th table at time t."""
+
+    nargs = 3
+
+    def fdiff(self, argindex: int = 3) -> sp.Expr:
+        """Return the next derivative."""
+        number, order, time = self.args
+        if argindex != 3:
+            raise sp.ArgumentIndexError(self, argindex)
+        return Spline(number, order + 1, time)
+
+
+def law_of(function: Function, symbols: Symbols) -> sp.Expr:
+    """Return a function of time over the symbols of its numbers."""
+    match function:
+        case Number(parameter):
+            return symbols.parameter(parameter) if parameter.path else exact(parameter.value)
+        case Time():
+            return symbols.time
+        case Table():
+            return Spline(symbols.table(function), 0, symbols.time)
+        case Operation(name, arguments):
+            return _operation(name, [law_of(argument, symbols) for argument in arguments])
+    raise TypeError(f"no function of time: {function!r}")
+
+
+def _operation(name: str, values: list[sp.Expr]) -> sp.Expr:
+    match name, values:
+        case "add", (a, b):
+            return a + b
+        case "sub", (a, b):
+            return a - b
+        case "mul", (a, b):
+            return a * b
+        case "div", (a, b):
+            return a / b
+        case "power", (a, b):
+            return a**b
+        case "neg", (a,):
+            return -a
+        case "select", (c, a, b):
+            return Select(c, a, b)
+        case _, (a,) if name in _FUNCTIONS:
+            return _FUNCTIONS[name](a)
+    raise ValueError(f"no operation {name!r} in a function of time")
+
+
+def exact(value: float) -> sp.Expr:
+    """Return a constant of a formula as it is written: a short fraction, a multiple of π."""
+    for unit in (sp.S.One, sp.pi):
+        quotient = Fraction(value / float(unit)).limit_denominator(_LARGEST_DENOMINATOR)
+        written = sp.Rational(quotient.numerator, quotient.denominator) * unit
+        if abs(float(written) - value) <= 1e-15 * abs(value):
+            return written
+    return sp.Float(value)

@@ -1,0 +1,196 @@
+"""Bifurcation diagrams: section points over a parameter, and the largest Lyapunov exponent."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from linkages.plots.free_axes import Free, free_coordinates, show_output, values_of
+from linkages.plots.sections import SMALLEST
+from linkages.plots.style import (
+    BLACK,
+    BOTTOM,
+    LEFT,
+    PALE,
+    PALETTE,
+    RIGHT,
+    TOP,
+    WIDTH,
+    legend_above,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+HEIGHT, GAP, LEGEND = 2.4, 0.28, 0.16
+SIZES = ((80, 2.0), (300, 1.4))
+WIDER = 0.45  # dots of each further start: they show beneath those of the first
+BAND = 2.0
+"""Half the width of the band about an exponent, in standard errors."""
+
+
+@styled
+def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
+    """Points of each free coordinate over the parameter, with the exponent below where known.
+
+    Parameters
+    ----------
+    data
+        As `linkages.bifurcation` returns it; names in a coordinate ``start`` stand in the legend.
+    rates
+        Whether to draw rates instead of values, and no exponents.
+
+    Returns
+    -------
+    None for data without points.
+    """
+    found = free_coordinates(data)
+    if not found or not data.sizes["value"]:
+        return None
+    below = "exponent" in data and not rates
+    entries = _entries(data)
+    result, axes = _stacked(len(found) + below, LEGEND * -(-len(entries) // _columns(entries)))
+    for ax, coordinate in zip(axes, found, strict=False):
+        draw(ax, data, coordinate, rates=rates)
+        if len(found) > 1:
+            ax.set_title(coordinate.name, loc="right", fontsize=8)
+    if below:
+        draw_exponent(axes[-1], data)
+    for ax in axes:
+        _show_parameter(ax, data)
+    for ax in axes[:-1]:
+        ax.set_xlabel("")
+    heading = str(data.attrs.get("name", ""))
+    if entries:
+        look = legend_above(heading) | {"handlelength": 1.0}
+        axes[0].legend(list(entries.values()), list(entries), **look, ncols=_columns(entries))
+    else:
+        axes[0].set_title(heading)
+    return result
+
+
+def _stacked(rows: int, legend: float) -> tuple[Figure, list[Axes]]:
+    """Panels that stand close to each other, with room for a legend above the first."""
+    total = rows * HEIGHT + (rows - 1) * GAP + TOP + legend + BOTTOM
+    result = Figure(figsize=(WIDTH, total))
+    width = (WIDTH - LEFT - RIGHT) / WIDTH
+    axes = []
+    for row in range(rows):
+        bottom = BOTTOM + (rows - 1 - row) * (HEIGHT + GAP)
+        axes.append(result.add_axes((LEFT / WIDTH, bottom / total, width, HEIGHT / total)))
+    return result, axes
+
+
+def parameter(data: xr.Dataset) -> tuple[Array, str]:
+    """Values of the parameter, and the label of its axis."""
+    path = str(data.attrs["varied"])
+    unit = str(data[path].attrs.get("units", ""))
+    return np.asarray(data[path], dtype=float), f"{path} [{unit}]" if unit else path
+
+
+def start_names(data: xr.Dataset) -> list[str]:
+    """What the initial states are called."""
+    if "start" in data.coords:
+        return [str(name) for name in data["start"].values]
+    count = data.sizes["start"]
+    return [""] if count == 1 else [f"start {number}" for number in range(1, count + 1)]
+
+
+def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -> Axes:
+    """Draw the section points of one free coordinate, each start in its colour.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        With dimensions ``start``, ``value``, ``crossing``.
+    coordinate
+        What to draw.
+    rates
+        Whether to draw its rate.
+    """
+    output = coordinate.rate if rates else coordinate.value
+    points = values_of(data, coordinate, output)
+    x, _ = parameter(data)
+    factor = show_output(ax, "y", data, output, points)
+    size = next((size for most, size in SIZES if len(x) <= most), SMALLEST)
+    for index, rows in enumerate(points):
+        places = np.repeat(x[:, None], rows.shape[1], axis=1)
+        ax.plot(
+            places.ravel(),
+            factor * rows.ravel(),
+            "o",
+            color=PALETTE[index % len(PALETTE)],
+            markersize=size * (1.0 + WIDER * index),
+            markeredgewidth=0,
+            zorder=3 - 0.01 * index,
+        )
+    shade_missing(ax, data)
+    return ax
+
+
+def shade_missing(ax: Axes, data: xr.Dataset) -> None:
+    """Shade values of the parameter at which nothing could be computed, from any start."""
+    x, _ = parameter(data)
+    missing = (np.asarray(data["reason"], dtype=object) != "").all(axis=0)
+    borders = cell_borders(x)
+    for index in np.flatnonzero(missing):
+        ax.axvspan(borders[index], borders[index + 1], color=PALE, linewidth=0, zorder=0.5)
+
+
+def cell_borders(places: Array) -> Array:
+    """Borders half-way between neighbouring places, shape (n + 1,)."""
+    middle = 0.5 * (places[1:] + places[:-1])
+    first, last = places[0] - (middle[0] - places[0]), places[-1] + (places[-1] - middle[-1])
+    return np.concatenate([[first], middle, [last]])
+
+
+def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw the largest exponent of each start with a band of two standard errors."""
+    x, _ = parameter(data)
+    values, errors = np.asarray(data["exponent"]), np.asarray(data["error"])
+    ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=2)
+    for index, (value, error) in enumerate(zip(values, errors, strict=True)):
+        colour = PALETTE[index % len(PALETTE)]
+        low, high = value - BAND * error, value + BAND * error
+        ax.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0)
+        lone = "." if np.isfinite(value).sum() < 40 else ""
+        ax.plot(x, value, color=colour, linewidth=0.8, marker=lone, markersize=3)
+    shade_missing(ax, data)
+    ax.set_ylabel("largest exponent [1/s]")
+    return ax
+
+
+def _show_parameter(ax: Axes, data: xr.Dataset) -> None:
+    x, label = parameter(data)
+    borders = cell_borders(x)
+    low, high = sorted((float(borders[0]), float(borders[-1])))
+    ax.set_xlim(low, high)
+    ax.set_xlabel(label)
+
+
+def _entries(data: xr.Dataset) -> dict[str, Patch]:
+    """Texts and colours of the legend."""
+    shown = {
+        name: Patch(color=PALETTE[index % len(PALETTE)])
+        for index, name in enumerate(start_names(data))
+        if name
+    }
+    missing = int((np.asarray(data["reason"], dtype=object) != "").all(axis=0).sum())
+    if missing:
+        shown[f"not computed ({missing})"] = Patch(color=PALE)
+    return shown
+
+
+def _columns(entries: dict[str, Patch]) -> int:
+    longest = max(map(len, entries), default=0)
+    return 4 if longest < 18 else 2 if longest < 45 else 1

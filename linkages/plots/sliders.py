@@ -1,0 +1,130 @@
+"""Sliders: their axes, blocks, rods and slots, and what drives or brakes them along the axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from linkages.components.terms import AxialDamper, AxialForce
+from linkages.plots import symbols
+from linkages.plots.arrows import straight_arrow
+from linkages.plots.bodies import THICKNESS, body_colour
+from linkages.plots.labels import Labels
+from linkages.plots.pose import Axis, Pose, along_carrier
+from linkages.plots.senses import drive_sense, load_sense
+from linkages.plots.springs import wall_dashpot
+from linkages.plots.style import DRIVEN, GREY, LOAD
+
+AXIS_LINE = (0, (9, 2, 1.5, 2))
+
+
+def draw_sliders(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Draw every slider whose axis is known."""
+    for name, body in pose.mechanism.bodies.items():
+        axis = pose.axis(name) if body.guide is not None else None
+        if axis is not None:
+            _slider(ax, pose, name, axis, labels)
+
+
+def block_place(pose: Pose, name: str) -> symbols.Place | None:
+    """Where the block of a slider is drawn: at its pin, or on its carrier where that ends before.
+
+    A slider whose pin lies beyond the end of the bar that carries it is the rod of a cylinder.
+    """
+    axis = pose.axis(name)
+    if axis is None:
+        return None
+    ends = along_carrier(pose, name)
+    reach = axis.reach if ends is None else float(np.clip(axis.reach, *ends))
+    x, y = axis.at(reach)
+    return float(x), float(y)
+
+
+def _slider(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
+    guide = pose.mechanism.bodies[name].guide
+    assert guide is not None
+    place, pin = block_place(pose, name), axis.at(axis.reach)
+    assert place is not None
+    if guide.body is None:
+        ax.axline(place, tuple(axis.at(axis.reach + pose.extent)), color=GREY, linewidth=0.7,
+                  linestyle=AXIS_LINE, zorder=1)  # fmt: skip
+        labels.avoid(symbols.slider_block(ax, place, axis.angle))
+        return
+    if along_carrier(pose, name) is None:
+        _slot(ax, pose, name, labels)
+    rod = np.array([place, pin])
+    if np.hypot(*(rod[1] - rod[0])) > 1e-9 * pose.extent:
+        colour = body_colour(pose.mechanism, name)
+        ax.plot(*rod.T, color=colour, linewidth=0.6 * THICKNESS, zorder=2.9)
+        labels.avoid_line(rod)
+    labels.avoid(symbols.moving_block(ax, place, axis.angle))
+
+
+def _slot(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
+    """The slot of an axis in its carrier, and a line from a carrying block to it."""
+    guide, ends = pose.mechanism.bodies[name].guide, pose.slot(name)
+    assert guide is not None
+    assert guide.body is not None
+    if ends is None:
+        return
+    colour = body_colour(pose.mechanism, guide.body)
+    if not pose.mechanism.bodies[guide.body].rotates:
+        pin = np.array(next(iter(pose.shown(guide.body).values())))
+        way = ends[1] - ends[0]
+        share = float(np.clip((pin - ends[0]) @ way / (way @ way), 0.0, 1.0))
+        stem = np.array([pin, ends[0] + share * way])
+        ax.plot(*stem.T, color=colour, linewidth=THICKNESS, solid_capstyle="round", zorder=3)
+        labels.avoid_line(stem)
+    labels.avoid(symbols.slot(ax, ends, colour))
+
+
+def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Arrows of drives and forces beside the blocks, and dampers in the guides."""
+    mechanism = pose.mechanism
+    for name in mechanism.prescribed:
+        if not mechanism.bodies[name].rotates:
+            _beside(ax, pose, name, drive_sense(mechanism, name), DRIVEN, labels)
+    for load in mechanism.loads:
+        if isinstance(load, AxialForce):
+            _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
+        elif isinstance(load, AxialDamper) and not load.damping.absent:
+            place, angle = block_place(pose, load.body), pose.angle(load.body)
+            if place is not None and angle is not None:
+                start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
+                turned = angle + (0.0 if _busy_behind(pose, load.body, angle) else np.pi)
+                labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
+
+
+def _busy_behind(pose: Pose, name: str, angle: float) -> bool:
+    """Whether bodies at a slider's pin or forces on it lie behind rather than before it."""
+    shown = pose.shown(name)
+    along = np.array([np.cos(angle), np.sin(angle)])
+    ways = [
+        np.subtract(other, shown[joint]) @ along
+        for joint in shown
+        for body in pose.mechanism.bodies
+        if body != name and joint in pose.shown(body)
+        for other in pose.shown(body).values()
+    ]
+    forces = [load for load in pose.mechanism.loads if isinstance(load, AxialForce)]
+    senses = [load_sense(f.force, pose.mechanism) for f in forces if f.body == name]
+    if senses and senses[0] in (1, -1):
+        return senses[0] < 0
+    return float(np.sum(ways)) < 0.0
+
+
+def _beside(ax: Axes, pose: Pose, name: str, sense: int, colour: str, labels: Labels) -> None:
+    """A drive's arrow stands over the block, a force's before it."""
+    place, angle = block_place(pose, name), pose.angle(name)
+    if place is None or angle is None or sense == 0:
+        return
+    half, height = symbols.BLOCK if _grounded(pose, name) else symbols.SMALL_BLOCK
+    start = (half + 3.0, 0.0)
+    if colour == DRIVEN:
+        start = (-half, height + 8.0)
+    labels.avoid(straight_arrow(ax, place, angle, start, sense, colour))
+
+
+def _grounded(pose: Pose, name: str) -> bool:
+    guide = pose.mechanism.bodies[name].guide
+    return guide is not None and guide.body is None

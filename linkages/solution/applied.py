@@ -1,0 +1,87 @@
+"""Loads as forces and torques on bodies, for the equations of single bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.terms import (
+    AxialDamper,
+    AxialForce,
+    Body,
+    Load,
+    PointForce,
+    Spring,
+    Torque,
+    TorsionSpring,
+)
+from linkages.kernel.loads import Conjugate, Pull, load_nodes
+from linkages.kernel.scalars import Scalar
+from linkages.kernel.vectors import Vector
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.motion import Piece
+
+Floats = NDArray[np.float64]
+Add = Callable[[Floats, str, str, Floats], None]
+
+
+def applied_forces(piece: Piece, add: Add) -> Floats:
+    """Forces and moments of all loads on each body, shape (samples, 3·bodies).
+
+    Parameters
+    ----------
+    piece
+        Where the mechanism is.
+    add
+        Adds a force on a body at a joint, shape (samples, 2), to such an array.
+    """
+    mechanism = piece.system.mechanism
+    rows = np.zeros((len(piece.wanted), 3 * len(mechanism.bodies)))
+    order = list(mechanism.bodies)
+    for load in mechanism.loads:
+        if isinstance(load, Torque | TorsionSpring):
+            nodes = load_nodes(piece.system.model, load)
+            assert isinstance(nodes, Conjugate)
+            (torque,) = piece.interpolated(evaluate_nodes(piece, [nodes.force]))
+            rows[:, 3 * order.index(load.body) + 2] += torque
+            if load.reference is not None:
+                rows[:, 3 * order.index(load.reference) + 2] -= torque
+            continue
+        for body, joint, force in _point_forces(piece, load):
+            add(rows, body, joint, force)
+    return rows
+
+
+def carrier_of(bodies: dict[str, Body], joint: str) -> str | None:
+    """The body that loads and masses at a joint belong to: the first one that has it."""
+    return next((name for name, body in bodies.items() if joint in body.points), None)
+
+
+def _point_forces(piece: Piece, load: Load) -> list[tuple[str, str, Floats]]:
+    """Bodies, joints and forces of a load, shape (samples, 2) each."""
+    model, bodies = piece.system.model, piece.system.mechanism.bodies
+    nodes = load_nodes(model, load)
+    if isinstance(load, PointForce | Spring):
+        assert isinstance(nodes, Pull)
+        force = _vectors(piece, nodes.vector)
+        ends = [load.joint] if isinstance(load, PointForce) else [load.second, load.first]
+        found = [
+            (carrier_of(bodies, joint), joint, sign * force)
+            for joint, sign in zip(ends, (1.0, -1.0), strict=False)
+        ]
+    else:
+        assert isinstance(load, AxialForce | AxialDamper)
+        assert isinstance(nodes, Conjugate)
+        slider = bodies[load.body]
+        assert slider.guide is not None
+        force = _vectors(piece, model.positions.unit(load.body) * nodes.force)
+        pin = next(iter(slider.points))
+        found = [(load.body, pin, force), (slider.guide.body, pin, -force)]
+    return [(body, joint, force) for body, joint, force in found if body is not None]
+
+
+def _vectors(piece: Piece, vector: Vector) -> Floats:
+    nodes: list[Scalar] = [vector.x, vector.y]
+    return piece.interpolated(evaluate_nodes(piece, nodes)).T

@@ -1,0 +1,67 @@
+"""The common period of drives and loads, from their laws."""
+
+import math
+
+import pytest
+
+from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.components.definition import from_document
+from linkages.reading.document import parse
+
+TWO_CRANKS = """\
+joints: {{O: [0, 0], D: [1, 0]}}
+bars:
+  one: {{joints: [O, A], length: 0.1}}
+  two: {{joints: [D, B], length: 0.1}}
+drives:
+  one: {one}
+  two: {two}
+{more}
+"""
+
+
+def period(one: str, two: str = "{angle: 0, speed: 0}", more: str = "") -> float:
+    text = TWO_CRANKS.format(one=one, two=two, more=more)
+    return common_period(from_document(parse(text, "cranks.yaml")))
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "expected"),
+    [
+        ("{angle: 0, speed: pi}", "{angle: 1, speed: -pi}", 2.0),
+        ("{angle: 0, speed: 2*pi}", "{angle: 0, speed: 3*pi}", 2.0),
+        ("{angle: 0, speed: pi}", '{law: "0.2*sin(4*pi*t)"}', 2.0),
+        ("{angle: 0, speed: 4*pi}", '{law: "0.2*sin(pi*t)*cos(2*pi*t) + 0.1"}', 2.0),
+        ('{law: "2*pi*t + 0.1*sin(2*pi*t/3)"}', "{angle: 0, speed: 0}", 3.0),
+        (
+            "{law: {table: {times: [0, 0.5, 1.2, 1.5], values: [0, 1, 0.5, 0], periodic: true}}}",
+            "{angle: 0, speed: 4*pi}",
+            1.5,
+        ),
+    ],
+)
+def test_common_period(one, two, expected):
+    assert period(one, two) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "words"),
+    [
+        ("{angle: 0, speed: 0}", "{angle: 0, speed: 0}", "nothing depends on time"),
+        ("{angle: 0, speed: 1}", f"{{angle: 0, speed: {math.sqrt(2)!r}}}", "no common multiple"),
+        ('{law: "t**2"}', "{angle: 0, speed: 1}", "does not repeat"),
+        (
+            "{law: {rise: cycloidal, from: 0, to: 1, begin: 0, duration: 1}}",
+            "{angle: 0, speed: 1}",
+            "does not repeat",
+        ),
+    ],
+)
+def test_no_common_period(one, two, words):
+    with pytest.raises(NoPeriodError, match=words):
+        period(one, two)
+
+
+def test_loads_count():
+    load = 'loads: [{bar: one, torque: "3*cos(pi*t)"}]'
+    assert period("{angle: 0, speed: 2*pi}", more=load) == pytest.approx(2.0, rel=1e-12)

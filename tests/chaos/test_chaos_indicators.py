@@ -1,0 +1,79 @@
+"""FLI and GALI tell regular from chaotic orbits of Hénon and Heiles."""
+
+import math
+
+import numpy as np
+import pytest
+from chaos_systems import henon, henon_heiles, lorenz
+
+from linkages.chaos.exponents import lyapunov_spectrum
+from linkages.chaos.indicators import Verdict, classify, fast_indicators
+from linkages.chaos.systems import Ode
+
+REGULAR = [(1 / 12, 0.3, 0.0), (1 / 12, -0.1, 0.1), (1 / 8, 0.55, 0.0)]
+CHAOTIC = [(1 / 8, -0.25, 0.0), (1 / 6 - 1e-3, -0.1, 0.1)]
+
+
+@pytest.mark.parametrize("orbit", REGULAR)
+def test_regular_orbits(orbit):
+    """FLI grows like ln t, GALI_2 stays of order one on a torus of two dimensions."""
+    found = fast_indicators(henon_heiles(*orbit), intervals=300, interval=5.0)
+    assert found.fli_verdict is Verdict.REGULAR
+    assert found.gali_verdict is Verdict.REGULAR
+    assert found.gali[-1] > 1e-3
+    assert found.fli[-1] < 2 * math.log(found.times[-1])
+
+
+@pytest.mark.parametrize("orbit", CHAOTIC)
+def test_chaotic_orbits(orbit):
+    found = fast_indicators(henon_heiles(*orbit), intervals=300, interval=5.0)
+    assert found.fli_verdict is Verdict.CHAOTIC
+    assert found.gali_verdict is Verdict.CHAOTIC
+    assert found.gali[-1] <= 1e-12
+    assert len(found.times) < 300  # certain before the end
+
+
+def test_power_law_of_gali_on_a_torus():
+    """Skokos et al. 2007: GALI_3 ~ t^-2 and GALI_4 ~ t^-4 on a torus of two dimensions.
+
+    Oscillation about the law at two times apart by 8 limits the exponent to ±0.7.
+    """
+    for count, power in ((3, 2), (4, 4)):
+        found = fast_indicators(henon_heiles(*REGULAR[0]), intervals=400, interval=5.0, count=count)
+        middles = [np.median(np.log(found.gali[part])) for part in (slice(40, 60), slice(360, 400))]
+        slope = (middles[1] - middles[0]) / math.log(380 / 50)
+        assert -slope == pytest.approx(power, abs=0.7)
+
+
+def test_fli_rises_with_the_exponent():
+    """The mean slope of ln‖w‖ is the largest exponent, to 1/t."""
+    found = fast_indicators(lorenz(), intervals=100, interval=0.5)
+    exponents = lyapunov_spectrum(lorenz(), intervals=100, interval=0.5, count=1)
+    end = len(found.times)
+    assert found.fli[-1] / found.times[-1] == pytest.approx(exponents.history[end - 1, 0], rel=0.1)
+    assert found.fli_verdict is Verdict.CHAOTIC
+
+
+def test_limit_cycle_is_regular_by_fli_only():
+    """Friction aligns tangents along regular motions too: van der Pol."""
+    system = Ode(
+        lambda _, y: (y[1], (1 - y[0] ** 2) * y[1] - y[0]),
+        lambda _, y: ((0.0, 1.0), (-2 * y[0] * y[1] - 1, 1 - y[0] ** 2)),
+        [2.0, 0.0],
+    )
+    found = fast_indicators(system, intervals=40, interval=1.0)
+    assert found.fli_verdict is Verdict.REGULAR
+    assert found.gali_verdict is Verdict.CHAOTIC
+
+
+def test_thresholds():
+    times = np.arange(1.0, 1001.0)
+    assert classify(times, 2 * np.log(times)) is Verdict.REGULAR
+    assert classify(times, 5 * np.log(times)) is Verdict.UNDECIDED
+    assert classify(times, 0.05 * times) is Verdict.CHAOTIC
+
+
+@pytest.mark.parametrize("wrong", [{"intervals": 3}, {"count": 1}, {"count": 3}, {"interval": 0}])
+def test_arguments(wrong):
+    with pytest.raises(ValueError, match="must be"):
+        fast_indicators(henon(), **({"intervals": 10, "interval": 1} | wrong))

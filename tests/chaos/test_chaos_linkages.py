@@ -1,0 +1,307 @@
+"""Sections, exponents, diagrams and verdicts of linkages."""
+
+import json
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.chaos.contact import contact_check
+from linkages.chaos.exponents import hamiltonian_pairs, lyapunov_spectrum
+from linkages.chaos.lyapunov import exponents_of
+from linkages.chaos.maps import chaos_map
+from linkages.chaos.report import chaos
+from linkages.chaos.section import parse_section
+from linkages.chaos.sweep import Threads, sweep
+from linkages.chaos.tangents import LinkageTangents
+from linkages.chaos.varied import parse_range, together
+from linkages.components.definition import from_document
+from linkages.errors import ComputationError, InputError
+from linkages.kernel.derivatives import compile_jacobian
+from linkages.kernel.modes import parameter_values
+from linkages.kernel.system import System
+from linkages.reading.document import parse
+from linkages.solvers.foreign import caller
+
+# The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.
+START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
+
+DAMPED_PENDULUM = """\
+name: Driven damped double pendulum
+joints: {O: [0, 0]}
+bars:
+  upper: {joints: [O, A], length: 1, mass: 1}
+  lower: {joints: [A, B], length: 1, mass: 1}
+gravity: [0, -9.81]
+free:
+  upper: {angle: -80 deg}
+  lower: {angle: -85 deg}
+dampers:
+  - {joint: O, damping: 0.4}
+  - {joint: A, damping: 0.4}
+loads:
+  - {bar: upper, torque: "AMPLITUDE*cos(2*pi*t)"}
+simulate: {end: 1, rtol: 1e-9}
+"""
+
+
+def ninebar(**changes: object) -> linkages.Mechanism:
+    return linkages.load("ninebar", set={**START, **changes})
+
+
+def pendulum(amplitude: float) -> linkages.Mechanism:
+    text = DAMPED_PENDULUM.replace("AMPLITUDE", repr(amplitude))
+    return from_document(parse(text, "pendulum.yaml"))
+
+
+def test_stroboscopic_section_is_the_motion_at_whole_periods():
+    data = linkages.poincare(ninebar(), periods=4, skip=1, phase=0.25)
+    assert data.time.to_numpy() == pytest.approx([2.5, 4.5, 6.5, 8.5], abs=1e-12)
+    assert data.clearance_angle.dims == ("crossing", "clearance")
+    assert data.clearance_speed.attrs["units"] == "rad/s"
+    outputs = ["clearance_angle", "clearance_speed"]
+    whole = linkages.simulate(ninebar(), end=8.5, samples=18, outputs=outputs).data
+    angle = whole.clearance_angle.sel(time=[2.5, 4.5, 6.5, 8.5], method="nearest")
+    turned = np.remainder(angle.to_numpy() - data.clearance_angle.to_numpy() + 3, 2 * np.pi) - 3
+    assert np.abs(turned).max() < 1e-8  # two runs at rtol 1e-10 with other sample times
+
+
+@pytest.mark.parametrize(("direction", "sign"), [("up", 1), ("down", -1)])
+def test_geometric_section_is_located_exactly(direction, sign):
+    section = "slider9.velocity=0"
+    data = linkages.poincare(ninebar(), periods=6, section=section, direction=direction)
+    # each crossing again, by a run that ends there
+    for time, angle in zip(data.time.to_numpy(), data.clearance_angle.to_numpy(), strict=True):
+        outputs = ["slider_velocity", "slider_acceleration", "clearance_angle"]
+        end = linkages.simulate(ninebar(), end=float(time), samples=2, outputs=outputs).data
+        # two runs at rtol 1e-10 whose steps differ
+        assert abs(float(end.slider_velocity[-1, 0])) < 1e-8
+        assert np.sign(float(end.slider_acceleration[-1, 0])) == sign
+        assert np.cos(float(end.clearance_angle[-1, 0]) - angle) == pytest.approx(1, abs=1e-12)
+
+
+def test_section_at_an_angle_takes_whole_turns_only():
+    mechanism = linkages.load("double-pendulum")
+    name = next(iter(mechanism.bodies))
+    found = linkages.poincare(mechanism, periods=5, section=f"{name}.angle=-90 deg")
+    assert np.abs(found.bar_angle.sel(bar=name) + np.pi / 2).max() < 1e-9
+    assert (found.bar_speed.sel(bar=name) > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ("slidr9.velocity=0", "did you mean 'slider9'"),
+        ("slider9.speed=0", "expected position or velocity"),
+        ("slider9.velocity", "expected a section such as"),
+        ("slider9.velocity=3 kg", "kg"),
+    ],
+)
+def test_bad_sections(section, words):
+    with pytest.raises(ValueError, match=words):
+        parse_section(System(ninebar()), section)
+
+
+def test_requests_that_make_no_sense():
+    with pytest.raises(InputError, match="nothing is free to move"):
+        linkages.poincare(linkages.load("ninebar-ideal"))
+    with pytest.raises(ValueError, match="take a geometric section instead"):
+        linkages.poincare(linkages.load("double-pendulum"))
+    with pytest.raises(ComputationError, match="is crossed 0 times"):
+        linkages.poincare(ninebar(), periods=2, section="slider9.position=9")
+    with pytest.raises(ValueError, match="at least two values"):
+        linkages.bifurcation(ninebar(), {"clearances.r1.size": [1e-4]})
+    with pytest.raises(InputError, match="did you mean 'size'"):
+        linkages.bifurcation(ninebar(), {"clearances.r1.sise": [1e-4, 2e-4]})
+    with pytest.raises(ValueError, match="at least 200 periods"):
+        chaos(ninebar(), periods=10)
+
+
+def test_exponents_come_in_pairs_without_dissipation():
+    exponents = exponents_of(ninebar(**{"clearances.r1.angle": "90 deg"}), periods=20)
+    sums, errors = hamiltonian_pairs(exponents)
+    # per period tangents grow by e, and nothing is lost but round-off and tolerance
+    assert np.abs(sums).max() < max(1e-3, 4 * errors.max())
+
+
+def test_sum_of_exponents_is_the_mean_divergence():
+    """The divergence is Σ ∂a_i/∂v_i, from the exact Jacobian; friction makes it negative."""
+    mechanism = pendulum(3.0)
+    system = System(mechanism)
+    exponents = exponents_of(mechanism, periods=40)
+    model = system.model
+    jacobian = compile_jacobian(
+        model, model.free_accelerations, parameter_values(model, system.assembly)
+    )
+
+    class Kernel:
+        clock, rates = jacobian.clock, jacobian.rates
+        parameters, timed_size = jacobian.parameters, jacobian.timed
+
+    evaluate = caller(Kernel, 2 * 2 * 2 + 2 * len(model.margins))
+
+    def divergence(time: float, state: np.ndarray) -> float:
+        rows = evaluate(time, state)[1][:8].reshape(2, 4)
+        return float(rows[0, 2] + rows[1, 3])
+
+    fine = lyapunov_spectrum(LinkageTangents(system, 4), intervals=4000, interval=0.01)
+    mean = np.mean([divergence(t, y) for t, y in zip(fine.times, fine.states, strict=True)])
+    assert fine.sum[0] == pytest.approx(mean, rel=2e-3)  # a mean over 4000 samples
+    assert exponents.sum[0] == pytest.approx(fine.sum[0], rel=2e-2)  # over 40 s both
+
+
+def test_tangents_are_derivatives_of_the_motion():
+    """Against differences of two motions that start beside each other."""
+    system = System(ninebar())
+    tangents = LinkageTangents(system, 2, rtol=1e-12)
+    start, step = tangents.state, 1e-6
+    tangents.advance(0.05)
+    for column in range(2):
+        ends = []
+        for side in (step, -step):
+            beside = LinkageTangents(system, 2, rtol=1e-12)
+            beside.restart(start + side * np.eye(2)[column])
+            beside.advance(0.05)
+            ends.append(beside.state)
+        expected = (ends[0] - ends[1]) / (2 * step)
+        assert tangents.tangents[:, column] == pytest.approx(expected, rel=1e-5, abs=1e-4)
+
+
+def test_bifurcation_is_the_section_of_every_value():
+    sizes = [1e-4, 2e-4, 3e-4]
+    data = linkages.bifurcation(ninebar(), {"clearances.r1.size": sizes}, periods=5, skip=2)
+    assert data.clearance_speed.dims == ("start", "value", "crossing", "clearance")
+    for index, size in enumerate(sizes):
+        alone = linkages.poincare(ninebar(**{"clearances.r1.size": size}), periods=5, skip=2)
+        assert (data.clearance_speed[0, index] == alone.clearance_speed.to_numpy()).all()
+
+
+def test_bifurcation_does_not_depend_on_the_number_of_cores():
+    vary = {"drives.crank1.speed": np.linspace(-3, -2.5, 4),
+            "drives.crank4.speed": np.linspace(3, 2.5, 4)}  # fmt: skip
+    given = {"periods": 3, "skip": 0, "exponent": False}
+    one, four = (
+        linkages.bifurcation(ninebar(), vary, executor=Threads(n), **given) for n in (1, 4)
+    )
+    assert one.identical(four)
+
+
+def test_continuation_goes_on_from_the_last_state():
+    sizes = [1e-4, 1.2e-4]
+    data = linkages.bifurcation(
+        ninebar(), {"clearances.r1.size": sizes}, periods=3, skip=0, start="backward"
+    )
+    last = {
+        "clearances.r1.size": sizes[0],
+        "clearances.r1.angle": float(data.clearance_angle[0, 1, -1, 0]),
+        "clearances.r1.speed": float(data.clearance_speed[0, 1, -1, 0]),
+    }
+    again = linkages.poincare(ninebar(**last), periods=3)
+    assert data.clearance_speed[0, 0].to_numpy() == pytest.approx(again.clearance_speed.to_numpy())
+
+
+def test_values_that_cannot_be_computed_do_not_stop_the_others():
+    lengths = [0.3, 5.0, 0.31]
+    data = linkages.bifurcation(ninebar(), {"bars.crank1.length": lengths}, periods=2, skip=0)
+    assert "cannot be assembled" in str(data.reason[0, 1].item())
+    assert np.isnan(data.clearance_angle[0, 1]).all()
+    assert np.isfinite(data.clearance_angle[0, [0, 2]]).all()
+
+
+def test_interrupted_sweep_keeps_what_is_done():
+    def watch(progress):
+        if progress.done == 2:
+            raise KeyboardInterrupt
+
+    swept = sweep(lambda value: 2 * value, [1, 2, 3, 4], executor=Threads(1), watch=watch)
+    assert swept.interrupted
+    assert [o.value for o in swept.outcomes if o is not None] == [2, 4]
+    assert swept.reasons[-1] == "not computed: interrupted"
+
+
+def test_faults_of_the_program_are_not_swallowed():
+    with pytest.raises(ZeroDivisionError):
+        sweep(lambda value: 1 / value, [1, 0])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("clearances.r1.size=0.01mm:0.5mm", "expected a range"),
+        ("clearances.r1.size=0.01mm:0.5mm:1", "at least two"),
+        ("clearances.r1.size=0.01mm:0.5m:9", "same unit"),
+        ("0.01:0.5:9", "expected a range"),
+    ],
+)
+def test_bad_ranges(text, words):
+    with pytest.raises(ValueError, match=words):
+        parse_range(text)
+
+
+def test_ranges_with_units_in_lockstep():
+    axes = [
+        parse_range("drives.a.speed=-60 rpm:-30 rpm:4"),
+        parse_range("drives.b.speed=60rpm:30rpm:4"),
+    ]
+    axis = together(axes)
+    assert axis.at(3) == {"drives.a.speed": "-30.0 rpm", "drives.b.speed": "30.0 rpm"}
+
+
+def test_map_of_initial_states():
+    x = parse_range("clearances.r1.angle=-1:1:2")
+    y = parse_range("clearances.r1.speed=0:100:2")
+    data = chaos_map(ninebar(), x, y, indicator="fli", periods=5)
+    assert data.indicator.shape == (2, 2)
+    assert np.isfinite(data.indicator).all()
+    assert set(data.rotation.to_numpy().ravel()) <= {"swing", "rotation", "mixed"}
+
+
+def test_contact_check_of_a_sine():
+    time = np.linspace(0, 2 * np.pi, 1001)
+    found = contact_check("r1", time, 0.5 + np.sin(time))
+    assert found.share_lost == pytest.approx(1 / 3, abs=1e-4)  # sin < −1/2
+    assert found.first_loss == pytest.approx(7 * np.pi / 6, abs=1e-4)
+    assert (found.smallest, found.largest) == pytest.approx((-0.5, 1.5), abs=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("angle", "verdict"), [(0, "quasi-periodic"), ("90 deg", "chaotic")], ids=["0", "90 deg"]
+)
+def test_verdicts_of_the_nine_bar(angle, verdict):
+    report = chaos(ninebar(**{"clearances.r1.angle": angle}))
+    assert report.verdict == report.tighter["verdict"] == verdict, report.reasons
+    assert report.conservative
+    exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
+    total = report.exponents.attrs["sum"], report.exponents.attrs["sum_error"]
+    assert abs(total[0]) < max(1e-3, 4 * total[1])
+    if verdict == "chaotic":
+        assert exponent > 4 * error
+        assert 0.2 < exponent < 0.6  # reported: of the order 0.3…0.5 1/s
+    else:
+        history = report.exponents["history"][:, 0]
+        assert float(history.sel(time=200.0, method="nearest")) < 0.1
+        assert report.curves is not None
+        assert report.curves.count >= 1
+    json.dumps(report.to_dict())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("amplitude", "verdict"), [(3.0, "periodic"), (30.0, "chaotic")])
+def test_verdicts_of_a_driven_damped_double_pendulum(amplitude, verdict):
+    report = chaos(pendulum(amplitude), periods=400, skip=200)
+    assert report.verdict == verdict, report.reasons
+    assert not report.conservative
+    assert report.exponents.attrs["sum"] < 0
+
+
+@pytest.mark.slow
+def test_slider_crank_with_two_clearances():
+    mechanism = linkages.load("slider-crank", set={
+        "clearances": {"a": {"joint": "A", "bar": "rod", "size": "0.2 mm"},
+                       "b": {"joint": "B", "bar": "rod", "size": "0.1 mm", "angle": 1}},
+    })  # fmt: skip
+    section = linkages.poincare(mechanism, periods=20)
+    assert section.clearance_angle.shape == (20, 2)
+    exponents = exponents_of(mechanism, periods=20, count=1)
+    assert exponents.values[0] > 0

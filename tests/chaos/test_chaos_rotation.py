@@ -1,0 +1,73 @@
+"""Swing, rotation and tumbling of angles that are known."""
+
+import numpy as np
+import pytest
+
+from linkages.chaos.rotation import Kind, classify_angle
+
+TIME = np.linspace(0.0, 100.0, 8001)
+
+
+def test_resting():
+    found = classify_angle(TIME, np.full_like(TIME, 9.0))
+    assert found.kind is Kind.RESTING
+    assert found.sense == 0
+    assert found.longest_stay == 100
+
+
+@pytest.mark.parametrize("amplitude", [1e-3, 1.0, 3.1])
+def test_swing(amplitude):
+    """Wherever it is, and even if it swings across the top: its range is below a turn."""
+    for middle in (0.0, np.pi, 40.0):
+        found = classify_angle(TIME, middle + amplitude * np.sin(TIME))
+        assert found.kind is Kind.SWING
+        assert found.forward == found.backward == 0
+        assert abs(found.rate) < 1e-3 * amplitude
+        assert found.range == pytest.approx(2 * amplitude, rel=1e-4)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_rotation(sense):
+    """The weights find the mean rate to 1e-5 in 16 oscillations; end points alone to 1e-2."""
+    found = classify_angle(TIME, sense * (2.0 * TIME + 0.9 * np.sin(TIME) + 0.3 * np.cos(3 * TIME)))
+    assert found.kind is Kind.ROTATION
+    assert found.sense == sense
+    assert found.rate == pytest.approx(2.0 * sense, abs=1e-5)
+    assert found.rate_error < 1e-3
+    assert (found.forward, found.backward)[::sense] == (31, 0)  # 200 rad are 31.8 turns
+    assert found.winding_number(0.5) == pytest.approx(4 * sense, abs=1e-4)
+    assert found.longest_stay < 5.0
+
+
+def test_rotation_that_steps_back():
+    """An angle may go back on its way: 0.55 rad here, and still it rotates."""
+    found = classify_angle(TIME, 1.0 * TIME + 1.5 * np.sin(TIME))
+    assert found.kind is Kind.ROTATION
+    assert found.backward == 0
+
+
+def test_tumbling_in_both_senses():
+    angle = 15 * np.sin(2 * np.pi * TIME / 50)  # up 30 rad, down 30 rad
+    found = classify_angle(TIME, angle)
+    assert found.kind is Kind.MIXED
+    assert found.forward == 8  # 2 to the first top, 4 from trough to top, 2 to the end
+    assert found.backward == 8
+    assert found.sense == 0
+
+
+def test_swing_and_then_a_turn():
+    """Sixty seconds of swing between turns in one sense are no rotation."""
+    turning = np.clip(TIME - 70, 0, None) * 3
+    found = classify_angle(TIME, np.sin(TIME) + turning)
+    assert found.kind is Kind.MIXED
+    assert 69 < found.longest_stay < 75
+    assert found.backward == 0
+
+
+def test_wrapped_angles_are_refused():
+    with pytest.raises(ValueError, match="half a turn or more after time"):
+        classify_angle(TIME, np.remainder(TIME, 2 * np.pi))
+    with pytest.raises(ValueError, match="8 or more"):
+        classify_angle(TIME[:7], TIME[:7])
+    with pytest.raises(ValueError, match="increase"):
+        classify_angle(TIME[::-1], TIME)

@@ -1,0 +1,290 @@
+"""The verbs that analyse motions: what they write and print, and what they refuse."""
+
+import csv
+import json
+import os
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY
+from linkages.cli.requests import initial_states
+
+PENDULUM = """\
+name: Driven pendulum
+gravity: [0, -1]
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1}}
+masses: {P: 1 kg}
+dampers: [{joint: O, damping: 0.5}]
+loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
+free: {arm: {angle: -1.2, speed: 0}}
+simulate: {end: 10, samples: 11, rtol: 1e-8}
+"""
+PERIOD = 3 * np.pi
+DAMPING = "dampers[0].damping"
+
+
+@pytest.fixture
+def pendulum(cli, tmp_path):
+    """Run a verb on a driven pendulum, whose divergence is minus its damping."""
+    (tmp_path / "m.yaml").write_text(PENDULUM)
+    return lambda verb, *arguments: cli(verb, "m.yaml", *arguments)
+
+
+def opened(tmp_path, name):
+    with xr.open_dataset(tmp_path / f"results/m/{name}", engine="h5netcdf") as data:
+        return data.load()
+
+
+def rows(tmp_path, name):
+    with (tmp_path / f"results/m/{name}").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+# poincare
+
+
+def test_poincare_writes_a_point_for_each_period(pendulum, tmp_path):
+    result = pendulum("poincare", "--periods", "8", "--skip", "2", "--phase", "0.25")
+    assert (result.code, result.err) == (0, "")
+    assert "8 points, one per period of 9.42478 s" in result.out
+    data = opened(tmp_path, "poincare.nc")
+    np.testing.assert_allclose(data["time"], PERIOD * (2.25 + np.arange(8)), rtol=1e-15)
+    table = rows(tmp_path, "poincare.csv")
+    assert [float(row["bar_angle[arm] (rad)"]) for row in table] == list(data["bar_angle"][:, 0])
+    assert "results/m/poincare.png" in result.files
+
+
+def test_poincare_as_json(pendulum, tmp_path):
+    result = pendulum("poincare", "--periods", "5", "--no-figures", "--json", "--out", "o")
+    content = json.loads(result.out)
+    assert (content["points"], content["taken"]["phase"], content["first"]) == (5, 0.0, 0.0)
+    assert {row["variable"] for row in content["coordinates"]} == {"bar_angle", "bar_speed"}
+    assert content["files"] == [os.path.join("o", f"poincare.{end}") for end in ("nc", "csv")]
+
+
+def test_geometric_section(pendulum, tmp_path):
+    result = pendulum(
+        "poincare", "--periods", "6", "--section", "arm.speed=0", "--direction", "down",
+        "--no-wrap", "--no-figures", "--rtol", "1e-10",
+    )  # fmt: skip
+    assert result.code == 0
+    assert "where arm.speed=0 is crossed downwards" in result.out
+    # round-off of the crossing
+    np.testing.assert_allclose(opened(tmp_path, "poincare.nc")["bar_speed"], 0, atol=1e-7)
+
+
+# lyapunov
+
+
+def test_exponents_sum_to_the_divergence(pendulum, tmp_path):
+    result = pendulum("lyapunov", "--periods", "64", "--json")
+    content = json.loads(result.out)
+    # the trace of the Jacobian is −0.5 everywhere; the rest is the tolerance of the integration
+    assert content["sum"]["value"] == pytest.approx(-0.5, abs=1e-5)
+    assert [row["index"] for row in content["exponents"]] == [1, 2]
+    assert "results/m/lyapunov.png" in result.files
+    assert float(rows(tmp_path, "lyapunov.csv")[-1]["exponent 1 (1/s)"]) == pytest.approx(
+        content["exponents"][0]["value"], rel=1e-12
+    )
+
+
+def test_exponents_as_a_table(pendulum):
+    result = pendulum("lyapunov", "--periods", "64", "--count", "1", "--no-figures")
+    assert (result.code, result.err) == (0, "")
+    assert "standard error" in result.out
+    assert "2 files in" in result.out
+
+
+# bifurcation
+
+
+def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tmp_path):
+    """Without inertia at its end the arm cannot move: the first mass of the range fails."""
+    result = pendulum(
+        "bifurcation", "--vary", "masses.P=0:2:3", "--periods", "4", "--skip", "1", "--exponent"
+    )
+    assert result.code == 0, result.err
+    data = opened(tmp_path, "bifurcation.nc")
+    assert data["bar_angle"].shape == (1, 3, 4, 1)
+    missing = [bool(reason) for reason in data["reason"].values[0]]
+    assert missing == [True, False, False]
+    assert len(rows(tmp_path, "bifurcation.csv")) == 8
+    table = rows(tmp_path, "bifurcation_values.csv")
+    assert [row["points"] for row in table] == ["0", "4", "4"]
+    assert table[0]["exponent (1/s)"] == ""
+    assert table[0]["reason"]
+    assert "note: 1 values: " in result.out
+    assert {"results/m/bifurcation.png", "results/m/bifurcation_rates.png"} <= result.files
+
+
+def test_ranges_in_lockstep_and_named_starts(pendulum, tmp_path):
+    result = pendulum(
+        "bifurcation", "--vary", f"{DAMPING}=0.5:1:2", "--vary", "gravity[1]=-1:-2:2",
+        "--initial", "free.arm.angle=0,free.arm.speed=1", "--initial", "free.arm.angle=1",
+        "--periods", "2", "--skip", "0", "--no-figures", "--json", "--cores", "1",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    content = json.loads(result.out)
+    assert content["starts"] == ["free.arm.angle=0, free.arm.speed=1", "free.arm.angle=1"]
+    data = opened(tmp_path, "bifurcation.nc")
+    assert list(data["gravity[1]"]) == [-1, -2]
+    assert data["bar_angle"][:, :, 0, 0].values.tolist() == [[0, 0], [1, 1]]
+
+
+def test_both_directions_together(pendulum, tmp_path):
+    result = pendulum(
+        "bifurcation", "--vary", f"{DAMPING}=0.6:0.8:3", "--start", "both", "--periods", "3",
+        "--skip", "2", "--no-figures",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    data = opened(tmp_path, "bifurcation.nc")
+    assert data["start"].values.tolist() == ["forward", "backward"]
+    # the first of either begins as the file says, so that they differ at both ends
+    assert not np.allclose(data["bar_angle"][0], data["bar_angle"][1], atol=1e-9)
+
+
+def test_interrupted_sweep_is_kept(pendulum, tmp_path, monkeypatch):
+    from linkages.chaos import bifurcation
+
+    run, done = bifurcation._Request.compute, []
+
+    def interrupted(self, mechanism):
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(1)
+        return run(self, mechanism)
+
+    monkeypatch.setattr(bifurcation._Request, "compute", interrupted)
+    arguments = ("--vary", f"{DAMPING}=0.5:1:4", "--periods", "2", "--skip", "0", "--cores", "1")
+    result = pendulum("bifurcation", *arguments, "--no-figures")
+    assert (result.code, result.err.strip()) == (1, INTERRUPTED)
+    points = [int(row["points"]) for row in rows(tmp_path, "bifurcation_values.csv")]
+    assert points == [2, 2, 0, 0]
+    result = pendulum("bifurcation", *arguments, "--no-figures")
+    assert (result.code, result.err.strip()) == (1, TOO_EARLY)
+
+
+def test_sweep_without_any_result(pendulum):
+    result = pendulum("bifurcation", "--vary", "masses.P=0:0:2", "--periods", "2", "--no-figures")
+    assert result.code == 1
+    assert "no value could be computed: " in result.err
+
+
+def test_initial_states_are_split_at_assignments():
+    found = initial_states(["free.arm.angle=1, free.arm.speed=2", "gravity=[0, -1],masses.P=2"])
+    assert found == [
+        {"free.arm.angle": "1", "free.arm.speed": "2"},
+        {"gravity": "[0, -1]", "masses.P": "2"},
+    ]
+
+
+# map
+
+
+@pytest.mark.parametrize("indicator", ["exponent", "fli", "gali"])
+def test_map(pendulum, tmp_path, indicator):
+    result = pendulum(
+        "map", "--x", "free.arm.angle=-1:1:3", "--y", f"{DAMPING}=0.5:1:2", "--periods", "5",
+        "--indicator", indicator, "--json",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    content = json.loads(result.out)
+    assert (content["computed"], content["points"], content["indicator"]) == (6, 6, indicator)
+    assert sum(content["rotation"]["arm"].values()) == 6
+    assert opened(tmp_path, "map.nc")["indicator"].shape == (2, 3)
+    table = rows(tmp_path, "map.csv")
+    places = [(float(row["free.arm.angle"]), float(row[DAMPING])) for row in table]
+    assert places == [(x, y) for y in (0.5, 1) for x in (-1, 0, 1)]
+    assert {"results/m/map.png", "results/m/map_rotation.png"} <= result.files
+
+
+def test_map_as_text(pendulum):
+    result = pendulum(
+        "map", "--x", "free.arm.angle=-1:1:2", "--y", f"{DAMPING}=0.5:1:2", "--periods", "4",
+        "--no-figures",
+    )  # fmt: skip
+    assert (result.code, result.err) == (0, "")
+    assert "4 of 4 points, free.arm.angle and dampers[0].damping" in result.out
+
+
+# chaos
+
+
+def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
+    """The pendulum of Baker and Gollub with q = 2 and g = 1.15, which is chaotic."""
+    result = pendulum("chaos", "--quick")
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith("Driven pendulum: chaotic\n- ")
+    assert "mixed" in result.out
+    page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 3
+    assert '<span class="verdict">chaotic</span>' in page
+    content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
+    assert content["verdict"] == "chaotic"
+    assert "results/m/chaos_spectrum.png" in result.files
+
+
+def test_chaos_as_json_without_figures(pendulum, tmp_path):
+    (tmp_path / "m.yaml").write_text(PENDULUM.replace("Driven", '"<b>'.replace('"', "")))
+    result = pendulum("chaos", "--quick", "--json", "--no-figures", "--rtol", "1e-7")
+    content = json.loads(result.out)
+    assert content["tighter"]["rtol"] == pytest.approx(1e-8)
+    page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
+    assert "<b>" not in page
+    assert "&lt;b&gt; pendulum" in page
+    assert "base64" not in page
+
+
+# what is refused
+
+
+@pytest.mark.parametrize(
+    ("verb", "arguments", "expected"),
+    [
+        ("poincare", ["--phase", "1.5"], "phase must be from 0 to below 1"),
+        ("poincare", ["--periods", "0"], "expected periods > 0"),
+        ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),
+        ("poincare", ["--method", "dopr"], "dopr"),
+        ("poincare", ["--rtol", "-1"], "rtol"),
+        ("poincare", ["--set", 'loads[0].torque="1.15"'], "geometric section"),
+        ("poincare", ["--set", "loads[0].torque=1.15"], "nothing depends on time"),
+        ("lyapunov", ["--count", "3"], "count must be from 1 to 2"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1"], "expected a range such as"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:1"], "at least two values"),
+        ("bifurcation", ["--vary", "dumpers[0].damping=1:2:2"], "dumpers"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--initial", "x"], "expected path=value"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--initial", "fre.arm.angle=1"], "fre"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--section", "arm.s=0"], "has no 's'"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--phase", "2"], "phase must be"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--vary", "masses.P=1:2:3"], "equally many"),
+        ("bifurcation", ["--vary", "loads[0].torque=1:2:2"], "nothing depends on time"),
+        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P=1:2:2", "--periods", "1"], "at least"),
+        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P"], "expected a range such as"),
+        ("chaos", ["--periods", "3"], "at least 200 periods"),
+        ("chaos", ["--set", "bars.arm.length=-1"], "bars.arm.length"),
+    ],
+)
+def test_wrong_requests(pendulum, verb, arguments, expected):
+    result = pendulum(verb, *arguments)
+    assert result.code == 2
+    assert expected in result.err
+    assert "Traceback" not in result.err
+    assert result.out == ""
+    assert result.files == {"m.yaml"}
+
+
+@pytest.mark.parametrize("verb", ["poincare", "lyapunov", "chaos"])
+def test_nothing_free(cli, verb):
+    result = cli(verb, "four-bar")
+    assert result.code == 2
+    assert "nothing is free to move" in result.err
+
+
+def test_section_that_is_never_crossed(pendulum):
+    result = pendulum("poincare", "--section", "arm.speed=99", "--periods", "2", "--end", "5")
+    assert result.code == 1
+    assert "is crossed 0 times within 5 s" in result.err
+    assert result.files == {"m.yaml"}

@@ -1,0 +1,154 @@
+"""Laws of time as nodes: values and derivatives against SymPy and SciPy."""
+
+import numpy as np
+import pytest
+import sympy
+from kernel_motion import difference
+from linkage_models import system_of, values
+from scipy.interpolate import CubicSpline
+
+from linkages.components.functions import Number, Operation, Table, Time, constant
+from linkages.components.terms import Parameter
+from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.laws import law_of, spline_numbers, value_of
+from linkages.kernel.scalars import Level, ScalarGraph
+
+TIMES = np.array([0.05, 0.4, 1.3, 2.2])
+
+
+def driven(law):
+    return system_of(
+        f"joints: {{O: [0, 0]}}\nbars: {{rod: {{joints: [O, P], length: 1}}}}\n"
+        f"drives: {{rod: {{law: {law}}}}}\n"
+    )
+
+
+def law_values(law, times=TIMES):
+    """Value, rate and acceleration of the law of a drive, shape (3, times)."""
+    of = driven(law)
+    names = ("bar_angle", "bar_speed", "bar_acceleration")
+    return np.array([values(of, name, times)[0] for name in names])
+
+
+FORMULAS = [
+    "0.3 + 2*t",
+    "1.5",
+    "-t**3 + t**2/4",
+    "sin(3*t)*cos(t)",
+    "tan(0.3*t)",
+    "exp(-t)*(1 - t)",
+    "log(1 + t)",
+    "sqrt(1 + t**2)",
+    "tanh(2*t - 1)",
+    "1/(1 + t**4)",
+    "3*(t - 1)**5 - 2*t",
+    "exp(-t)*sin(4*t)/(2 + cos(t))",
+]
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_formulas_against_symbolic_derivatives(text):
+    t = sympy.Symbol("t")
+    symbolic = sympy.sympify(text, locals={"t": t})
+    exact = [
+        [float(symbolic.diff(t, order).subs(t, time).evalf(30)) for time in TIMES]
+        for order in range(3)
+    ]
+    found = law_values(f"'{text}'")
+    # a dozen operations; polynomials of degree 5 lose two digits where terms cancel
+    assert found == pytest.approx(np.array(exact), rel=1e-13, abs=1e-13)
+
+
+def test_the_arctangent_of_a_law():
+    """Named laws may use it; formulas do not."""
+    graph = ScalarGraph()
+    inputs = Inputs(graph, 0)
+    law = law_of(Operation("atan", (Operation("mul", (constant(2.0), Time())),)), inputs)
+    found = np.array(Evaluator([law.value, law.rate, law.acceleration])(t=TIMES[None], p=[]))
+    rate = 2 / (1 + 4 * TIMES**2)
+    assert found == pytest.approx(np.array([np.arctan(2 * TIMES), rate, -4 * TIMES * rate**2]))
+
+
+@pytest.mark.parametrize("exponent", [*range(2, 12), -1, -3])
+def test_whole_powers(exponent):
+    graph = ScalarGraph()
+    inputs = Inputs(graph, 0)
+    law = law_of(Operation("power", (Time(), constant(float(exponent)))), inputs)
+    nodes = [law.value, law.rate, law.acceleration]
+    found = [np.broadcast_to(v, TIMES.shape) for v in Evaluator(nodes)(t=TIMES[None], p=[])]
+    exact = [
+        TIMES**exponent,
+        exponent * TIMES ** (exponent - 1.0),
+        exponent * (exponent - 1) * TIMES ** (exponent - 2.0),
+    ]
+    assert np.array(found) == pytest.approx(
+        np.array(exact), rel=1e-13
+    )  # as many roundings as factors
+    assert sum(node.operation == "mul" for node in graph.nodes) < 40
+
+
+def test_harmonic_law():
+    of = law_values("{harmonic: {amplitude: 0.4, frequency: 0.5, phase: 0.2, mean: 0.1}}")
+    w = np.pi
+    s, c = np.sin(w * TIMES + 0.2), np.cos(w * TIMES + 0.2)
+    assert of == pytest.approx(np.array([0.1 + 0.4 * s, 0.4 * w * c, -0.4 * w * w * s]), abs=1e-14)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_tables(periodic):
+    times, numbers = [0.0, 0.7, 1.0, 2.0], [0.0, 0.5, 0.2, 0.0]
+    found = law_values(
+        f"{{table: {{times: {times}, values: {numbers}, periodic: {str(periodic).lower()}}}}}"
+    )
+    exact = CubicSpline(times, numbers, bc_type="periodic" if periodic else "natural")
+    where = TIMES % 2.0 if periodic else np.minimum(TIMES, 2.0)
+    inside = periodic | (TIMES <= 2.0)
+    outside = np.where(inside, 0.0, TIMES - 2.0)
+    expected = [exact(where) + outside * exact(where, 1), exact(where, 1), exact(where, 2)]
+    expected[2] = np.where(inside, expected[2], 0.0)
+    assert found == pytest.approx(np.array(expected), abs=1e-13)
+
+
+def test_numbers_of_a_table_stand_together():
+    """Knots, then four coefficients for each interval: what `evaluate_spline` reads."""
+    table = Table((), (0.0, 1.0, 3.0), (2.0, 0.0, 5.0))
+    numbers = spline_numbers(table)
+    assert numbers[:3] == [0.0, 1.0, 3.0]
+    assert len(numbers) == 3 + 4 * 2
+    exact = CubicSpline(table.times, table.values, bc_type="natural")
+    assert numbers[3:7] == exact.c[:, 0].tolist()
+    assert numbers[7:] == exact.c[:, 1].tolist()
+
+
+RISE = "{rise: PROFILE, to: 1.2, begin: 0.5, duration: 0.8}"
+
+
+@pytest.mark.parametrize("profile", ["cycloidal", "polynomial", "modified-sine"])
+def test_a_rise_begins_and_ends_at_rest(profile):
+    """Rates are derivatives of values also where the branches of the law meet."""
+    law = RISE.replace("PROFILE", profile)
+    found = law_values(law, np.array([0.0, 0.5, 1.3, 2.0]))
+    assert found == pytest.approx(np.array([[0, 0, 1.2, 1.2], [0] * 4, [0] * 4]), abs=1e-12)
+    of = driven(law)
+    for time in (0.56, 0.9, 1.25):
+        for name, other in (("bar_angle", "bar_speed"), ("bar_speed", "bar_acceleration")):
+            slope = difference(lambda h, n=name, t=time: values(of, n, t + h)[0, 0], 5e-3)
+            assert values(of, other, time)[0, 0] == pytest.approx(slope, abs=1e-8)
+
+
+def test_numbers_of_formulas_are_structure_and_those_of_drives_are_not():
+    graph = ScalarGraph()
+    inputs = Inputs(graph, 0)
+    fixed = value_of(Number(Parameter((), 2.5)), inputs)
+    assert fixed.constant == 2.5
+    given = value_of(Number(Parameter(("drives", "rod", "speed"), 2.5)), inputs)
+    assert given.level == Level.PARAMETERS
+    assert inputs.parameters == {("drives", "rod", "speed"): 2.5}
+
+
+def test_a_law_that_is_none():
+    with pytest.raises(TypeError, match="no function of time"):
+        value_of("t", Inputs(ScalarGraph(), 0))
+    with pytest.raises(ValueError, match="no operation 'sinh'"):
+        value_of(Operation("sinh", (Time(),)), Inputs(ScalarGraph(), 0))

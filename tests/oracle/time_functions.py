@@ -1,0 +1,93 @@
+"""Functions of time with their first two derivatives, by truncated Taylor arithmetic.
+
+A jet is (f, f′, f″) at one time. Tables go through SciPy's spline.
+"""
+
+import math
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from linkages.components.functions import Function, Number, Operation, Table, Time
+
+Jet = tuple[float, float, float]
+
+
+def _tangent(x: float) -> Jet:
+    return math.tan(x), 1 / math.cos(x) ** 2, 2 * math.tan(x) / math.cos(x) ** 2
+
+
+def _hyperbolic_tangent(x: float) -> Jet:
+    slope = 1 / math.cosh(x) ** 2
+    return math.tanh(x), slope, -2 * math.tanh(x) * slope
+
+
+ELEMENTARY = {
+    "neg": lambda x: (-x, -1.0, 0.0),
+    "sin": lambda x: (math.sin(x), math.cos(x), -math.sin(x)),
+    "cos": lambda x: (math.cos(x), -math.sin(x), -math.cos(x)),
+    "tan": _tangent,
+    "exp": lambda x: (math.exp(x),) * 3,
+    "log": lambda x: (math.log(x), 1 / x, -1 / x**2),
+    "sqrt": lambda x: (math.sqrt(x), 0.5 / math.sqrt(x), -0.25 / x**1.5),
+    "tanh": _hyperbolic_tangent,
+    "atan": lambda x: (math.atan(x), 1 / (1 + x * x), -2 * x / (1 + x * x) ** 2),
+}
+"""Name → x ↦ (g, g′, g″)."""
+
+
+def jet(function: Function, time: float) -> Jet:
+    """Value and first two derivatives of a function of time."""
+    if isinstance(function, Number):
+        return function.parameter.value, 0.0, 0.0
+    if isinstance(function, Time):
+        return time, 1.0, 0.0
+    if isinstance(function, Table):
+        return _table(function, time)
+    return _operation(function, time)
+
+
+def _operation(operation: Operation, time: float) -> Jet:
+    name = operation.name
+    if name == "select":
+        condition, first, second = operation.arguments
+        return jet(first if jet(condition, time)[0] >= 0 else second, time)
+    first, *others = (jet(argument, time) for argument in operation.arguments)
+    if name == "power":
+        return _chain(_power(first[0], others[0][0]), first)
+    if name == "mul":
+        return _product(first, others[0])
+    if name == "div":
+        x = others[0][0]
+        return _product(first, _chain((1 / x, -1 / x**2, 2 / x**3), others[0]))
+    if name in ("add", "sub"):
+        sign = 1 if name == "add" else -1
+        return tuple(a + sign * b for a, b in zip(first, others[0], strict=True))
+    return _chain(ELEMENTARY[name](first[0]), first)
+
+
+def _power(x: float, n: float) -> Jet:
+    def term(factor: float, exponent: float) -> float:
+        return factor * x**exponent if factor else 0.0
+
+    return x**n, term(n, n - 1), term(n * (n - 1), n - 2)
+
+
+def _product(a: Jet, b: Jet) -> Jet:
+    return a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2 * a[1] * b[1] + a[0] * b[2]
+
+
+def _chain(outer: Jet, inner: Jet) -> Jet:
+    return outer[0], outer[1] * inner[1], outer[2] * inner[1] ** 2 + outer[1] * inner[2]
+
+
+def _table(table: Table, time: float) -> Jet:
+    ends = "periodic" if table.periodic else "natural"
+    spline = CubicSpline(np.array(table.times), np.array(table.values), bc_type=ends)
+    inside = time
+    if not table.periodic:
+        inside = min(max(time, table.times[0]), table.times[-1])
+    value, slope, bend = (float(spline(inside, order)) for order in range(3))
+    if inside != time:
+        return value + slope * (time - inside), slope, 0.0
+    return value, slope, bend

@@ -1,0 +1,358 @@
+"""Figures of sections, sweeps, exponents, spectra, maps and contact show what the data say."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+from linkages.chaos.contact import contact_check
+from linkages.chaos.rotation import Kind
+from linkages.chaos.spectrum import power_spectrum
+from linkages.plots import bifurcations, contact, exponents, maps, sections, spectra
+from linkages.plots.angles import multiple_of_pi, show_angles
+from linkages.plots.chaos_page import chaos_figures, chaos_page, shown_forces
+from linkages.plots.free_axes import free_coordinates
+from linkages.plots.style import PALETTE
+
+
+def units(unit):
+    return {"units": unit, "long_name": unit}
+
+
+def section_data(angles, rates, names=("arm",)):
+    shape = (len(angles), len(names))
+    return xr.Dataset(
+        {
+            "bar_angle": (("crossing", "bar"), np.reshape(angles, shape), units("rad")),
+            "bar_speed": (("crossing", "bar"), np.reshape(rates, shape), units("rad/s")),
+        },
+        {"bar": list(names), "time": ("crossing", np.arange(len(angles)) * 2.0)},
+        {"name": "Pendulum", "period": 2.0},
+    )
+
+
+def sweep_data(exponent=False, starts=2):
+    """Two starts, five values, four points; nothing at the last value, from neither start."""
+    rng = np.random.default_rng(1)
+    shape = (starts, 5, 4, 1)
+    reason = np.full((starts, 5), "", dtype=object)
+    reason[:, 4] = "cannot be assembled"
+    reason[0, 1] = "cannot be assembled"
+    angle = rng.uniform(-1, 1, shape)
+    angle[:, 4], angle[0, 1] = np.nan, np.nan
+    dims = ("start", "value", "crossing", "clearance")
+    data = xr.Dataset(
+        {
+            "clearance_angle": (dims, angle, units("rad")),
+            "clearance_speed": (dims, 10 * angle, units("rad/s")),
+            "reason": (("start", "value"), reason),
+        },
+        {
+            "clearances.r1.size": ("value", np.linspace(0.1, 0.5, 5), {"units": "mm"}),
+            "clearance": ["r1"],
+        },
+        {"name": "Press", "varied": "clearances.r1.size"},
+    )
+    if exponent:
+        values = np.where(reason == "", 0.5, np.nan)
+        data["exponent"] = (("start", "value"), values, units("1/s"))
+        data["error"] = (("start", "value"), np.full(values.shape, 0.1), units("1/s"))
+    return data
+
+
+# angles
+
+
+@pytest.mark.parametrize(
+    ("angle", "text"),
+    [(0, "0"), (np.pi, "π"), (-np.pi, "−π"), (0.75 * np.pi, "3π/4"), (-np.pi / 2, "−π/2"),
+     (20 * np.pi, "20π")],
+)  # fmt: skip
+def test_multiples_of_pi_as_text(angle, text):
+    assert multiple_of_pi(angle) == text
+
+
+def ticks(ax):
+    low, high = ax.get_xlim()
+    places = [v for v in ax.xaxis.get_majorticklocs() if low - 1e-9 <= v <= high + 1e-9]
+    return [ax.xaxis.get_major_formatter()(value, 0) for value in places]
+
+
+def test_angles_all_around_get_the_whole_turn():
+    ax = Figure().add_subplot()
+    show_angles(ax, "x", [-3.1, 3.0])
+    assert ax.get_xlim() == pytest.approx((-np.pi, np.pi))
+    assert ticks(ax) == ["−π", "−3π/4", "−π/2", "−π/4", "0", "π/4", "π/2", "3π/4", "π"]
+
+
+def test_angles_that_count_turns_are_not_cut():
+    ax = Figure().add_subplot()
+    ax.set_xlim(0, 60 * np.pi)
+    show_angles(ax, "x", [0.0, 60 * np.pi], wrap=False)
+    assert ax.get_xlim() == pytest.approx((0, 60 * np.pi))
+    assert ticks(ax) == ["0", "10π", "20π", "30π", "40π", "50π", "60π"]
+
+
+# sections
+
+
+def test_section_shows_every_point():
+    data = section_data([0.1, 0.3, -0.2], [1.0, 2.0, 3.0])
+    figure = sections.figure(data)
+    (ax,) = figure.axes
+    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[0.1, 1], [0.3, 2], [-0.2, 3]])
+    assert ax.get_xlabel() == "angle θ [rad]"
+    assert ax.get_title(loc="right") == "3 points"
+
+
+def test_section_has_a_panel_for_each_coordinate():
+    data = xr.concat(
+        [section_data([0.1], [1.0], ("a",)), section_data([2.0], [3.0], ("b",))], "bar"
+    )
+    assert [ax.get_title(loc="left") for ax in sections.figure(data).axes] == ["a", "b"]
+    assert [found.name for found in free_coordinates(data)] == ["a", "b"]
+
+
+def test_points_that_coincide_are_one():
+    data = section_data(0.5 + 1e-12 * np.arange(9), 2 + 1e-11 * np.arange(9))
+    (ax,) = sections.figure(data).axes
+    assert np.ptp(ax.get_xlim()) > 0.1
+    assert np.ptp(ax.get_ylim()) > 0.1
+
+
+def test_no_section_without_points():
+    assert sections.figure(section_data([], [])) is None
+
+
+# bifurcation diagrams
+
+
+def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
+    data = sweep_data()
+    (ax,) = bifurcations.figure(data).axes
+    assert ax.get_xlabel() == "clearances.r1.size [mm]"
+    dots = [line for line in ax.lines if line.get_marker() == "o"]
+    assert [line.get_color() for line in dots] == list(PALETTE[:2])
+    x, y = dots[1].get_data()
+    np.testing.assert_allclose(x, np.repeat(data["clearances.r1.size"], 4))
+    np.testing.assert_allclose(y, data["clearance_angle"][1, :, :, 0].to_numpy().ravel())
+
+
+def test_values_that_could_not_be_computed_are_shaded():
+    (ax,) = bifurcations.figure(sweep_data()).axes
+    (span,) = ax.patches
+    # the last of 0.1, 0.2, …, 0.5; the one that one start reaches is no gap
+    assert span.get_x() == pytest.approx(0.45)
+    assert span.get_width() == pytest.approx(0.1)
+    texts = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert texts == ["start 1", "start 2", "not computed (1)"]
+
+
+def test_names_of_starts_stand_in_the_legend():
+    data = sweep_data().assign_coords(start=["forward", "backward"])
+    (ax,) = bifurcations.figure(data).axes
+    assert [t.get_text() for t in ax.get_legend().get_texts()][:2] == ["forward", "backward"]
+
+
+def test_exponents_stand_below_with_a_band_of_two_errors():
+    _, below = bifurcations.figure(sweep_data(exponent=True)).axes
+    assert below.get_ylabel() == "largest exponent [1/s]"
+    band = below.collections[1].get_paths()[0].vertices
+    assert band[:, 1].min() == pytest.approx(0.3)
+    assert band[:, 1].max() == pytest.approx(0.7)
+    zero = below.lines[0].get_ydata()
+    assert list(zero) == [0, 0]
+
+
+def test_rates_get_a_figure_of_their_own():
+    (ax,) = bifurcations.figure(sweep_data(exponent=True), rates=True).axes
+    assert ax.get_ylabel() == "speed dα/dt [rad/s]"
+
+
+# exponents, spectra
+
+
+def exponent_data(history):
+    count = history.shape[1]
+    return xr.Dataset(
+        {
+            "exponent": ("index", history[-1]),
+            "error": ("index", np.full(count, 0.02)),
+            "history": (("time", "index"), history),
+        },
+        {"time": 2.0 * np.arange(1, len(history) + 1), "index": np.arange(1, count + 1)},
+        {"name": "Pendulum", "settled": 1, "warning": "", "source": "p.yaml", "sum": -0.5},
+    )
+
+
+def test_history_of_exponents_with_bands_and_zero():
+    n = np.arange(1, 101)
+    data = exponent_data(np.column_stack([0.3 + 50 / n**2, -0.8 - 50 / n**2]))
+    (ax,) = exponents.figure(data).axes
+    assert [line.get_ydata()[-1] for line in ax.lines[1:]] == pytest.approx([0.305, -0.805])
+    band = ax.patches[0]
+    assert band.get_y() == pytest.approx(0.305 - 0.04)
+    assert band.get_height() == pytest.approx(0.08)
+    # what came before they settled does not squeeze the picture: 50 of it
+    assert ax.get_ylim()[1] < 2
+    assert ax.get_legend().get_texts()[0].get_text() == "λ₁ = 0.305 ± 0.02 1/s"
+
+
+def test_lines_of_a_spectrum_are_marked_where_they_are():
+    time = np.arange(4000) * 0.01
+    noise = np.random.default_rng(0).normal(size=time.size)
+    found = power_spectrum(np.sin(2 * np.pi * 3.0 * time) + 1e-3 * noise, 0.01)
+    (ax,) = spectra.figure({"arm": found}, "Pendulum").axes
+    (marks,) = [line for line in ax.lines if line.get_marker() == "v"]
+    np.testing.assert_allclose(marks.get_xdata(), [3.0], atol=found.resolution)
+    assert marks.get_label() == "1 line"
+    power = ax.lines[0].get_ydata()
+    assert power.max() == pytest.approx(0.0)  # decibels below the peak
+
+
+def test_no_spectra_no_figure():
+    assert spectra.figure({}) is None
+
+
+# maps
+
+
+def map_data(values, words="swing"):
+    values = np.asarray(values, dtype=float)
+    reason = np.where(np.isnan(values), "cannot be assembled", "").astype(object)
+    kinds = np.full((*values.shape, 1), words, dtype=object)
+    kinds[np.isnan(values)] = ""
+    return xr.Dataset(
+        {
+            "indicator": (("y", "x"), values, {"units": "1/s", "long_name": "exponent"}),
+            "rotation": (("y", "x", "coordinate"), kinds),
+            "reason": (("y", "x"), reason),
+        },
+        {
+            "a.b": ("x", np.arange(values.shape[1], dtype=float), {"units": "mm"}),
+            "c.d": ("y", np.arange(values.shape[0], dtype=float), {"units": ""}),
+            "coordinate": ["arm"],
+        },
+        {"name": "Press", "kind": "exponent", "x": "a.b", "y": "c.d"},
+    )
+
+
+def test_map_has_a_colour_bar_and_shows_what_is_missing():
+    ax, bar = maps.figure(map_data([[0.1, 0.2, 0.3], [0.4, np.nan, 0.6]])).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("a.b [mm]", "c.d")
+    assert bar.get_ylabel() == "exponent [1/s]"
+    image = ax.collections[0]
+    assert image.get_array().mask.sum() == 1
+    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((0.1, 0.6))
+    assert ax.get_legend().get_texts()[0].get_text() == "not computed (1)"
+
+
+def test_zero_is_in_the_middle_of_colours_for_both_signs():
+    ax, _ = maps.figure(map_data([[-0.5, 0.2], [0.1, 0.3]])).axes
+    norm = ax.collections[0].norm
+    assert norm.vmin == -norm.vmax
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_every_kind_of_motion_has_a_colour(kind):
+    (ax,) = maps.class_figure(map_data(np.ones((2, 3)), str(kind)), "arm").axes
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [str(kind)]
+    assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
+
+
+def test_gali_is_shown_by_its_logarithm_and_data_stay_as_they_are():
+    data = map_data([[1.0, 1e-4], [1e-8, 0.1]])
+    data.attrs["kind"] = "gali"
+    before = data.copy(deep=True)
+    ax, _ = maps.figure(data).axes
+    np.testing.assert_allclose(ax.collections[0].get_array().ravel(), [0, -4, -8, -1], atol=1e-12)
+    xr.testing.assert_identical(data, before)
+
+
+# contact
+
+
+def force_data(values, time):
+    return xr.DataArray(
+        np.asarray(values)[:, None], {"time": time, "clearance": ["r1"]}, ("time", "clearance")
+    )
+
+
+def test_lost_contact_is_shaded_between_zeros():
+    time = np.linspace(0, 1, 1001)
+    (ax,) = contact.figure(force_data(np.cos(2 * np.pi * time), time), "Press").axes
+    (span,) = ax.patches
+    # the cosine is negative from a quarter to three quarters; linear between samples: to h²
+    assert span.get_x() == pytest.approx(0.25, abs=1e-6)
+    assert span.get_width() == pytest.approx(0.5, abs=2e-6)
+    assert "50 %" in ax.get_title(loc="right")
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_spans_reach_the_ends(sign):
+    spans = contact.lost_spans(np.arange(5.0), sign * np.array([1.0, 1, -1, -1, 1]))
+    assert spans == ([(1.5, 3.5)] if sign > 0 else [(0.0, 1.5), (3.5, 4.0)])
+
+
+def test_contact_throughout():
+    (ax,) = contact.figure(force_data(np.ones(5), np.arange(5.0))).axes
+    assert not ax.patches
+    assert ax.get_title(loc="right") == "contact throughout"
+
+
+# the page
+
+
+def report(name="Press", **changes):
+    time = np.linspace(0.0, 200.0, 4001)
+    force = force_data(np.where(abs(time - 50) < 1, -1.0, 2.0), time)
+    found = {
+        "name": name,
+        "source": "press.yaml",
+        "verdict": "chaotic",
+        "reasons": ("Because.",),
+        "exponents": exponent_data(np.ones((100, 2))),
+        "spectra": {"arm": power_spectrum(np.sin(time), 0.05)},
+        "section": section_data(np.linspace(-1, 1, 50), np.linspace(0, 1, 50)),
+        "contact": (contact_check("r1", time, force.to_numpy()[:, 0]),),
+        "force": force,
+        "notes": (),
+    }
+    return SimpleNamespace(**{**found, **changes})
+
+
+TABLE = ("Heading <1>", ["what", "found"], [["a & b", "<3>"]])
+
+
+def test_page_needs_no_other_file_and_has_all_figures():
+    found = report()
+    figures = chaos_figures(found)
+    text = chaos_page(found, [TABLE], figures)
+    assert list(figures) == ["chaos_section", "chaos_exponents", "chaos_spectrum", "chaos_contact"]
+    assert text.count('src="data:image/png;base64,iVBOR') == len(figures)
+    assert not re.search(r"""(src|href|url\()\s*=?\s*["']?(https?:|//|\.|/)""", text)
+    assert "<script" not in text
+
+
+def test_everything_from_the_file_is_escaped():
+    evil = '<script>alert("x")</script> & $title ${reasons}'
+    found = report(evil, source=evil, reasons=(evil,), notes=(evil,), verdict="undecided")
+    text = chaos_page(found, [(evil, [evil], [[evil]])], {})
+    assert "<script" not in text
+    assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 8
+
+
+def test_forces_are_shown_where_contact_is_lost_first():
+    time = shown_forces(report())["time"].to_numpy()
+    # a section point every 2 s; four of them from half a period before 49 s on
+    assert time[0] == pytest.approx(48.0, abs=0.1)
+    assert time[-1] == pytest.approx(56.0, abs=0.1)
+
+
+def test_forces_at_the_end_where_contact_is_never_lost():
+    steady = report(contact=())
+    assert shown_forces(steady)["time"].to_numpy()[-1] == 200.0
+    assert "chaos_contact" not in chaos_figures(report(force=None))

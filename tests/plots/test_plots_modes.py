@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from plot_data import JOINTS, press
+
+from linkages.plots.modes import MOST, Mode, figure, shown_modes
+from linkages.plots.style import DRIVEN
+
+
+def modes(count, selected=1):
+    places = {name: (x, y) for name, (x, y) in JOINTS.items()}
+    return [Mode(n, places, "B left", n == selected) for n in range(1, count + 1)]
+
+
+@pytest.mark.parametrize("count", [1, 2, 4, 8, 30])
+def test_one_numbered_drawing_for_each_mode_inside_the_figure(count):
+    result = figure(press(), modes(count))
+    assert len(result.axes) == count
+    assert [ax.get_title(loc="left").split()[0] for ax in result.axes] == [
+        str(n) for n in range(1, count + 1)
+    ]
+    boxes = [ax.get_position() for ax in result.axes]
+    for index, box in enumerate(boxes):
+        assert box.x0 >= 0 <= box.y0
+        assert box.x1 <= 1 >= box.y1
+        assert not any(box.overlaps(other) for other in boxes[index + 1 :])
+
+
+def test_all_at_one_scale_and_the_selected_one_is_framed():
+    result = figure(press(), modes(5, selected=3))
+    limits = [(*ax.get_xlim(), *ax.get_ylim()) for ax in result.axes]
+    np.testing.assert_allclose(limits, limits[:1] * 5, rtol=1e-12)  # round-off of their places
+    frames = [to_hex(ax.spines["left"].get_edgecolor()).upper() for ax in result.axes]
+    assert [colour == DRIVEN for colour in frames] == [False, False, True, False, False]
+
+
+def test_joints_are_where_the_mode_puts_them():
+    (ax,) = figure(press(), modes(1)).axes
+    places = {tuple(np.round(line.get_xydata()[0], 9)) for line in ax.lines}
+    assert JOINTS["O"] in places
+
+
+def test_too_many_say_so_and_keep_the_selected_one():
+    many = modes(MOST + 20, selected=MOST + 10)
+    assert [mode.number for mode in shown_modes(many)][-2:] == [MOST - 1, MOST + 10]
+    texts = [text.get_text() for text in figure(press(), many).texts]
+    assert any(f"{MOST} of {MOST + 20} modes" in text for text in texts)

@@ -1,0 +1,136 @@
+"""What orientations follow from: bodies of their own, guides, welds and gears."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from linkage_files import linkage, mechanism
+
+from linkages.components.terms import Parameter, Relation
+from linkages.topology.jacobian import turning_gradients
+from linkages.topology.orientation import (
+    ContestedRelationError,
+    Orientation,
+    orientations,
+    slaves,
+    turned_bodies,
+)
+from linkages.topology.topology import build_topology
+
+ARMS = """
+joints: {O: [0, 0], C: [1, 0], D: [2, 0]}
+bars:
+  one: {joints: [O, A], length: 1}
+  two: {joints: [A, B], length: 1}
+  wheel: {joints: [C, P], length: 1}
+  other: {joints: [D, Q], length: 1}
+sliders:
+  ram: {joint: X, on: two, through: A}
+  tail: {points: {Y: [0.1, 0.1]}, joint: Z, on: ram}
+  block: {joint: W, through: O}
+welds: {A: {bars: [one, two], angle: 0.3}}
+gears:
+  - {bars: [two, wheel], ratio: -2}
+  - {bars: [wheel, other], carrier: one, ratio: 0.3}
+SPRINGS
+drives: {one: {angle: 0, speed: 1}, ram: {position: 1, speed: 0}, tail: {position: 1, speed: 0},
+  block: {position: 1, speed: 0}}
+"""
+
+
+def arms(springs=""):
+    text = ARMS.replace("SPRINGS", springs)
+    bars = "  k: {joints: [X, X2], length: 1}\n  l: {joints: [Z, Z2], length: 1}\n"
+    bars += "  m: {joints: [W, W2], length: 1}\n"
+    text = text.replace("sliders:", bars + "sliders:")
+    free = "free: {k: {angle: 0}, l: {angle: 0}, m: {angle: 0}}\n"
+    return mechanism(text + free)
+
+
+def test_everything_follows_from_its_masters():
+    """Rigid is what keeps a constant angle against one master."""
+    of = arms()
+    found = orientations(of, slaves(of, {*of.prescribed, *of.initial}))
+    assert found["one"] == found["two"] == found["ram"] == found["tail"]
+    assert found["one"] == Orientation(("one",), rigid=True)
+    assert found["wheel"] == Orientation(("one",), rigid=False)
+    assert found["other"] == Orientation(("one",), rigid=False)
+    assert found["block"] == Orientation((), rigid=True)
+    assert found["k"] == Orientation(("k",), rigid=True)
+
+
+def test_gradients_of_a_train():
+    """θ_two = θ_one + 0.3, θ_wheel = −2 θ_two, θ_other = 0.3 θ_wheel + 0.7 θ_one."""
+    gradients = turning_gradients(build_topology(arms()))
+    assert gradients["two"] == gradients["ram"] == gradients["tail"] == {"one": 1.0}
+    assert gradients["wheel"] == {"one": -2.0}
+    assert gradients["other"] == pytest.approx({"one": 0.3 * -2 + 0.7})
+    assert gradients["block"] == {}
+    assert gradients["l"] == {"l": 1.0}
+
+
+def test_whole_turns_count_where_gears_and_springs_see_them():
+    assert turned_bodies(arms()) == {"two", "wheel", "other", "one"}
+    sprung = arms("springs: [{bar: k, stiffness: 2}, {between_bars: [l, m], stiffness: 1}]")
+    assert turned_bodies(sprung) == {"two", "wheel", "other", "one", "k", "l", "m"}
+    damped = arms("springs: [{bar: k, stiffness: 0, damping: 2}]")
+    assert "k" not in turned_bodies(damped)
+    assert turned_bodies(linkage("ninebar")) == set()
+
+
+def relation(body, *others, ratio=1.0):
+    parts = tuple((other, Parameter(("gears", 0, "ratio"), ratio)) for other in others)
+    return Relation(body, parts, Parameter((), 0.0), ("gears", 0))
+
+
+def test_a_relation_is_solved_for_its_own_body_or_the_next():
+    one, other = relation("b", "a"), relation("c", "b")
+    both = SimpleNamespace(relations=(one, other))
+    assert slaves(both, {"a"}) == {"b": one, "c": other}
+    assert slaves(both, {"b"}) == {"a": one, "c": other}
+    with pytest.raises(ContestedRelationError) as caught:
+        slaves(both, {"a", "b"})
+    assert caught.value.relation is one
+
+
+def test_mobility_loses_one_for_each_relation():
+    topology = build_topology(arms())
+    assert topology.mobility == 7
+    assert {*topology.slaves} == {"two", "wheel", "other"}
+    assert topology.carried == ()  # all masters are driven or free
+
+
+def test_dependent_angles_that_are_seen_turn_by_turn_are_carried_along():
+    text = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.3}
+  coupler: {joints: [A, B], length: 0.9}
+  rocker: {joints: [C, B], length: 0.7}
+springs: [{SPRING, stiffness: 2}]
+drives: {crank: {angle: 1, speed: 1}}
+"""
+    for spring, carried in (
+        ("bar: crank", ()),
+        ("bar: coupler", ("coupler",)),
+        ("between_bars: [coupler, rocker]", ("coupler", "rocker")),
+        ("between: [O, B], length: 1", ()),
+    ):
+        topology = build_topology(mechanism(text.replace("SPRING", spring)))
+        assert topology.carried == carried
+        assert all(topology.unwrapped(name) for name in carried)
+        assert topology.iterated == ()
+        assert topology.coordinates == (*topology.free, *carried)
+
+
+def test_gradients_of_geared_wheels_by_differences():
+    """Angles as the kernel computes them, along the crank."""
+    from linkages.kernel.system import System
+
+    of = System(arms())
+    angles = [of.model.positions.angle(name) for name in ("one", "two", "wheel", "other")]
+    step = 0.25
+    slope = (of.evaluate(angles, step) - of.evaluate(angles, -step))[:, 0] / (2 * step)
+    gradients = turning_gradients(of.topology)
+    expected = [gradients[name]["one"] for name in ("one", "two", "wheel", "other")]
+    assert slope == pytest.approx(np.array(expected), abs=1e-14)  # linear: differences are exact

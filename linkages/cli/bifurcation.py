@@ -244,7 +244,9 @@ def _print(data: xr.Dataset, written: list[Any], failed: Counter[str], request: 
         rows.append(row)
     heads += ["exponent positive"] if "exponent" in data else []
     screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
-    notes = [f"{count} values: {reason}" for reason, count in failed.most_common()]
+    notes = [
+        f"{count} value{'s' * (count > 1)}: {reason}" for reason, count in failed.most_common()
+    ]
     print_notes(notes, screen)
     screen.print(f"{len(written)} files in {request.folder}", markup=False)
 

@@ -139,6 +139,8 @@ def _print(content: dict[str, Any], request: Request) -> None:
     ]
     if rows:
         screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    notes = [f"{count} points: {why}" for why, count in content["failures"].items()]
+    notes = [
+        f"{count} point{'s' * (count > 1)}: {why}" for why, count in content["failures"].items()
+    ]
     print_notes(notes, screen)
     screen.print(f"{len(content['files'])} files in {request.folder}", markup=False)

@@ -57,7 +57,7 @@ def test_poincare_writes_a_point_for_each_period(pendulum, tmp_path):
     assert "results/m/poincare.png" in result.files
 
 
-def test_poincare_as_json(pendulum, tmp_path):
+def test_poincare_as_json(pendulum):
     result = pendulum("poincare", "--periods", "5", "--no-figures", "--json", "--out", "o")
     content = json.loads(result.out)
     assert (content["points"], content["taken"]["phase"], content["first"]) == (5, 0.0, 0.0)
@@ -116,7 +116,7 @@ def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tm
     assert [row["points"] for row in table] == ["0", "4", "4"]
     assert table[0]["exponent (1/s)"] == ""
     assert table[0]["reason"]
-    assert "note: 1 values: " in result.out
+    assert "note: 1 value: " in result.out
     assert {"results/m/bifurcation.png", "results/m/bifurcation_rates.png"} <= result.files
 
 
@@ -249,8 +249,7 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
         ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),
         ("poincare", ["--method", "dopr"], "dopr"),
         ("poincare", ["--rtol", "-1"], "rtol"),
-        ("poincare", ["--set", 'loads[0].torque="1.15"'], "geometric section"),
-        ("poincare", ["--set", "loads[0].torque=1.15"], "nothing depends on time"),
+        ("poincare", ["--set", "loads[0].torque=1.15"], "geometric section"),
         ("lyapunov", ["--count", "3"], "count must be from 1 to 2"),
         ("bifurcation", ["--vary", f"{DAMPING}=1"], "expected a range such as"),
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:1"], "at least two values"),

@@ -8,12 +8,16 @@ import os
 import stat
 import sys
 import tempfile
+import threading
 import warnings
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 ENVIRONMENT_VARIABLE = "LINKAGES_CACHE_DIR"
+
+# A module is entered before it has been executed: no other thread may find it in between.
+_LOADING = threading.RLock()
 
 
 def cached_module(text: str) -> ModuleType:
@@ -30,11 +34,12 @@ def cached_module(text: str) -> ModuleType:
     """
     digest = hashlib.sha256(text.encode()).hexdigest()[:20]
     name = f"linkages_kernel_{digest}"
-    if name not in sys.modules:
-        path = cache_folder() / f"{name}.py"
-        if not _holds(path, text):
-            _write(path, text)
-        _import(name, path)
+    with _LOADING:
+        if name not in sys.modules:
+            path = cache_folder() / f"{name}.py"
+            if not _holds(path, text):
+                _write(path, text)
+            _import(name, path)
     return sys.modules[name]
 
 

@@ -9,6 +9,9 @@ from linkages.kernel.scalars import SEVERAL, Scalar
 from linkages.kernel.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, Iteration
 
 _INFIX = {"add": ("+", 1), "sub": ("-", 1), "mul": ("*", 2), "div": ("/", 2)}
+DEEPEST = 40
+"""Operations nested in one expression: Python reads no more than 200 pairs of parentheses."""
+
 _ATOM = 4
 _NEGATION = 3
 
@@ -39,6 +42,7 @@ class Statements:
         checks: Mapping[int, Callable[[str], list[str]]] | None = None,
     ) -> None:
         self._text: dict[int, tuple[str, int]] = {i: (text, _ATOM) for i, text in known.items()}
+        self._depth: dict[int, int] = {}
         self._used_names: set[str] = set()
         self._checks = checks or {}
         nodes = [node for node in nodes if node.index not in known]
@@ -58,7 +62,9 @@ class Statements:
             self._write_iteration(node)
             return
         text = self._expression(node)
-        assign = assign or node.operation in SEVERAL
+        depth = 1 + max((self._depth.get(o.index, 0) for o in node.operands), default=0)
+        assign = assign or node.operation in SEVERAL or depth >= DEEPEST
+        self._depth[node.index] = 0 if assign else depth
         if not node.operands or not assign:
             self._text[node.index] = text
             return

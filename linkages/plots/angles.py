@@ -16,7 +16,9 @@ SMALL = np.pi / 2
 NEARLY_ALL = 0.8
 """Of a turn: wrapped angles that fill more of it get the whole turn."""
 
-MOST_TICKS = {"x": 9, "y": 7}
+ROOM = {"x": 0.55, "y": 0.3}
+"""Inches that a label needs along an axis."""
+
 _STEPS = (Fraction(1, 8), Fraction(1, 4), Fraction(1, 2), *map(Fraction, (1, 2, 5, 10, 20, 50)))
 
 
@@ -54,7 +56,8 @@ def show_angles(ax: Axes, along: str, values: ArrayLike, *, wrap: bool = True) -
         span = 2 * np.pi
     if span < SMALL:
         return
-    steps = (s for s in _STEPS if span <= MOST_TICKS[along] * float(s) * np.pi)
+    inches = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
+    steps = (s for s in _STEPS if span <= inches / ROOM[along] * float(s) * np.pi)
     step = next(steps, Fraction(round(span / np.pi / 5)))
     axis.set_major_locator(MultipleLocator(float(step) * np.pi))
     axis.set_major_formatter(FuncFormatter(lambda value, _: multiple_of_pi(value)))

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ROUND_OFF = 1e-12
+"""SI units; smaller values are zero, and get no prefix of their own."""
+
 
 class Output(NamedTuple):
     """A variable of a dataset and what its axis is called."""
@@ -62,7 +65,8 @@ def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
 def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
     angle = output.variable.endswith("_angle")
-    scale = scale_of(values, str(data[output.variable].attrs.get("units", "")))
+    clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
+    scale = scale_of(clear, str(data[output.variable].attrs.get("units", "")))
     factor, label = (1.0, f"{output.label} [rad]") if angle else (scale.factor, "")
     label = label or scale.label(output.label)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(label)

@@ -30,29 +30,32 @@ def supervise(method: Method, job: Job, watch: Callable[[float], None] | None) -
     loop = method.prepare(job)
     results: list[int] = []
     failures: list[BaseException] = []
+    # Not Thread.join: interrupted in the middle, it may take a running thread for ended.
+    done = threading.Event()
 
     def work() -> None:
         try:
             results.append(loop())
         except BaseException as failure:  # handed over to the calling thread
             failures.append(failure)
+        finally:
+            done.set()
 
     worker = threading.Thread(target=work, name="linkages-solver", daemon=True)
     worker.start()
     try:
-        running = True
-        while running:
-            worker.join(POLL)
-            running = worker.is_alive()
+        ended = False
+        while not ended:
+            ended = done.wait(POLL)
             if watch is not None:
                 watch(job.fraction)
     except KeyboardInterrupt:
         job.stop()
     except BaseException:
         job.stop()
-        worker.join()
+        done.wait()
         raise
-    worker.join()
+    done.wait()
     if failures:
         raise failures[0]
     return Outcome(results[0])

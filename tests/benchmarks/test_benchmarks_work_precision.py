@@ -154,6 +154,47 @@ def test_time_per_evaluation_is_that_of_compiled_code(short):
     assert 1e-9 < seconds_per_evaluation(short.flow, short.system.state, repeats=1) < 1e-5
 
 
+GROUP = {"drives": {}, "free": {"crank": {"angle": 0, "speed": 6}}}
+
+
+def test_group_solved_by_iteration_is_measured():
+    """With coordinates that are carried along; a peer that knows no iteration is left out."""
+    problem = Problem(linkages.load("class-three", set=GROUP), 0.1)
+    assert problem.flow.carried == 4
+    assert problem.uncertainty < 1e-13
+    found = list(work_precision(problem, repeats=1, longest=0.02))
+    names = {point.method for point in found}
+    assert names == {*METHODS, "scipy solve_ivp DOP853"}
+    best = {name: min(p.error for p in found if p.method == name) for name in names}
+    assert max(best.values()) < 1e-6
+    assert 1e-9 < seconds_per_evaluation(problem.flow, problem.system.state, repeats=1) < 1e-4
+
+
+def test_right_hand_side_of_a_group_writes_within_its_memory():
+    """A kernel writes what was settled behind the margins; there must be room for it."""
+    problem = Problem(linkages.load("class-three", set=GROUP), 0.1)
+    state = problem.system.state
+    rate = derivative(problem.flow)(0.0, state)
+    count = problem.flow.coordinates
+    assert rate.shape == (2 * count,)
+    assert rate[:count] == pytest.approx(state[count:])
+    out = derivative(problem.flow).__closure__
+    arrays = [cell.cell_contents for cell in out if isinstance(cell.cell_contents, np.ndarray)]
+    sizes = {array.size for array in arrays}
+    assert count + 2 * len(problem.flow.margin_scale) + 2 * problem.flow.carried in sizes
+
+
+def test_andrews_against_its_motion_in_50_digits():
+    """The angle of K1 after 30 ms by the reference of the benchmark itself."""
+    data = json.loads(
+        (Path(__file__).parents[1] / "data" / "andrews.json").read_text(encoding="utf-8")
+    )
+    problem = Problem(linkages.load("andrews"), float(data["time"]))
+    exact = float(dict(zip(data["order"], data["angles"], strict=True))["beta"])
+    assert problem.exact[0] == pytest.approx(exact, abs=1e-12)
+    assert problem.uncertainty < 1e-12
+
+
 def test_every_method_is_measured():
     problem = Problem(linkages.load("ninebar", set=START), 0.004)
     found = list(work_precision(problem, repeats=1, longest=0.05))
@@ -164,10 +205,11 @@ def test_every_method_is_measured():
     assert len(figure(found, "heading").axes[0].lines) == len(names)
 
 
-def test_pages_show_numbers_of_every_method():
+@pytest.mark.parametrize("name", ["ninebar", "andrews"])
+def test_pages_show_numbers_of_every_method(name):
     """`python docs/figures_benchmark.py --measure` makes them anew."""
     static = Path(__file__).parents[2] / "docs" / "_static"
-    content = json.loads((static / "bench-ninebar.json").read_text(encoding="utf-8"))
+    content = json.loads((static / f"bench-{name}.json").read_text(encoding="utf-8"))
     assert {point["method"] for point in content["points"]} >= set(METHODS)
     assert content["machine"]
     assert content["date"]

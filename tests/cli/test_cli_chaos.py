@@ -104,8 +104,9 @@ def test_exponents_as_a_table(pendulum):
 def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tmp_path):
     """Without inertia at its end the arm cannot move: the first mass of the range fails."""
     result = pendulum(
-        "bifurcation", "--vary", "masses.P=0:2:3", "--periods", "4", "--skip", "1", "--exponent"
-    )
+        "bifurcation", "--vary", "masses.P=0:2:3", "--periods", "4", "--skip", "1", "--exponent",
+        "--cores", "1",
+    )  # fmt: skip
     assert result.code == 0, result.err
     data = opened(tmp_path, "bifurcation.nc")
     assert data["bar_angle"].shape == (1, 3, 4, 1)
@@ -188,7 +189,7 @@ def test_initial_states_are_split_at_assignments():
 def test_map(pendulum, tmp_path, indicator):
     result = pendulum(
         "map", "--x", "free.arm.angle=-1:1:3", "--y", f"{DAMPING}=0.5:1:2", "--periods", "5",
-        "--indicator", indicator, "--json",
+        "--indicator", indicator, "--json", "--cores", "1",
     )  # fmt: skip
     assert result.code == 0, result.err
     content = json.loads(result.out)

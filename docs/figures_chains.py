@@ -16,11 +16,13 @@ from figures import ROOT, STATIC, machine
 from figures_benchmark import rounded
 from figures_stability import write
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from linkages.plots.figures import write_figure
 from linkages.plots.style import BLACK, line_style, panels, styled
 
 NUMBERS = STATIC / "chains.json"
+TICKS = (2, 5, 10, 20, 50, 100, 200)
 BENCHMARK = ROOT / "tests" / "benchmarks" / "chains.py"
 
 
@@ -48,27 +50,29 @@ def line(rows: list[dict]) -> tuple[float, float]:
 
 @styled
 def figure(rows: list[dict]) -> Figure:
-    """Time of an evaluation, and of compiling, against the number of links."""
+    """Time of an evaluation, and of compiling, against the number of links, all logarithmic."""
     found, (left, right) = panels(1, 2, 2.9)
     links = np.array([row["links"] for row in rows])
     slope, offset = line(rows)
-    at = np.array([0.0, 1.04 * links.max()])
-    left.plot(at, 1e6 * (offset + slope * at), color=BLACK, linewidth=0.8)
-    left.plot(links, [1e6 * row["evaluation"] for row in rows], "o", **_mark(0))
-    left.set_ylabel("time of one evaluation [µs]")
+    at = np.geomspace(0.8 * links.min(), 1.25 * links.max())
+    left.loglog(at, 1e9 * (offset + slope * at), color=BLACK, linewidth=0.8)
+    left.loglog(links, [1e9 * row["evaluation"] for row in rows], "o", **_mark(0))
+    left.set_ylabel("time of one evaluation [ns]")
     left.annotate(
-        f"{1e9 * slope:.1f} ns per link",
-        (0.5 * at[1], 1e6 * (offset + slope * 0.5 * at[1])),
-        (-10, 8),
+        f"{1e9 * slope:.0f} ns per link",
+        (20, 1e9 * (offset + slope * 20)),
+        (10, -10),
         textcoords="offset points",
-        ha="right",
     )
-    right.plot(links, [row["compiling"] for row in rows], "o", **_mark(1))
-    right.set_ylabel("time to compile, once per topology [s]")
+    right.loglog(links, [row["compiling"] for row in rows], "o", **_mark(1))
+    right.set_ylabel("time to compile [s]")
     for axes in (left, right):
         axes.set_xlabel("links")
-        axes.set_xlim(0, at[1])
-        axes.set_ylim(0, None)
+        axes.set_xlim(at[0], at[-1])
+        for axis, ticks in ((axes.xaxis, TICKS), (axes.yaxis, axes.get_yticks())):
+            axis.set_major_locator(FixedLocator(list(ticks)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
     return found
 
 

@@ -110,7 +110,8 @@ def test_a_driven_mechanism_from_start_to_end(timed):
     assert timed(lambda: simulate(ideal)).completed
 
 
-@pytest.mark.parametrize("name", FIGURES)
+# The nine-bar's drives turn: it has no figure of forces.
+@pytest.mark.parametrize("name", [name for name in FIGURES if name != "drive_force"])
 def test_figure(timed, solution, name):
     def draw():
         figure = FIGURES[name](solution.data, solution.mechanism)

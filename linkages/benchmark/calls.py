@@ -50,15 +50,14 @@ class _Arrays:
 
 def derivative(flow: Flow) -> Callable[[float, NDArray[np.float64]], NDArray[np.float64]]:
     """The function f(t, y) of a first-order system y' = f, for integrators that want one."""
+    # The function holds all arrays: compiled code writes to their addresses.
     arrays, count = _Arrays(flow), flow.coordinates
-    state, out = arrays.state, arrays.out
-    addresses = arrays.addresses
 
     def right_hand_side(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        state[:] = y
-        if evaluate(flow.clock, flow.rates, t, *addresses) != 0:
+        arrays.state[:] = y
+        if evaluate(flow.clock, flow.rates, t, *arrays.addresses) != 0:
             return np.full(2 * count, np.nan)
-        return np.concatenate([state[count:], out[:count]])
+        return np.concatenate([arrays.state[count:], arrays.out[:count]])
 
     return right_hand_side
 

@@ -315,7 +315,8 @@ def _points(system: System, section: xr.Dataset) -> tuple[Floats, NDArray[np.boo
 
 
 def _zero_one(series: Floats, angle: bool) -> tuple[float, float]:
-    found = zero_one(np.cos(series) if angle else series)
+    # Section points are not oversampled: every one counts.
+    found = zero_one(np.cos(series) if angle else series, lag=1)
     return found.growth, found.spread
 
 

@@ -178,10 +178,28 @@ def test_right_hand_side_of_a_group_writes_within_its_memory():
     count = problem.flow.coordinates
     assert rate.shape == (2 * count,)
     assert rate[:count] == pytest.approx(state[count:])
-    out = derivative(problem.flow).__closure__
-    arrays = [cell.cell_contents for cell in out if isinstance(cell.cell_contents, np.ndarray)]
-    sizes = {array.size for array in arrays}
+    sizes = {array.size for array in held_arrays(derivative(problem.flow))}
     assert count + 2 * len(problem.flow.margin_scale) + 2 * problem.flow.carried in sizes
+
+
+def held_arrays(function):
+    """Arrays that a function keeps alive, by itself or in an object that it holds."""
+    held = [cell.cell_contents for cell in function.__closure__]
+    held += [part for thing in held for part in getattr(thing, "__dict__", {}).values()]
+    return [thing for thing in held if isinstance(thing, np.ndarray)]
+
+
+def test_right_hand_side_keeps_alive_what_compiled_code_writes(short):
+    """Four arrays by their addresses; the one that the clock fills has no other owner."""
+    function = derivative(short.flow)
+    (addresses,) = (
+        cell.cell_contents.addresses
+        for cell in function.__closure__
+        if hasattr(cell.cell_contents, "addresses")
+    )
+    held = {array.ctypes.data for array in held_arrays(function)}
+    assert len(addresses) == 4
+    assert set(addresses) <= held
 
 
 def test_andrews_against_its_motion_in_50_digits():

@@ -75,8 +75,13 @@ class ComputationError(LinkagesError):
         One sentence with the time, the joint and block concerned, and a remedy.
     time
         Simulated time in seconds at which the computation stopped.
+    interrupted
+        Whether somebody asked for that (Ctrl-C).
     """
 
-    def __init__(self, message: str, *, time: float | None = None) -> None:
+    def __init__(
+        self, message: str, *, time: float | None = None, interrupted: bool = False
+    ) -> None:
         super().__init__(message)
         self.time = time
+        self.interrupted = interrupted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.free_states import PAIRS, free_names, require_free
+from linkages.chaos.free_states import PAIRS, free_names
 from linkages.chaos.lyapunov import lyapunov
-from linkages.chaos.section import poincare
-from linkages.chaos.sweep import Executor, Progress, attempt, sweep
+from linkages.chaos.section import poincare, require_section
+from linkages.chaos.sweep import INTERRUPTED, Executor, Progress, sweep
 from linkages.chaos.varied import Axis, axis, varied
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
@@ -27,6 +28,13 @@ EXPONENT_PERIODS = 100
 Floats = NDArray[np.float64]
 
 
+State = dict[str, tuple[float, float]]
+"""Free coordinate → value and rate."""
+
+Point = tuple[int, Mapping[str, object], State]
+"""Index of a value, overrides of an initial state, and from where to go on instead."""
+
+
 @dataclass(frozen=True)
 class _Request:
     """What is computed at every value."""
@@ -39,7 +47,11 @@ class _Request:
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
         return varied(self.mechanism, {**self.axis.at(index), **overrides})
 
-    def compute(self, mechanism: Mechanism) -> dict[str, Floats]:
+    def compute(self, point: Point) -> dict[str, Floats]:
+        index, overrides, state = point
+        mechanism = self.at(index, overrides)
+        if state:
+            mechanism = mechanism.with_state(state)
         data = poincare(mechanism, **self.section)
         found = {str(name): np.asarray(values) for name, values in data.data_vars.items()}
         found["time"] = np.asarray(data["time"])
@@ -111,11 +123,14 @@ def bifurcation(
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
     request = _Request(mechanism, values, taken, exponent)
     system = System(request.at(0, initial[0]))  # what is wrong with the request shows here
-    require_free(system)
+    for other in initial[1:]:
+        request.at(0, other)
+    require_section(system, periods, skip, phase, section, direction)
     if start == "same":
         found, interrupted = _independent(request, initial, executor, watch)
     else:
-        found, interrupted = _continued(request, initial, start, executor, watch)
+        names = free_names(system)
+        found, interrupted = _continued(request, names, initial, start, executor, watch)
     return _labelled(system, request, found, len(initial), periods, interrupted)
 
 
@@ -130,54 +145,58 @@ def _independent(
     watch: Callable[[Progress], None] | None,
 ) -> tuple[Found, bool]:
     """Every value from the state of the file."""
-    points = [(i, overrides) for overrides in initial for i in range(len(request.axis))]
-    swept = sweep(
-        lambda point: request.compute(request.at(*point)), points, executor=executor, watch=watch
-    )
+    points: list[Point] = [(i, over, {}) for over in initial for i in range(len(request.axis))]
+    swept = sweep(request.compute, points, executor=executor, watch=watch)
     results = [None if o is None else o.value for o in swept.outcomes]
     return list(zip(results, swept.reasons, strict=True)), swept.interrupted
 
 
 def _continued(
     request: _Request,
+    names: Mapping[str, Sequence[str]],
     initial: Sequence[Mapping[str, object]],
     start: str,
     executor: Executor | None,
     watch: Callable[[Progress], None] | None,
 ) -> tuple[Found, bool]:
-    """Every value from the last state of its neighbour: a chain for each start."""
-    order = list(range(len(request.axis)))
-    if start == "backward":
-        order.reverse()
-
-    def chain(overrides: Mapping[str, object]) -> Found:
-        found: Found = [(None, "not computed")] * len(order)
-        state: dict[str, tuple[float, float]] = {}
-        for index in order:
-            changed = request.at(index, overrides)
-            if state:
-                changed = changed.with_state(state)
-            outcome = attempt(request.compute, index, changed)
-            found[index] = (outcome.value, outcome.reason or "")
-            if outcome.value is not None:
-                state = _last_state(System(changed), outcome.value)
-        return found
-
-    swept = sweep(chain, list(initial), executor=executor, watch=watch)
-    result: Found = []
-    for outcome, reason in zip(swept.outcomes, swept.reasons, strict=True):
-        if outcome is None or outcome.value is None:
-            result += [(None, reason)] * len(order)
-        else:
-            result += outcome.value
-    return result, swept.interrupted
+    """Every value from the last state of its neighbour, all initial states side by side."""
+    count = len(request.axis)
+    order = range(count) if start == "forward" else range(count - 1, -1, -1)
+    states: list[State] = [{} for _ in initial]
+    found: Found = [(None, INTERRUPTED)] * (len(initial) * count)
+    begun = time.monotonic()
+    for done, index in enumerate(order):
+        swept = sweep(
+            request.compute,
+            [(index, *start) for start in zip(initial, states, strict=True)],
+            executor=executor,
+            watch=_onwards(watch, done * len(initial), count * len(initial), begun),
+            alone=not done,  # later values find everything compiled
+        )
+        for row, outcome in enumerate(swept.outcomes):
+            if outcome is not None:
+                found[row * count + index] = (outcome.value, outcome.reason or "")
+                if outcome.value is not None:
+                    states[row] = _last_state(names, outcome.value)
+        if swept.interrupted:
+            return found, True
+    return found, False
 
 
-def _last_state(system: System, found: Mapping[str, Floats]) -> dict[str, tuple[float, float]]:
-    state: dict[str, tuple[float, float]] = {}
-    for dim, names in free_names(system).items():
+def _onwards(
+    watch: Callable[[Progress], None] | None, before: int, total: int, begun: float
+) -> Callable[[Progress], None] | None:
+    """Progress of one value as progress of all."""
+    if watch is None:
+        return None
+    return lambda progress: watch(Progress.after(before + progress.done, total, begun))
+
+
+def _last_state(names: Mapping[str, Sequence[str]], found: Mapping[str, Floats]) -> State:
+    state: State = {}
+    for dim, elements in names.items():
         value, rate = (found[output][-1] for output in PAIRS[dim])
-        state |= {n: (float(value[i]), float(rate[i])) for i, n in enumerate(names)}
+        state |= {n: (float(value[i]), float(rate[i])) for i, n in enumerate(elements)}
     return state
 
 

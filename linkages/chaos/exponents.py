@@ -26,6 +26,22 @@ DRIFTS = 6.0
 """Drift, in standard errors, from which on a history has not settled."""
 
 
+class UnfinishedExponentsError(ComputationError):
+    """A run that ended early, but long enough for exponents.
+
+    Parameters
+    ----------
+    reason
+        What ended it.
+    exponents
+        Of the run up to there.
+    """
+
+    def __init__(self, reason: ComputationError, exponents: Exponents) -> None:
+        super().__init__(str(reason), time=reason.time, interrupted=reason.interrupted)
+        self.exponents = exponents
+
+
 @dataclass(frozen=True, eq=False)
 class Exponents:
     """Lyapunov exponents in 1/s (of a map: per step), the largest first.
@@ -133,7 +149,9 @@ def lyapunov_spectrum(
     ValueError
         For numbers out of range, or if the system carries another number of tangents.
     ComputationError
-        If the motion cannot go on, or tangents become parallel within an interval.
+        If the motion cannot go on, tangents become parallel within an interval, or somebody
+        interrupts; an `UnfinishedExponentsError` with the exponents up to there if that was long
+        enough.
 
     References
     ----------
@@ -149,16 +167,29 @@ def lyapunov_spectrum(
     start_tangents(system, columns)
     growth = np.empty((intervals, columns))
     states, times = np.empty((intervals + 1, size)), np.empty(intervals + 1)
-    for number in range(-skip, intervals):
-        if number == 0:
-            states[0], times[0] = system.state, system.time
-        rates = _orthonormalise(system, interval)
-        if number >= 0:
-            growth[number] = rates
-            states[number + 1], times[number + 1] = system.state, system.time
-        if watch is not None:
-            watch((number + skip + 1) / (intervals + skip))
+    done = 0
+    try:
+        for number in range(-skip, intervals):
+            if number == 0:
+                states[0], times[0] = system.state, system.time
+            rates = _orthonormalise(system, interval)
+            if number >= 0:
+                growth[number] = rates
+                states[number + 1], times[number + 1] = system.state, system.time
+                done = number + 1
+            if watch is not None:
+                watch((number + skip + 1) / (intervals + skip))
+    except (ComputationError, KeyboardInterrupt) as error:
+        reason = error if isinstance(error, ComputationError) else _interrupted(system.time)
+        if done < FEWEST_INTERVALS:
+            raise reason from None
+        part = Exponents(growth=growth[:done], states=states[: done + 1], times=times[: done + 1])
+        raise UnfinishedExponentsError(reason, part) from None
     return Exponents(growth=growth, states=states, times=times)
+
+
+def _interrupted(time: float) -> ComputationError:
+    return ComputationError(f"interrupted at t = {time:.9g}", time=time, interrupted=True)
 
 
 def _orthonormalise(system: TangentSystem, interval: float) -> Floats:

@@ -9,12 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.exponents import FEWEST_INTERVALS, Exponents, lyapunov_spectrum
+from linkages.chaos.exponents import (
+    FEWEST_INTERVALS,
+    Exponents,
+    UnfinishedExponentsError,
+    lyapunov_spectrum,
+)
 from linkages.chaos.free_states import require_free
 from linkages.chaos.section import section_settings
 from linkages.chaos.tangents import LinkageTangents
+from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.system import System
+from linkages.solution.motion import Settings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,18 +74,25 @@ def lyapunov(
     ValueError
         For arguments that make no sense.
     ComputationError
-        If the motion cannot go on.
+        If the motion cannot go on, or after Ctrl-C. An `UnfinishedError` has the exponents up to
+        there in ``kept["lyapunov"]``, if there were enough intervals for an error.
     """
-    exponents = exponents_of(
-        mechanism,
-        periods=periods,
-        skip=skip,
-        count=count,
-        interval=interval,
-        method=method,
-        rtol=rtol,
-        watch=watch,
-    )
+    try:
+        exponents = exponents_of(
+            mechanism,
+            periods=periods,
+            skip=skip,
+            count=count,
+            interval=interval,
+            method=method,
+            rtol=rtol,
+            watch=watch,
+        )
+    except UnfinishedExponentsError as error:
+        kept = {"lyapunov": labelled_exponents(mechanism, error.exponents)}
+        raise UnfinishedError(
+            str(error), kept, time=error.time, interrupted=error.interrupted
+        ) from None
     return labelled_exponents(mechanism, exponents)
 
 
@@ -122,7 +136,28 @@ def exponents_of(
     watch: Callable[[float], None] | None = None,
 ) -> Exponents:
     """The same as `lyapunov`, with the growth in every interval."""
-    system = System(mechanism)
+    return run_exponents(
+        System(mechanism),
+        section_settings(mechanism, method, rtol),
+        periods=periods,
+        skip=skip,
+        count=count,
+        interval=interval,
+        watch=watch,
+    )
+
+
+def run_exponents(
+    system: System,
+    settings: Settings,
+    *,
+    periods: int,
+    skip: int = 0,
+    count: int | None = None,
+    interval: float | None = None,
+    watch: Callable[[float], None] | None = None,
+) -> Exponents:
+    """Exponents of a motion that is integrated in a certain way."""
     require_free(system)
     if periods < 1 or skip < 0:
         raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
@@ -130,10 +165,11 @@ def exponents_of(
     columns = whole if count is None else count
     if not 1 <= columns <= whole:
         raise ValueError(f"count must be from 1 to {whole}, found {count}")
-    settings = section_settings(mechanism, method, rtol)
-    tangents = LinkageTangents(system, columns, settings.method, settings.rtol)
+    tangents = LinkageTangents(
+        system, columns, settings.method, settings.rtol, settings.atol, settings.step
+    )
     parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
-    length = characteristic_period(mechanism) if interval is None else interval
+    length = characteristic_period(system.mechanism) if interval is None else interval
     return lyapunov_spectrum(
         tangents,
         intervals=periods * parts,

@@ -50,7 +50,14 @@ class _Request:
         mechanism = varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
         settings = section_settings(mechanism, self.method, self.rtol)
         count = 1 if self.indicator == "exponent" else 2
-        system = _Followed(System(mechanism), count, settings.method, settings.rtol)
+        system = _Followed(
+            System(mechanism),
+            count,
+            settings.method,
+            settings.rtol,
+            settings.atol,
+            settings.step,
+        )
         intervals = self.periods * PARTS
         interval = characteristic_period(mechanism) / PARTS
         if self.indicator == "exponent":
@@ -64,8 +71,8 @@ class _Request:
 class _Followed(LinkageTangents):
     """Tangents that remember where free angles were."""
 
-    def __init__(self, system: System, tangents: int, method: str, rtol: float) -> None:
-        super().__init__(system, tangents, method, rtol)
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
         self._places = [self.unwrapped]
 
     def advance(self, interval: float) -> None:

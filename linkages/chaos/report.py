@@ -3,143 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from linkages.chaos.closed_curves import ClosedCurves, closed_curves
-from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.contact import Contact, contact_check
-from linkages.chaos.exponents import Exponents
-from linkages.chaos.free_states import PAIRS, free_names, require_free
-from linkages.chaos.indicators import Verdict, classify
-from linkages.chaos.lyapunov import characteristic_period, exponents_of, labelled_exponents
+from linkages.chaos import evidence
+from linkages.chaos.closed_curves import closed_curves
+from linkages.chaos.evidence import Run
+from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
+from linkages.chaos.findings import ChaosReport
+from linkages.chaos.free_states import require_free
+from linkages.chaos.lyapunov import labelled_exponents, run_exponents
 from linkages.chaos.periods import find_period
-from linkages.chaos.rotation import Rotation, classify_angle
-from linkages.chaos.section import poincare
-from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
-from linkages.chaos.zero_one import zero_one
+from linkages.chaos.section import section_settings
+from linkages.chaos.unfinished import UnfinishedError
+from linkages.chaos.verdict import FEWEST_PERIODS, judged
 from linkages.components.mechanism import Mechanism
+from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.horizon import Horizon
-from linkages.solution.simulate import simulate
-from linkages.solution.solution import Solution
+from linkages.solution.motion import Settings
+from linkages.solution.solution import IncompleteError
+from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.methods import METHODS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-PER_PERIOD = 512
-"""Samples of the motion within a period."""
-
 TIGHTER = 0.1
 """Factor on the tolerance under which a verdict must not change."""
-
-SIGNIFICANT = 4.0
-"""Standard errors by which the largest exponent of a chaotic motion exceeds zero."""
-
-REGULAR_GROWTH, CHAOTIC_GROWTH = 0.3, 0.6
-"""Results of the 0–1 test that speak for regular and for chaotic motion."""
-
-FEWEST_PERIODS = 200
-"""The 0–1 test and the section need so many points."""
-
-Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class ChaosReport:
-    """A verdict and what it rests on.
-
-    Parameters
-    ----------
-    name, source
-        The mechanism.
-    verdict
-        ``"periodic"``, ``"quasi-periodic"``, ``"chaotic"`` or ``"undecided"``.
-    reasons
-        Sentences that lead to it.
-    conservative
-        Whether nothing dissipates: there is no attractor then, and the verdict is about this
-        initial state.
-    exponents
-        As `linkages.lyapunov` returns them.
-    zero_one
-        Free coordinate → growth of the 0–1 test and its spread.
-    spectra
-        Free coordinate → power spectrum of its rate.
-    section
-        As `linkages.poincare` returns it.
-    rotation
-        Free angle → what it does.
-    period
-        Section points until the motion repeats; None if it does not.
-    curves
-        Whether section points lie on closed curves.
-    horizon
-        Until when the simulated motion has correct digits.
-    contact
-        Per clearance, whether pin and hole stay in contact.
-    tighter
-        ``rtol`` and ``verdict`` of the repetition with a tenfold tighter tolerance, and the
-        largest ``exponent`` with its ``error``.
-    force
-        Clearance forces over time (time, clearance); None without clearances.
-    """
-
-    name: str
-    source: str
-    verdict: str
-    reasons: tuple[str, ...]
-    conservative: bool
-    exponents: xr.Dataset
-    zero_one: dict[str, tuple[float, float]]
-    spectra: dict[str, PowerSpectrum]
-    section: xr.Dataset
-    rotation: dict[str, Rotation]
-    period: int | None
-    curves: ClosedCurves | None
-    horizon: Horizon | None
-    contact: tuple[Contact, ...]
-    tighter: dict[str, Any]
-    force: xr.DataArray | None = None
-    notes: tuple[str, ...] = field(default=())
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data for JSON."""
-        exponents = self.exponents
-        return {
-            "mechanism": self.name,
-            "source": self.source,
-            "verdict": self.verdict,
-            "reasons": list(self.reasons),
-            "conservative": self.conservative,
-            "exponents": [float(v) for v in exponents["exponent"]],
-            "errors": [float(v) for v in exponents["error"]],
-            "settled": bool(exponents.attrs["settled"]),
-            "sum": exponents.attrs["sum"],
-            "zero_one": {n: {"growth": k, "spread": s} for n, (k, s) in self.zero_one.items()},
-            "lines": {
-                name: {
-                    "frequencies": [float(f) for f in spectrum.lines],
-                    "share": spectrum.line_share,
-                }
-                for name, spectrum in self.spectra.items()
-            },
-            "rotation": {
-                name: {"kind": str(found.kind), "rate": found.rate}
-                for name, found in self.rotation.items()
-            },
-            "period": self.period,
-            "closed_curves": None if self.curves is None else self.curves.count,
-            "horizon": None
-            if self.horizon is None
-            else {"time": self.horizon.time, "whole": self.horizon.whole},
-            "contact": [contact.to_dict() for contact in self.contact],
-            "tighter": self.tighter,
-            "notes": list(self.notes),
-        }
 
 
 def chaos(
@@ -174,74 +64,118 @@ def chaos(
     ValueError
         For arguments that make no sense.
     ComputationError
-        If the motion cannot go on.
+        If the motion cannot go on, or after Ctrl-C; an `UnfinishedError` has what there is of the
+        exponents and the section.
     """
     system = System(mechanism)
     require_free(system)
     if periods < FEWEST_PERIODS:
         raise ValueError(f"a verdict needs at least {FEWEST_PERIODS} periods, found {periods}")
-    tolerance = mechanism.simulation.rtol if rtol is None else rtol
-    parts, tight = _Parts(watch, 3), max(TIGHTER * tolerance, 1e-14)
-    exponents, again = (
-        exponents_of(
-            mechanism,
-            periods=periods,
-            skip=skip,
-            count=count,
-            method=method,
-            rtol=wanted,
-            watch=parts.of(part),
-        )
-        for part, (count, wanted) in enumerate([(None, tolerance), (1, tight)])
-    )
-    section = _section(mechanism, system, periods, skip, method, tolerance)
-    solution = _followed(mechanism, system, periods, skip, method, tolerance, parts.of(2))
-    points, angles = _points(system, section)
-    names = system.topology.free
-    tests = {name: _zero_one(points[:, i], bool(angles[i])) for i, name in enumerate(names)}
-    period = find_period(points, angles=angles).count
-    curves = closed_curves(points, angles=angles) if period is None else None
-    verdict, reasons = _judged(exponents, tests, period, curves)
-    tighter_verdict, _ = _judged(again, tests, period, curves)
-    if tighter_verdict != verdict:
+    settings = section_settings(mechanism, method, rtol)
+    run = Run(system=system, periods=periods, skip=skip, settings=settings)
+    kept: dict[str, xr.Dataset] = {}
+    try:
+        return _judge(run, watch, kept)
+    except KeyboardInterrupt:
+        raise UnfinishedError("interrupted", kept, interrupted=True) from None
+    except ComputationError as error:
+        kept |= _last(run, error)
+        if not kept:
+            raise
+        raise UnfinishedError(
+            str(error), kept, time=error.time, interrupted=error.interrupted
+        ) from None
+
+
+def _judge(
+    run: Run, watch: Callable[[float], None] | None, kept: dict[str, xr.Dataset]
+) -> ChaosReport:
+    """Gather evidence, put what is there into `kept`, and judge."""
+    parts, tight = _Parts(watch, 3), tightened(run.settings)
+    exponents = _exponents(run, None, run.settings, parts.of(0))
+    kept["chaos_exponents"] = labelled_exponents(run.mechanism, exponents)
+    section = kept["chaos_section"] = evidence.section_of(run)
+    again = _exponents(run, 1, tight, parts.of(1))
+    solution = evidence.followed(run, parts.of(2))
+    points, angles = evidence.states_of(run.system, section)
+    tests = evidence.zero_one_tests(run.system, points, angles)
+    period = find_period(points, angles=angles).count if tests else None
+    curves = closed_curves(points, angles=angles) if tests and period is None else None
+    verdict, reasons = judged(exponents, tests, period, curves, len(points))
+    tighter, _ = judged(again, tests, period, curves, len(points))
+    how = _how(tight)
+    if (tight.rtol, tight.step) == (run.settings.rtol, run.settings.step):
+        reasons.append("No smaller error can be asked for, so nothing confirms this.")
+        verdict = "undecided"
+    elif tighter != verdict:
         reasons.append(
-            f"At rtol {tight:g} the verdict would be {tighter_verdict!r}: it changes with the step "
-            "size, so it is none."
+            f"At {how} the verdict would be {tighter!r}: it changes with the step size, so it is "
+            "none."
         )
         verdict = "undecided"
     else:
-        reasons.append(f"The verdict is the same at rtol {tight:g}.")
-    conservative = _conservative(mechanism)
+        reasons.append(f"The verdict is the same at {how}.")
+    conservative = evidence.conservative(run.mechanism)
     if conservative:
         reasons.append(
             "Nothing dissipates: there is no attractor, and the verdict is about this initial "
             "state; others may move otherwise."
         )
-    force = solution.data.get("clearance_force")
     return ChaosReport(
-        name=mechanism.name,
-        source=mechanism.source,
+        name=run.mechanism.name,
+        source=run.mechanism.source,
         verdict=verdict,
         reasons=tuple(reasons),
         conservative=conservative,
-        exponents=labelled_exponents(mechanism, exponents),
+        exponents=kept["chaos_exponents"],
         zero_one=tests,
-        spectra=_spectra(system, solution),
+        spectra=evidence.spectra_of(run.system, solution),
         section=section,
-        rotation=_rotation(system, solution),
+        rotation=evidence.rotation_of(run.system, solution),
+        dimension=evidence.dimension_of(points, angles),
         period=period,
         curves=curves,
         horizon=solution.horizon,
-        contact=_contact(solution),
+        contact=evidence.contact_of(solution),
         tighter={
-            "rtol": tight,
-            "verdict": tighter_verdict,
+            "how": how,
+            "verdict": tighter,
             "exponent": float(again.values[0]),
             "error": float(again.errors[0]),
         },
-        force=force,
+        force=solution.data.get("clearance_force"),
         notes=solution.notes,
     )
+
+
+def tightened(settings: Settings) -> Settings:
+    """Settings that make errors ten times smaller, as far as there are such."""
+    if settings.step is None:
+        return replace(settings, rtol=max(TIGHTER * settings.rtol, LEAST_RTOL))
+    return replace(settings, step=settings.step * TIGHTER ** (1 / METHODS[settings.method].order))
+
+
+def _how(settings: Settings) -> str:
+    return f"rtol {settings.rtol:g}" if settings.step is None else f"step {settings.step:.3g} s"
+
+
+def _exponents(
+    run: Run, count: int | None, settings: Settings, watch: Callable[[float], None] | None
+) -> Exponents:
+    return run_exponents(
+        run.system, settings, periods=run.periods, skip=run.skip, count=count, watch=watch
+    )
+
+
+def _last(run: Run, error: ComputationError) -> dict[str, xr.Dataset]:
+    """What the analysis that ended early leaves."""
+    if isinstance(error, UnfinishedExponentsError) and len(error.exponents.values) > 1:
+        return {"chaos_exponents": labelled_exponents(run.mechanism, error.exponents)}
+    if isinstance(error, UnfinishedError):
+        return {f"chaos_{name}": data for name, data in error.kept.items()}
+    if isinstance(error, IncompleteError):
+        return {"chaos_motion": error.solution.data}
+    return {}
 
 
 class _Parts:
@@ -254,148 +188,3 @@ class _Parts:
         """Progress of one of them."""
         watch, count = self._watch, self._count
         return None if watch is None else lambda done: watch((index + done) / count)
-
-
-def _section(
-    mechanism: Mechanism,
-    system: System,
-    periods: int,
-    skip: int,
-    method: str | None,
-    rtol: float,
-) -> xr.Dataset:
-    """Stroboscopic, or where the first free coordinate comes to rest."""
-    try:
-        common_period(mechanism)
-    except NoPeriodError:
-        dim, (name, *_) = next(iter(free_names(system).items()))
-        rate = "velocity" if dim == "slider" else "speed"
-        return poincare(
-            mechanism, periods=periods, skip=skip, section=f"{name}.{rate}=0", method=method,
-            rtol=rtol,
-        )  # fmt: skip
-    return poincare(mechanism, periods=periods, skip=skip, method=method, rtol=rtol)
-
-
-def _followed(
-    mechanism: Mechanism,
-    system: System,
-    periods: int,
-    skip: int,
-    method: str | None,
-    rtol: float,
-    watch: Callable[[float], None] | None,
-) -> Solution:
-    """The motion over time: free coordinates and clearance forces."""
-    outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
-    if "clearance_angle" in outputs:
-        outputs.append("clearance_force")
-    whole = periods + skip
-    return simulate(
-        mechanism,
-        end=whole * characteristic_period(mechanism),
-        samples=whole * PER_PERIOD + 1,
-        method=method,
-        rtol=rtol,
-        outputs=outputs,
-        watch=watch,
-    )
-
-
-def _points(system: System, section: xr.Dataset) -> tuple[Floats, NDArray[np.bool_]]:
-    """Free coordinates and rates at section points, shape (points, 2n), and which are angles."""
-    columns, rates, angles = [], [], []
-    for dim, names in free_names(system).items():
-        value, rate = PAIRS[dim]
-        for index in range(len(names)):
-            columns.append(section[value].to_numpy()[:, index])
-            rates.append(section[rate].to_numpy()[:, index])
-            angles.append(dim != "slider")
-    return np.array([*columns, *rates]).T, np.array([*angles, *[False] * len(rates)])
-
-
-def _zero_one(series: Floats, angle: bool) -> tuple[float, float]:
-    # Section points are not oversampled: every one counts.
-    found = zero_one(np.cos(series) if angle else series, lag=1)
-    return found.growth, found.spread
-
-
-def _judged(
-    exponents: Exponents,
-    tests: dict[str, tuple[float, float]],
-    period: int | None,
-    curves: ClosedCurves | None,
-) -> tuple[str, list[str]]:
-    """A verdict and the sentences that lead to it."""
-    value, error = float(exponents.values[0]), float(exponents.errors[0])
-    growth = np.cumsum(exponents.growth[:, 0] * np.diff(exponents.times))
-    law = classify(exponents.times[1:] - exponents.times[0], growth)
-    tested = max(tests.values(), key=lambda found: found[0])[0]
-    reasons = [
-        f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents grow "
-        + {
-            Verdict.CHAOTIC: "in proportion to time, as along chaotic motions.",
-            Verdict.REGULAR: "like a power of time, as along regular motions.",
-            Verdict.UNDECIDED: "neither clearly like a power of time nor exponentially.",
-        }[law],
-        f"The 0–1 test gives {tested:.3f}.",
-    ]
-    if exponents.unsettled:
-        reasons.append(exponents.unsettled)
-    significant = value > SIGNIFICANT * error
-    if law is Verdict.CHAOTIC and significant and tested > CHAOTIC_GROWTH:
-        return "chaotic", reasons
-    calm = law is Verdict.REGULAR or value < -SIGNIFICANT * error
-    if calm and period is not None:
-        reasons.append(f"The section repeats after {period} point{'s' if period > 1 else ''}.")
-        return "periodic", reasons
-    if calm and curves is not None and curves.count:
-        number = "a closed curve" if curves.count == 1 else f"{curves.count} closed curves"
-        reasons.append(f"Section points lie on {number}.")
-        return "quasi-periodic", reasons
-    if calm and tested < REGULAR_GROWTH:
-        if curves is not None:
-            reasons.append(f"Section points are not clearly on a curve: {curves.reason}")
-        return "quasi-periodic", reasons
-    reasons.append("The evidence does not agree; run more periods.")
-    return "undecided", reasons
-
-
-def _conservative(mechanism: Mechanism) -> bool:
-    """Whether no load dissipates."""
-    return all(
-        damping is None or damping.absent
-        for load in mechanism.loads
-        for damping in (getattr(load, "damping", None),)
-    )
-
-
-def _spectra(system: System, solution: Solution) -> dict[str, PowerSpectrum]:
-    interval = float(solution.data.time[1] - solution.data.time[0])
-    found = {}
-    for dim, names in free_names(system).items():
-        rates = solution.data[PAIRS[dim][1]]
-        for name in names:
-            found[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
-    return found
-
-
-def _rotation(system: System, solution: Solution) -> dict[str, Rotation]:
-    found, time = {}, solution.data.time.to_numpy()
-    for dim, names in free_names(system).items():
-        if dim != "slider":
-            values = solution.data[PAIRS[dim][0]]
-            for name in names:
-                found[name] = classify_angle(time, values.sel({dim: name}).to_numpy())
-    return found
-
-
-def _contact(solution: Solution) -> tuple[Contact, ...]:
-    data = solution.data
-    if "clearance_force" not in data:
-        return ()
-    time = data.time.to_numpy()
-    return tuple(
-        contact_check(str(name), time, data.clearance_force.sel(clearance=name).to_numpy())
-        for name in data.clearance.to_numpy()
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,20 +12,21 @@ from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.free_states import free_values, labelled_states, require_free
+from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.model import Model
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.kernel.variations import NeedsAccelerationsError
-from linkages.reading.wording import listed, suggestion
 from linkages.solution.evaluation import ANGLES
 from linkages.solution.flows import Flows
 from linkages.solution.integration import failure_text
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.series import Series, find_series, system_series
 from linkages.solvers.events import Event
 from linkages.solvers.integrate import MAX_STEPS, integrate
+from linkages.solvers.methods import FIXED_STEP_METHODS
 from linkages.solvers.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -36,38 +38,33 @@ DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 SECTION = "slider9.velocity=0"
 
 
+class NeverCrossedError(ComputationError):
+    """A motion does not reach the section at which points were to be taken."""
+
+
 @dataclass(frozen=True)
 class Surface:
-    """Where a section is taken: an output of one element has a value.
+    """Where a section is taken: one series of an output has a value.
 
     Parameters
     ----------
-    variable, element
-        An output of position or velocity and one of its elements.
+    series
+        Of position or velocity.
     level
         In SI.
     """
 
-    variable: str
-    element: str
+    series: Series
     level: float
 
     @property
     def turns(self) -> bool:
         """Whether it is an angle, which has a value again after every turn."""
-        return self.variable in ANGLES
+        return self.series.variable in ANGLES
 
     def node(self, model: Model) -> Scalar:
         """What crosses zero there (an angle also half a turn away)."""
-        entry = VARIABLES[self.variable]
-        nodes = entry.nodes(model)
-        names = labels(model, entry.dims[0])
-        if len(entry.dims) > 1:
-            joint, axis = self.element.rsplit(".", 1)
-            value = nodes[2 * names.index(joint) + ("x", "y").index(axis)]
-        else:
-            value = nodes[names.index(self.element)]
-        difference = value - self.level
+        difference = self.series.node(model) - self.level
         return model.graph.sin(difference) if self.turns else difference
 
 
@@ -83,6 +80,7 @@ def poincare(
     wrap: bool = True,
     method: str | None = None,
     rtol: float | None = None,
+    watch: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Points of a Poincaré section.
 
@@ -108,6 +106,8 @@ def poincare(
         Whether angles are taken within one turn.
     method, rtol
         As `linkages.simulate` takes them; those of the file if not given.
+    watch
+        Called about 20 times a second with the fraction of simulated time done.
 
     Returns
     -------
@@ -120,14 +120,14 @@ def poincare(
         If nothing is free, or the section names nothing.
     ValueError
         For arguments that make no sense; `NoPeriodError` where drives have no common period.
+    UnfinishedError
+        If the motion cannot go on, or after Ctrl-C; ``kept["poincare"]`` has the points so far.
     ComputationError
-        If the motion cannot go on, or never crosses the section.
+        If the motion never crosses the section.
     """
     system = System(mechanism)
-    require_free(system)
-    if periods < 1 or skip < 0:
-        raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
-    settings = section_settings(mechanism, method, rtol)
+    require_section(system, periods, skip, phase, section, direction)
+    settings = replace(section_settings(mechanism, method, rtol), watch=watch)
     attributes: dict[str, object]
     if section is None:
         motion = _stroboscopic(system, settings, periods, skip, phase)
@@ -137,24 +137,58 @@ def poincare(
         last = _limit(system, periods + skip) if end is None else end
         motion = _crossed(system, settings, surface, periods, skip, direction, last)
         attributes = {"section": section, "direction": direction}
-    return labelled_states(
+    data = labelled_states(
         system,
         free_values(system, motion, wrap),
         "crossing",
         {"time": ("crossing", motion.time, {"units": "s", "long_name": "time"})},
         attributes,
     )
+    if motion.failure is not None:
+        raise UnfinishedError(
+            motion.failure,
+            {"poincare": data},
+            time=motion.stop_time,
+            interrupted=motion.interrupted,
+        )
+    return data
+
+
+def require_section(
+    system: System, periods: int, skip: int, phase: float, section: str | None, direction: str
+) -> None:
+    """Whether arguments of `poincare` make sense, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If nothing is free.
+    ValueError
+        If they do not.
+    """
+    require_free(system)
+    if periods < 1 or skip < 0:
+        raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
+    if not 0.0 <= phase < 1.0:
+        raise ValueError(f"phase must be from 0 to below 1, found {phase:g}")
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction must be up, down or both, found {direction!r}")
+    if section is None:
+        stroboscopic_period(system.mechanism)
+    else:
+        parse_section(system, section)
 
 
 def section_settings(mechanism: Mechanism, method: str | None, rtol: float | None) -> Settings:
     """How a motion is integrated whose samples are chosen later."""
     defaults = mechanism.simulation
+    chosen = defaults.method if method is None else method
     return Settings(
         times=np.zeros(1),
-        method=defaults.method if method is None else method,
+        method=chosen,
         rtol=defaults.rtol if rtol is None else rtol,
         atol=defaults.atol if rtol is None else None,
-        step=defaults.step,
+        step=defaults.step if chosen in FIXED_STEP_METHODS else None,
         max_steps=MAX_STEPS,
     )
 
@@ -162,14 +196,9 @@ def section_settings(mechanism: Mechanism, method: str | None, rtol: float | Non
 def _stroboscopic(
     system: System, settings: Settings, periods: int, skip: int, phase: float
 ) -> Motion:
-    if not 0.0 <= phase < 1.0:
-        raise ValueError(f"phase must be from 0 to below 1, found {phase:g}")
-    period = stroboscopic_period(system.mechanism)
+    period = common_period(system.mechanism)
     times = period * (phase + skip + np.arange(periods, dtype=np.float64))
-    motion = compute_motion(system, replace(settings, times=times))
-    if motion.failure is not None:
-        raise ComputationError(motion.failure, time=motion.stop_time)
-    return motion
+    return compute_motion(system, replace(settings, times=times))
 
 
 def stroboscopic_period(mechanism: Mechanism) -> float:
@@ -188,16 +217,6 @@ def _limit(system: System, points: int) -> float:
         return points * system.mechanism.simulation.end
 
 
-_QUANTITIES = {
-    "bar": {"angle": "bar_angle", "speed": "bar_speed"},
-    "clearance": {"angle": "clearance_angle", "speed": "clearance_speed"},
-    "slider": {"position": "slider_position", "velocity": "slider_velocity"},
-    "joint": {
-        f"{axis} {word}": f"joint_{word}" for axis in "xy" for word in ("position", "velocity")
-    },
-}
-
-
 def parse_section(system: System, text: str) -> Surface:
     """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"B.y position=0.1"``.
 
@@ -209,32 +228,27 @@ def parse_section(system: System, text: str) -> Surface:
     from linkages.spec import dimensions
     from linkages.spec.conversion import QuantityError, parse_quantity
 
-    match = re.fullmatch(r"\s*(.+?)\.([^.=]+?)\s*=\s*(.+?)\s*", text)
-    if match is None:
-        raise ValueError(f"expected a section such as {SECTION!r}, found {text!r}")
-    element, quantity, level = match.groups()
-    kinds = {name: dim for dim in _QUANTITIES for name in labels(system.model, dim)}
-    if element not in kinds:
-        near = suggestion(element, kinds) or f"; expected one of: {listed(sorted(kinds))}"
-        raise ValueError(f"section {text!r}: unknown element {element!r}{near}")
-    quantities = _QUANTITIES[kinds[element]]
-    if quantity not in quantities:
-        raise ValueError(
-            f"section {text!r}: {element} has no {quantity!r}; expected {listed(quantities)}"
-        )
-    variable = quantities[quantity]
     measured = {
         "rad": dimensions.ANGLE,
         "rad/s": dimensions.ANGULAR_SPEED,
         "m": dimensions.LENGTH,
         "m/s": dimensions.SPEED,
-    }[VARIABLES[variable].units]
+    }
+    match = re.fullmatch(r"\s*(.+?\.[^.=]+?)\s*=\s*(.+?)\s*", text)
+    if match is None:
+        raise ValueError(f"expected a section such as {SECTION!r}, found {text!r}")
+    name, level = match.groups()
+    known = {
+        other: series
+        for other, series in system_series(system).items()
+        if series.place and "dyad" not in series.place and series.variable in VARIABLES
+        if VARIABLES[series.variable].units in measured
+    }
     try:
-        value = parse_quantity(level, measured)
-    except QuantityError as error:
+        series = find_series(known, name)
+        return Surface(series, parse_quantity(level, measured[VARIABLES[series.variable].units]))
+    except (QuantityError, ValueError) as error:
         raise ValueError(f"section {text!r}: {error}") from None
-    name = f"{element}.{quantity[0]}" if kinds[element] == "joint" else element
-    return Surface(variable, name, value)
 
 
 def _crossed(
@@ -247,12 +261,7 @@ def _crossed(
     end: float,
 ) -> Motion:
     """Integrate until enough crossings are found."""
-    if direction not in DIRECTIONS:
-        raise ValueError(f"direction must be up, down or both, found {direction!r}")
-    try:
-        flow = Flows(system, watched=surface.node).flow()
-    except NeedsAccelerationsError as error:
-        raise ValueError(f"a section cannot be taken there: {error}") from None
+    flow = Flows(system, watched=surface.node).flow()
     own = len(system.topology.coordinates)
     total = flow.coordinates
     weights = np.zeros(2 * total)
@@ -280,10 +289,9 @@ def _crossed(
         atol=settings.atol,
         step=settings.step,
         events=[event],
+        watch=settings.watch,
     )
-    if trajectory.outcome not in (Outcome.DONE, Outcome.EVENT):
-        text = failure_text(system, trajectory)
-        raise ComputationError(str(text), time=trajectory.stop_time)
+    ended = trajectory.outcome in (Outcome.DONE, Outcome.EVENT)
     found = trajectory.crossings[0]
     piece = Piece(
         system=system,
@@ -295,23 +303,25 @@ def _crossed(
     if surface.turns:
         piece = piece.part(_right_way(piece, surface, DIRECTIONS[direction]))
     piece = piece.part(slice(skip, wanted))
-    if not len(piece.time):
-        name = f"{surface.element} {surface.variable.split('_')[-1]} = {surface.level:g}"
-        raise ComputationError(
-            f"the section {name} is crossed {len(found.time)} times within {end:.6g} s, which "
-            f"leaves no point after the {skip} skipped; expected a value that the motion reaches",
+    if ended and not len(piece.time):
+        raise NeverCrossedError(
+            f"the section {surface.series.name} = {surface.level:g} is crossed "
+            f"{len(found.time)} times within {end:.6g} s, which leaves no point after the {skip} "
+            "skipped; expected a value that the motion reaches",
             time=float(end),
         )
-    return Motion(pieces=(piece,), stop_time=trajectory.stop_time)
+    return Motion(
+        pieces=(piece,),
+        failure=None if ended else failure_text(system, trajectory),
+        stop_time=trajectory.stop_time,
+        interrupted=trajectory.outcome is Outcome.INTERRUPTED,
+    )
 
 
 def _right_way(piece: Piece, surface: Surface, direction: int) -> NDArray[np.bool_]:
     """Crossings of the angle itself, in the direction asked for."""
-    entry = VARIABLES[surface.variable]
-    model = piece.system.model
-    index = labels(model, entry.dims[0]).index(surface.element)
-    speed = VARIABLES[surface.variable.replace("angle", "speed")].nodes(model)[index]
-    angle = entry.nodes(model)[index]
-    values = piece.system.evaluate([angle, speed], piece.time, piece.state)
+    model, angle = piece.system.model, surface.series
+    speed = replace(angle, variable=angle.variable.replace("angle", "speed"))
+    values = piece.system.evaluate([angle.node(model), speed.node(model)], piece.time, piece.state)
     there = np.cos(values[0] - surface.level) > 0
     return there if direction == 0 else there & (values[1] * direction > 0)

@@ -10,12 +10,13 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from linkages.errors import LinkagesError
 
 POLL = 0.1
+INTERRUPTED = "not computed: interrupted"
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,8 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> Outcome:
     try:
         return Outcome(index, task(point), None)
     except (LinkagesError, ValueError) as error:
+        if getattr(error, "interrupted", False):
+            raise KeyboardInterrupt from None  # meant for the whole sweep
         return Outcome(index, None, str(error))
 
 
@@ -111,6 +114,12 @@ class Progress:
     elapsed: float
     remaining: float
 
+    @classmethod
+    def after(cls, done: int, total: int, begun: float) -> Progress:
+        """Progress since a time of the monotonic clock."""
+        elapsed = time.monotonic() - begun
+        return cls(done, total, elapsed, elapsed / done * (total - done))
+
 
 @dataclass(frozen=True)
 class Swept:
@@ -130,9 +139,7 @@ class Swept:
     @property
     def reasons(self) -> list[str]:
         """Why there is no result, per point; empty where there is one."""
-        return [
-            "not computed: interrupted" if o is None else (o.reason or "") for o in self.outcomes
-        ]
+        return [INTERRUPTED if o is None else (o.reason or "") for o in self.outcomes]
 
 
 def sweep(
@@ -141,20 +148,23 @@ def sweep(
     *,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
+    alone: bool = True,
 ) -> Swept:
     """Compute a task for many points.
 
     Parameters
     ----------
     task
-        Point → result. The first point is computed before all others, so that what must be
-        compiled is compiled once.
+        Point → result.
     points
         What to compute it for.
     executor
         Where; the cores of this machine if not given.
     watch
         Called after each result.
+    alone
+        Whether the first point is computed before all others, so that what must be compiled is
+        compiled once.
 
     Returns
     -------
@@ -166,16 +176,15 @@ def sweep(
     def keep(outcome: Outcome, done: int) -> None:
         found[outcome.index] = outcome
         if watch is not None:
-            elapsed = time.monotonic() - begun
-            left = elapsed / done * (len(points) - done)
-            watch(Progress(done, len(points), elapsed, left))
+            watch(Progress.after(done, len(points), begun))
 
+    first = 1 if alone else 0
     try:
-        if points:
-            keep(attempt(task, 0, points[0]), 1)
-        rest = points[1:]
-        for done, outcome in enumerate((executor or Threads()).run(task, rest), 2):
-            keep(Outcome(outcome.index + 1, outcome.value, outcome.reason), done)
+        for index, point in enumerate(points[:first]):
+            keep(attempt(task, index, point), index + 1)
+        rest = (executor or Threads()).run(task, points[first:])
+        for done, outcome in enumerate(rest, first + 1):
+            keep(replace(outcome, index=outcome.index + first), done)
     except KeyboardInterrupt:
         interrupted = True
     return Swept(tuple(found), interrupted)

@@ -27,22 +27,28 @@ class LinkageTangents:
         A system with free coordinates.
     tangents
         Number of tangents, at most 2n.
-    method, rtol
-        As `linkages.simulate` takes them.
+    method, rtol, atol, step
+        As `linkages.simulate` takes them; `atol` is that of the motion.
     """
 
     def __init__(
-        self, system: System, tangents: int = 1, method: str = "dop853", rtol: float = 1e-10
+        self,
+        system: System,
+        tangents: int = 1,
+        method: str = "dop853",
+        rtol: float = 1e-10,
+        atol: float | None = None,
+        step: float | None = None,
     ) -> None:
         self.system = system
         self.time = system.time
         self._count = len(system.topology.free)
         self._columns = tangents
         self._flow = Flows(system, tangents=tangents).flow()
-        self._method, self._rtol = method, rtol
+        self._method, self._rtol, self._step = method, rtol, step
         self._total = self._flow.coordinates
         self._tangent_rows = self._rows()
-        self._atol = np.full(2 * self._total, rtol)
+        self._atol = np.full(2 * self._total, rtol if atol is None else atol)
         self._atol[self._tangent_rows.ravel()] = TANGENT_ATOL
         self._vector = np.zeros(2 * self._total)
         self.evaluations = 0
@@ -123,10 +129,12 @@ class LinkageTangents:
             method=self._method,
             rtol=self._rtol,
             atol=self._atol,
+            step=self._step,
         )
         self.evaluations += trajectory.evaluations
         if trajectory.outcome is not Outcome.DONE:
             text = failure_text(self.system, trajectory)
-            raise ComputationError(str(text), time=trajectory.stop_time)
+            interrupted = trajectory.outcome is Outcome.INTERRUPTED
+            raise ComputationError(str(text), time=trajectory.stop_time, interrupted=interrupted)
         self._vector, self.time = trajectory.final_state.copy(), end
         self._turns += trajectory.final_turns[: self._count]

@@ -53,7 +53,6 @@ def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
     axis = ranges("--vary", swept.vary)
     states = initial_states(swept.initial)
     with request.answering():
-        _check(mechanism, axis, states, run)
         data = _compute(request, mechanism, axis, states, swept, run)
     written = _save(data, request)
     failed = _failures(data)
@@ -69,36 +68,6 @@ def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
     elif nothing:
         print(f"no value could be computed: {next(iter(failed))}", file=sys.stderr)
     return 1 if interrupted or nothing else 0
-
-
-def _check(
-    mechanism: Mechanism,
-    axis: Axis,
-    states: Sequence[dict[str, object]],
-    run: dict[str, Any],
-) -> None:
-    """What is wrong with every value of a sweep is wrong with the request.
-
-    Raises
-    ------
-    InputError
-        For paths that name nothing.
-    ValueError
-        For a section that names nothing, or none where there is no common period.
-    """
-    from linkages.chaos.section import parse_section, stroboscopic_period
-    from linkages.chaos.varied import varied
-    from linkages.kernel.system import System
-
-    changed = [varied(mechanism, {**axis.at(0), **state}) for state in states]
-    if run["section"] is None:
-        stroboscopic_period(changed[0])
-    else:
-        parse_section(System(changed[0]), run["section"])
-    if not 0 <= run["phase"] < 1:
-        raise ValueError(f"phase must be from 0 to below 1, found {run['phase']:g}")
-    if run["periods"] < 1 or run["skip"] < 0:
-        raise ValueError("expected --periods > 0 and --skip >= 0")
 
 
 def _compute(

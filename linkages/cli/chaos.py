@@ -23,7 +23,7 @@ from linkages.cli.terminal import (
 from linkages.solution.files import replaced
 
 if TYPE_CHECKING:
-    from linkages.chaos.report import ChaosReport
+    from linkages.chaos.findings import ChaosReport
 
 LOOK = {"periodic": "blue", "quasi-periodic": "green", "chaotic": "red", "undecided": "yellow"}
 Table = tuple[str, list[str], list[list[str]]]
@@ -31,7 +31,8 @@ Table = tuple[str, list[str], list[list[str]]]
 
 def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) -> int:
     """Judge a motion with the arguments of `linkages.chaos`; returns the exit code."""
-    from linkages.chaos.report import FEWEST_PERIODS, chaos
+    from linkages.chaos.report import chaos
+    from linkages.chaos.verdict import FEWEST_PERIODS
 
     mechanism = request.mechanism()
     label = f"judging {escape(mechanism.name)}"
@@ -120,7 +121,8 @@ def _others(report: ChaosReport) -> list[list[str]]:
     rows = [
         ["section repeats after", "–" if period is None else f"{period} points"],
         ["closed curves in the section", str(curves) if curves else "none"],
-        [f"verdict at rtol {tighter['rtol']:g}", str(tighter["verdict"])],
+        [f"verdict at {tighter['how']}", str(tighter["verdict"])],
+        ["correlation dimension of the section", _dimension(report)],
         ["energy dissipates", "no" if report.conservative else "yes"],
     ]
     if period == 1:
@@ -129,6 +131,15 @@ def _others(report: ChaosReport) -> list[list[str]]:
         until = f"t = {number(horizon.time)} s"
         rows.append(["motion has correct digits until", "its end" if horizon.whole else until])
     return rows
+
+
+def _dimension(report: ChaosReport) -> str:
+    from linkages.chaos.dimension import FEWEST_POINTS
+
+    found = report.dimension
+    if found is None:
+        return f"needs {FEWEST_POINTS} points"
+    return "not clear" if found.doubt else f"{found.value:.3g} ± {found.error:.1g}"
 
 
 def _print(report: ChaosReport, tables: list[Table], screen: Console) -> None:

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import console, number, print_json, progress, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,8 +20,9 @@ def run_poincare(request: Request, **section: Any) -> int:
     from linkages.chaos.section import poincare
 
     mechanism = request.mechanism()
-    with request.answering():
-        data = poincare(mechanism, rtol=request.rtol, **section)
+    label = f"section of {escape(mechanism.name)}"
+    with request.answering(), progress(label, shown=not request.json) as watch:
+        data = poincare(mechanism, rtol=request.rtol, watch=watch, **section)
     folder = request.folder
     written = [
         save_netcdf(data, folder / "poincare.nc"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from linkages.cli.loading import mechanism_from, require_folder
 from linkages.components.mechanism import Mechanism
-from linkages.errors import InputError, Problem
+from linkages.errors import ComputationError, InputError, Problem
 from linkages.reading.overrides import parse_assignment
 
 if TYPE_CHECKING:
@@ -65,11 +65,26 @@ class Request:
 
     @contextmanager
     def answering(self) -> Iterator[None]:
-        """Analyses refuse arguments that make no sense by a ValueError: that is wrong input."""
+        """Turn what an analysis raises into what the program says.
+
+        Arguments that make no sense are a ValueError of the analysis: that is wrong input. What an
+        analysis has when it must end early is written.
+        """
+        from linkages.chaos.unfinished import UnfinishedError
+        from linkages.cli.results import save_netcdf
+
         try:
             yield
         except ValueError as error:
             raise InputError(self.file, [Problem(message=str(error))]) from None
+        except UnfinishedError as error:
+            written = [
+                save_netcdf(data, self.folder / f"{name}.nc") for name, data in error.kept.items()
+            ]
+            kept = " and ".join(str(path) for path in written)
+            raise ComputationError(
+                f"stopped {error}" + (f"\nup to there: {kept}" if kept else ""), time=error.time
+            ) from None
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:

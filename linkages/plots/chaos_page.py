@@ -18,7 +18,7 @@ from linkages.plots.style import style
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.chaos.report import ChaosReport
+    from linkages.chaos.findings import ChaosReport
 
 PERIODS = 4
 """Periods over which forces in clearances are shown."""

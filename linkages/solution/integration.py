@@ -120,6 +120,7 @@ class _Run:
             pieces=tuple(self._pieces),
             failure=failure,
             stop_time=stop_time,
+            interrupted=trajectory.outcome is Outcome.INTERRUPTED,
             cost=self._cost,
             method=self._method,
             reason=self._reason,

@@ -144,6 +144,8 @@ class Motion:
         Why it stopped before the end, as a sentence; None if it did not.
     stop_time
         Where it stopped.
+    interrupted
+        Whether Ctrl-C stopped it.
     cost
         Numbers for the summary: steps, rejected steps, evaluations.
     method, reason
@@ -156,6 +158,7 @@ class Motion:
     pieces: tuple[Piece, ...]
     failure: str | None = None
     stop_time: float = 0.0
+    interrupted: bool = False
     cost: dict[str, int] = field(default_factory=dict)
     method: str = ""
     reason: str = ""

@@ -72,6 +72,11 @@ def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
     return [name for name in dict.fromkeys(names) if name not in missing]
 
 
+def available(system: System) -> list[str]:
+    """All outputs that a mechanism has."""
+    return [name for name in ALL if _has(system, name)]
+
+
 def _has(system: System, name: str) -> bool:
     if name in _ERRORS and not labels(system.model, "clearance"):
         return False

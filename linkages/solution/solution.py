@@ -94,7 +94,8 @@ class IncompleteError(ComputationError):
     """
 
     def __init__(self, solution: Solution) -> None:
-        super().__init__(str(solution.motion.failure), time=solution.motion.stop_time)
+        motion = solution.motion
+        super().__init__(str(motion.failure), time=motion.stop_time, interrupted=motion.interrupted)
         self.solution = solution
 
 

@@ -1,0 +1,36 @@
+"""An analysis that could not be completed, with what was computed before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from linkages.errors import ComputationError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class UnfinishedError(ComputationError):
+    """An analysis ended early: the motion could not go on, or somebody pressed Ctrl-C.
+
+    Parameters
+    ----------
+    message
+        When, where and why.
+    kept
+        Name of a result → what there is of it.
+    time, interrupted
+        As of a `ComputationError`.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        kept: Mapping[str, xr.Dataset],
+        *,
+        time: float | None = None,
+        interrupted: bool = False,
+    ) -> None:
+        super().__init__(message, time=time, interrupted=interrupted)
+        self.kept = dict(kept)

@@ -1,0 +1,173 @@
+"""Analyses that end early keep what they have; motions that rest are no error."""
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.chaos.evidence import PER_PERIOD
+from linkages.chaos.report import chaos
+from linkages.chaos.sweep import Threads, attempt
+from linkages.chaos.unfinished import UnfinishedError
+from linkages.components.definition import from_document
+from linkages.errors import ComputationError
+from linkages.reading.document import parse
+
+PENDULUM = """\
+name: Driven pendulum
+gravity: [0, -1]
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1}}
+masses: {P: 1 kg}
+dampers: [{joint: O, damping: 0.5}]
+loads: [{bar: arm, torque: "1.15*cos(2*t/3)"}]
+free: {arm: {angle: -1.2, speed: 0}}
+simulate: {end: 10, samples: 101, rtol: 1e-8}
+"""
+
+# Rocker 6 and link 8 fold onto each other at t = 1.546 s.
+FOLDING = {"assembly.E": "left", "simulate.change_points": "stop"}
+
+
+def pendulum(**changes: object) -> linkages.Mechanism:
+    from linkages.reading.overrides import apply
+
+    return from_document(apply(parse(PENDULUM, "pendulum.yaml"), changes))
+
+
+class Interrupt:
+    """Ctrl-C at a part of the way."""
+
+    def __init__(self, part: float) -> None:
+        self.part = part
+
+    def __call__(self, fraction: float) -> None:
+        if fraction >= self.part:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("section", [None, "arm.speed=0"], ids=["stroboscopic", "geometric"])
+def test_section_points_so_far_are_kept(section):
+    given = {"periods": 40_000, "section": section, "rtol": 1e-12}
+    with pytest.raises(UnfinishedError, match="interrupted") as caught:
+        linkages.poincare(pendulum(), **given, watch=Interrupt(1e-6))
+    kept = caught.value.kept["poincare"]
+    assert caught.value.interrupted
+    assert 0 < kept.sizes["crossing"] < 40_000
+    few = min(5, kept.sizes["crossing"])
+    whole = linkages.poincare(pendulum(), **{**given, "periods": few})
+    # the same steps, but for the last one of a run
+    assert kept.bar_speed[:few].to_numpy() == pytest.approx(whole.bar_speed.to_numpy(), abs=1e-9)
+
+
+@pytest.mark.parametrize("section", [None, "slider9.velocity=0"])
+def test_sections_of_a_motion_that_stops(section):
+    period = 2.0
+    mechanism = linkages.load("ninebar", set={**FOLDING, "simulate.end": period})
+    with pytest.raises(UnfinishedError, match=r"at t = 1\.54.*joint F") as caught:
+        linkages.poincare(mechanism, periods=5, section=section, direction="both")
+    assert not caught.value.interrupted
+    assert 1.54 < caught.value.time < 1.55
+    assert (caught.value.kept["poincare"].time < 1.55).all()
+
+
+def test_exponents_so_far_are_kept():
+    with pytest.raises(UnfinishedError, match="interrupted") as caught:
+        linkages.lyapunov(pendulum(), periods=60, watch=Interrupt(0.5))
+    kept = caught.value.kept["lyapunov"]
+    whole = linkages.lyapunov(pendulum(), periods=30)
+    assert kept.identical(whole)
+
+
+def test_too_few_intervals_for_an_error_are_no_result():
+    with pytest.raises(ComputationError, match="interrupted") as caught:
+        linkages.lyapunov(pendulum(), periods=60, watch=Interrupt(0.1))
+    assert not isinstance(caught.value, UnfinishedError)
+
+
+@pytest.mark.parametrize(
+    ("part", "names"),
+    [
+        (0.2, {"chaos_exponents"}),
+        (0.5, {"chaos_exponents", "chaos_section"}),
+        (0.8, {"chaos_exponents", "chaos_section", "chaos_motion"}),
+    ],
+)
+def test_evidence_so_far_is_kept(part, names, monkeypatch):
+    def slowly(*arguments, **given):
+        return linkages.simulate(*arguments, **{**given, "method": "tsit5", "rtol": 1e-13})
+
+    monkeypatch.setattr("linkages.chaos.evidence.simulate", slowly)
+    with pytest.raises(UnfinishedError) as caught:
+        chaos(pendulum(), periods=200, watch=Interrupt(part))
+    assert caught.value.interrupted
+    assert set(caught.value.kept) == names
+    if "chaos_motion" in names:
+        assert caught.value.kept["chaos_motion"].sizes["time"] < 200 * PER_PERIOD
+
+
+def test_continuation_keeps_the_values_that_are_done():
+    def interrupt(progress):
+        if progress.done == 2:
+            raise KeyboardInterrupt
+
+    vary = {"dampers[0].damping": np.linspace(0.5, 0.8, 4)}
+    given = {"periods": 3, "skip": 0, "start": "forward", "executor": Threads(1)}
+    part = linkages.bifurcation(pendulum(), vary, **given, watch=interrupt)
+    whole = linkages.bifurcation(pendulum(), vary, **given)
+    assert part.attrs["interrupted"] == 1
+    assert (part.bar_speed[0, :2] == whole.bar_speed[0, :2]).all()
+    assert np.isnan(part.bar_speed[0, 2:]).all()
+    assert [bool(reason) for reason in part.reason[0].to_numpy()] == [False, False, True, True]
+
+
+def test_chains_of_continuation_do_not_depend_on_each_other():
+    vary = {"dampers[0].damping": np.linspace(0.5, 0.7, 3)}
+    starts = [{"free.arm.angle": 0.3}, {"free.arm.angle": 2.0}]
+    given = {"periods": 3, "skip": 0, "start": "backward"}
+    both = linkages.bifurcation(pendulum(), vary, **given, initial=starts)
+    for row, start in enumerate(starts):
+        alone = linkages.bifurcation(pendulum(), vary, **given, initial=[start])
+        assert (both.bar_angle[row] == alone.bar_angle[0]).all()
+
+
+def test_interrupting_one_computation_interrupts_the_sweep():
+    def task(_):
+        raise ComputationError("interrupted", interrupted=True)
+
+    with pytest.raises(KeyboardInterrupt):
+        attempt(task, 0, None)
+
+
+def test_verdict_on_a_mechanism_at_rest():
+    """Nothing drives it, and its section is never crossed."""
+    rest = {"loads": [], "gravity": [1, 0], "free.arm.angle": 0}
+    report = chaos(pendulum(**rest), periods=200)
+    assert report.verdict == "undecided"
+    assert any("has 0 points" in reason for reason in report.reasons)
+    assert report.section.sizes["crossing"] == 0
+    assert report.rotation["arm"].kind == "resting"
+
+
+def test_verdict_on_a_motion_that_dies_away():
+    report = chaos(pendulum(**{"loads": []}), periods=200)
+    assert report.verdict == "undecided"
+    assert any("comes to rest" in reason for reason in report.reasons)
+    assert 0 < report.section.sizes["crossing"] < 200
+
+
+def test_verdict_on_a_section_that_is_one_point():
+    """Strong damping: after the transient all section points coincide to the last digit."""
+    report = chaos(pendulum(**{"dampers[0].damping": 4.0}), periods=200, skip=100)
+    assert report.verdict == "periodic"
+    assert report.period == 1
+
+
+def test_fixed_steps_are_halved_instead_of_tolerances():
+    mechanism = pendulum(**{"simulate.method": "rk4", "simulate.step": 0.02})
+    given = {"periods": 20, "skip": 20}
+    fixed = linkages.lyapunov(mechanism, **given)
+    exact = linkages.lyapunov(pendulum(**{"dampers[0].damping": 0.5}), **given)
+    # RK4 at this step errs by 1e-8 a period, chaos makes 20 periods from it: sums do not care
+    assert fixed.attrs["sum"] == pytest.approx(exact.attrs["sum"], abs=1e-6)
+    report = chaos(pendulum(**{"simulate.method": "rk4", "simulate.step": 0.05}), periods=200)
+    assert report.tighter["how"] == f"step {0.05 / 10**0.25:.3g} s"

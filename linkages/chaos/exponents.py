@@ -189,7 +189,7 @@ def lyapunov_spectrum(
 
 
 def _interrupted(time: float) -> ComputationError:
-    return ComputationError(f"interrupted at t = {time:.9g}", time=time, interrupted=True)
+    return ComputationError(f"at t = {time:.9g}: interrupted", time=time, interrupted=True)
 
 
 def _orthonormalise(system: TangentSystem, interval: float) -> Floats:

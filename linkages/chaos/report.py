@@ -77,7 +77,9 @@ def chaos(
     try:
         return _judge(run, watch, kept)
     except KeyboardInterrupt:
-        raise UnfinishedError("interrupted", kept, interrupted=True) from None
+        raise UnfinishedError(
+            "interrupted between two computations", kept, interrupted=True
+        ) from None
     except ComputationError as error:
         kept |= _last(run, error)
         if not kept:

@@ -24,6 +24,40 @@ from linkages.cli.options import (
 )
 
 
+def phase(
+    file: File,
+    x: Annotated[
+        str, typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
+    ],
+    y: Annotated[
+        str, typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'.")
+    ],
+    assignments: Set = None,
+    out: Out = None,
+    json: Json = False,
+    figures: Figures = True,
+    wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
+    skip: Annotated[float, typer.Option(help="Time in s that is left out at the start.")] = 0.0,
+    end: Annotated[
+        float | None, typer.Option(help="Simulated time in s; default: simulate.end.")
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")
+    ] = None,
+    method: Method = None,
+    rtol: Rtol = None,
+) -> None:
+    """Draw any output of the motion against another one."""
+    from linkages.cli.phase import run_phase
+    from linkages.cli.requests import Request
+
+    request = Request(
+        file=file, assignments=assignments or [], out=out, json=json,
+        figures=figures, method=method, rtol=rtol,
+    )  # fmt: skip
+    raise typer.Exit(run_phase(request, x, y, wrap, skip, end, samples))
+
+
 def poincare(
     file: File,
     assignments: Set = None,
@@ -215,6 +249,6 @@ def chaos(
 
 def add_to(app: typer.Typer) -> None:
     """Make them verbs of the program."""
-    for function in (poincare, lyapunov, bifurcation, chaos):
+    for function in (phase, poincare, lyapunov, bifurcation, chaos):
         app.command()(function)
     app.command("map")(map_)

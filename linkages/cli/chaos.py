@@ -100,14 +100,14 @@ def _tables(report: ChaosReport) -> list[Table]:
 def _coordinates(report: ChaosReport) -> Table:
     heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate (rad/s)"]
     rows = []
-    for name, (growth, spread) in report.zero_one.items():
-        spectrum, rotation = report.spectra.get(name), report.rotation.get(name)
+    for name, spectrum in report.spectra.items():
+        growth, rotation = report.zero_one.get(name), report.rotation.get(name)
         rows.append(
             [
                 name,
-                f"{growth:.3f}",
-                f"{spread:.2g}",
-                "" if spectrum is None else f"{100 * spectrum.line_share:.4g} %",
+                "" if growth is None else f"{growth[0]:.3f}",
+                "" if growth is None else f"{growth[1]:.2g}",
+                f"{100 * spectrum.line_share:.4g} %",
                 "" if rotation is None else str(rotation.kind),
                 "" if rotation is None else number(rotation.rate),
             ]

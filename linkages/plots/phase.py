@@ -118,15 +118,15 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Coordinate, heading: str = "") 
         ax.set_xlabel(scale.label(kind.labels[0]))
     else:
         x, y = wrapped(motion[0], motion[1] * rate.factor)
-        _degree_axis(ax, x)
+        degree_axis(ax, x)
         ax.set_xlabel(kind.labels[0])
-    _draw_curve(ax, x, y)
+    draw_curve(ax, x, y)
     ax.set_ylabel(rate.label(kind.labels[1]))
     ax.set_title(fitted(title(heading, name), ax.bbox.width / ax.figure.dpi - 0.7))
     return ax
 
 
-def _draw_curve(ax: Axes, x: Array, y: Array) -> None:
+def draw_curve(ax: Axes, x: Array, y: Array) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
     if len(x) > MANY_POINTS:
         ax.plot(*spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0)
@@ -139,13 +139,16 @@ def _draw_curve(ax: Axes, x: Array, y: Array) -> None:
     show_steady(ax, y)
 
 
-def _degree_axis(ax: Axes, degrees: Array) -> None:
+def degree_axis(ax: Axes, degrees: Array, along: str = "x") -> None:
     """The full turn if the curve passes through its end or fills most of it."""
     finite = degrees[np.isfinite(degrees)]
     span = np.ptp(finite) if len(finite) else 0.0
-    if span > 240.0:
-        ax.set_xlim(-180.0, 180.0)
-    most = ax.bbox.width / ax.figure.dpi / 0.55  # labels that fit side by side
-    steps = (s for s in (1, 2, 5, 10, 15, 30, 45) if span <= most * s)
+    axis, limits = (ax.xaxis, ax.set_xlim) if along == "x" else (ax.yaxis, ax.set_ylim)
+    if 240.0 < span <= 360.0:
+        limits(-180.0, 180.0)
+    length = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
+    most = length / (0.55 if along == "x" else 0.3)  # labels that fit beside each other
+    steps = (s for s in (1, 2, 5, 10, 15, 30, 45, 90) if span <= most * s)
+    turns = 360 * max(1, round(span / most / 360))
     if span > 2.0:
-        ax.xaxis.set_major_locator(MultipleLocator(next(steps, 90)))
+        axis.set_major_locator(MultipleLocator(next(steps, turns)))

@@ -149,7 +149,7 @@ def test_verdict_on_a_mechanism_at_rest():
 
 
 def test_verdict_on_a_motion_that_dies_away():
-    report = chaos(pendulum(**{"loads": []}), periods=200)
+    report = chaos(pendulum(loads=[]), periods=200)
     assert report.verdict == "undecided"
     assert any("comes to rest" in reason for reason in report.reasons)
     assert 0 < report.section.sizes["crossing"] < 200

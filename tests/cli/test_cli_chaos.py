@@ -76,6 +76,55 @@ def test_geometric_section(pendulum, tmp_path):
     np.testing.assert_allclose(opened(tmp_path, "poincare.nc")["bar_speed"], 0, atol=1e-7)
 
 
+def test_a_section_that_ends_early_is_kept(cli, tmp_path):
+    """Rocker 6 and link 8 fold onto each other at t = 1.546 s."""
+    result = cli(
+        "poincare", "ninebar", "--section", "slider9.velocity=0", "--direction", "both",
+        "--set", "assembly.E=left", "--out", "o",
+    )  # fmt: skip
+    assert result.code == 1
+    assert result.err.startswith("stopped at t = 1.54")
+    kept = tmp_path / "o/poincare.nc"
+    assert result.err.rstrip().endswith(os.path.join("o", "poincare.nc"))
+    with xr.open_dataset(kept, engine="h5netcdf") as data:
+        assert (data["time"] < 1.55).all()
+
+
+# phase
+
+
+def test_phase_writes_two_series(pendulum, tmp_path):
+    result = pendulum("phase", "--x", "arm.angle", "--y", "kinetic_energy", "--skip", "4")
+    assert (result.code, result.err) == (0, "")
+    data = opened(tmp_path, "phase.nc")
+    assert data.sizes["time"] > 5000
+    assert float(data["time"][0]) == pytest.approx(4, abs=1e-9)
+    table = rows(tmp_path, "phase.csv")
+    assert list(table[0]) == ["time (s)", "arm.angle (rad)", "kinetic_energy (J)"]
+    assert float(table[-1]["kinetic_energy (J)"]) == float(data["kinetic_energy"][-1])
+    assert "results/m/phase.png" in result.files
+
+
+def test_phase_as_json(pendulum):
+    arguments = ("--x", "arm.angle", "--y", "arm.speed", "--end", "2", "--samples", "11")
+    result = pendulum("phase", *arguments, "--no-figures", "--json")
+    content = json.loads(result.out)
+    assert content["stopped"] is None
+    assert [row["name"] for row in content["series"]] == [
+        "time (s)", "arm.angle (rad)", "arm.speed (rad/s)",
+    ]  # fmt: skip
+    assert content["series"][0]["greatest"] == 2.0
+
+
+def test_phase_of_a_motion_that_stops(cli, tmp_path):
+    arguments = ("--x", "r1.angle", "--y", "slider9.velocity", "--set", "assembly.E=left")
+    result = cli("phase", "ninebar", *arguments, "--out", "o")
+    assert result.code == 1
+    assert result.err.startswith("stopped at t = 1.54")
+    with xr.open_dataset(tmp_path / "o/phase.nc", engine="h5netcdf") as data:
+        assert 1.5 < float(data["time"][-1]) < 1.55
+
+
 # lyapunov
 
 
@@ -105,7 +154,6 @@ def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tm
     """Without inertia at its end the arm cannot move: the first mass of the range fails."""
     result = pendulum(
         "bifurcation", "--vary", "masses.P=0:2:3", "--periods", "4", "--skip", "1", "--exponent",
-        "--cores", "1",
     )  # fmt: skip
     assert result.code == 0, result.err
     data = opened(tmp_path, "bifurcation.nc")
@@ -125,7 +173,7 @@ def test_ranges_in_lockstep_and_named_starts(pendulum, tmp_path):
     result = pendulum(
         "bifurcation", "--vary", f"{DAMPING}=0.5:1:2", "--vary", "gravity[1]=-1:-2:2",
         "--initial", "free.arm.angle=0,free.arm.speed=1", "--initial", "free.arm.angle=1",
-        "--periods", "2", "--skip", "0", "--no-figures", "--json", "--cores", "1",
+        "--periods", "2", "--skip", "0", "--no-figures", "--json",
     )  # fmt: skip
     assert result.code == 0, result.err
     content = json.loads(result.out)
@@ -189,7 +237,7 @@ def test_initial_states_are_split_at_assignments():
 def test_map(pendulum, tmp_path, indicator):
     result = pendulum(
         "map", "--x", "free.arm.angle=-1:1:3", "--y", f"{DAMPING}=0.5:1:2", "--periods", "5",
-        "--indicator", indicator, "--json", "--cores", "1",
+        "--indicator", indicator, "--json",
     )  # fmt: skip
     assert result.code == 0, result.err
     content = json.loads(result.out)
@@ -245,6 +293,8 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
 @pytest.mark.parametrize(
     ("verb", "arguments", "expected"),
     [
+        ("phase", ["--x", "arm.angl", "--y", "arm.speed"], "did you mean 'angle'"),
+        ("phase", ["--x", "arm.angle", "--y", "arm.speed", "--skip", "11"], "skip must be"),
         ("poincare", ["--phase", "1.5"], "phase must be from 0 to below 1"),
         ("poincare", ["--periods", "0"], "expected periods > 0"),
         ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),

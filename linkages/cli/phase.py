@@ -1,0 +1,83 @@
+"""``phase``: two outputs of a motion against each other, as a figure and a table."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.terminal import console, number, print_json, progress, table
+from linkages.errors import ComputationError
+from linkages.solution.solution import IncompleteError
+
+FEWEST_SAMPLES = 10_001
+"""A curve through fewer points shows corners where a clearance turns fast."""
+
+
+def run_phase(
+    request: Request,
+    x: str,
+    y: str,
+    wrap: bool,
+    skip: float,
+    end: float | None,
+    samples: int | None,
+) -> int:
+    """Simulate, and draw one series against another; returns the exit code."""
+    from linkages.kernel.system import System
+    from linkages.solution.series import find_series, system_series
+    from linkages.solution.simulate import simulate
+
+    mechanism = request.mechanism()
+    label = f"phase diagram of {escape(mechanism.name)}"
+    failure: str | None = None
+    with request.answering(), progress(label, shown=not request.json) as watch:
+        known = system_series(System(mechanism))
+        across, up = find_series(known, x), find_series(known, y)
+        last = mechanism.simulation.end if end is None else end
+        if not 0 <= skip < last:
+            raise ValueError(f"skip must be from 0 to below {last:g} s, found {skip:g}")
+        wanted = max(FEWEST_SAMPLES, mechanism.simulation.samples) if samples is None else samples
+        outputs = list(dict.fromkeys([across.variable, up.variable]))
+        try:
+            solution = simulate(mechanism, end=end, samples=wanted, outputs=outputs, watch=watch)
+        except IncompleteError as error:
+            solution, failure = error.solution, str(error)
+    data = solution.data.sel(time=slice(skip, None))
+    if not data.sizes["time"]:
+        raise ComputationError(f"stopped {failure}", time=solution.motion.stop_time)
+    columns = {"time (s)": data["time"].to_numpy()} | {
+        f"{series.name} ({data[series.variable].attrs['units']})": series.of(data).to_numpy()
+        for series in (across, up)
+    }
+    folder = request.folder
+    written = [save_netcdf(data, folder / "phase.nc"), save_table(columns, folder / "phase.csv")]
+    if request.figures:
+        from linkages.plots import phase_pair
+
+        written += save_figures({"phase": phase_pair.figure(data, x, y, wrap=wrap)}, folder)
+    rows = [
+        {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
+        for head, values in columns.items()
+    ]
+    _report(request, mechanism.name, rows, [str(path) for path in written], failure)
+    return 0 if failure is None else 1
+
+
+def _report(
+    request: Request, name: str, rows: list[dict[str, Any]], files: list[str], failure: str | None
+) -> None:
+    if request.json:
+        print_json({"mechanism": name, "stopped": failure, "series": rows, "files": files})
+        return
+    screen = console()
+    screen.print(f"[bold]{escape(name)}[/bold]: phase diagram")
+    cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
+    screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
+    screen.print(f"{len(files)} files in {request.folder}", markup=False)
+    if failure is not None:
+        print(f"stopped {failure}", file=sys.stderr)

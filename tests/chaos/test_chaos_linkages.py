@@ -44,6 +44,13 @@ loads:
 simulate: {end: 1, rtol: 1e-9}
 """
 
+TWO_CLEARANCES = {
+    "clearances": {
+        "a": {"joint": "A", "bar": "rod", "size": "0.2 mm"},
+        "b": {"joint": "B", "bar": "rod", "size": "0.1 mm", "angle": 1},
+    }
+}
+
 
 def ninebar(**changes: object) -> linkages.Mechanism:
     return linkages.load("ninebar", set={**START, **changes})
@@ -297,11 +304,19 @@ def test_verdicts_of_a_driven_damped_double_pendulum(amplitude, verdict):
 
 @pytest.mark.slow
 def test_slider_crank_with_two_clearances():
-    mechanism = linkages.load("slider-crank", set={
-        "clearances": {"a": {"joint": "A", "bar": "rod", "size": "0.2 mm"},
-                       "b": {"joint": "B", "bar": "rod", "size": "0.1 mm", "angle": 1}},
-    })  # fmt: skip
+    mechanism = linkages.load("slider-crank", set=TWO_CLEARANCES)
     section = linkages.poincare(mechanism, periods=20)
     assert section.clearance_angle.shape == (20, 2)
     exponents = exponents_of(mechanism, periods=20, count=1)
     assert exponents.values[0] > 0
+
+
+def test_map_of_a_mechanism_with_two_clearances():
+    mechanism = linkages.load("slider-crank", set=TWO_CLEARANCES)
+    x = parse_range("clearances.a.angle=-1:1:3")
+    y = parse_range("clearances.b.angle=-1:1:2")
+    data = chaos_map(mechanism, x, y, indicator="fli", periods=4)
+    assert np.isfinite(data.indicator).all()
+    assert list(data.coordinate.to_numpy()) == ["a", "b"]
+    assert data.rotation.shape == (2, 3, 2)
+    assert (data.rotation != "").all()

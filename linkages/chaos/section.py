@@ -20,7 +20,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.solution.evaluation import ANGLES
-from linkages.solution.flows import Flows
+from linkages.solution.flows import Flows, watched
 from linkages.solution.integration import failure_text
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.series import Series, find_series, system_series
@@ -36,6 +36,13 @@ Floats = NDArray[np.float64]
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 SECTION = "slider9.velocity=0"
+RATES = {
+    "angle": "speed",
+    "speed": "acceleration",
+    "position": "velocity",
+    "velocity": "acceleration",
+}
+"""Quantities in which sections are taken, and what their rates are called."""
 
 
 class NeverCrossedError(ComputationError):
@@ -62,10 +69,18 @@ class Surface:
         """Whether it is an angle, which has a value again after every turn."""
         return self.series.variable in ANGLES
 
-    def node(self, model: Model) -> Scalar:
-        """What crosses zero there (an angle also half a turn away)."""
-        difference = self.series.node(model) - self.level
-        return model.graph.sin(difference) if self.turns else difference
+    @property
+    def rate(self) -> Series:
+        """The rate of the series."""
+        kind, _, quantity = self.series.variable.rpartition("_")
+        return replace(self.series, variable=f"{kind}_{RATES[quantity]}")
+
+    def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
+        """What crosses zero there (an angle also half a turn away), and its rate."""
+        difference, rate = self.series.node(model) - self.level, self.rate.node(model)
+        if not self.turns:
+            return difference, rate
+        return model.graph.sin(difference), model.graph.cos(difference) * rate
 
 
 def poincare(
@@ -241,8 +256,7 @@ def parse_section(system: System, text: str) -> Surface:
     known = {
         other: series
         for other, series in system_series(system).items()
-        if series.place and "dyad" not in series.place and series.variable in VARIABLES
-        if VARIABLES[series.variable].units in measured
+        if series.variable.rpartition("_")[2] in RATES and "dyad" not in series.place
     }
     try:
         series = find_series(known, name)
@@ -261,27 +275,19 @@ def _crossed(
     end: float,
 ) -> Motion:
     """Integrate until enough crossings are found."""
-    flow = Flows(system, watched=surface.node).flow()
-    own = len(system.topology.coordinates)
-    total = flow.coordinates
-    weights = np.zeros(2 * total)
-    weights[total + own] = 1.0
+    flow = Flows(system).flow()
     wanted = points + skip
     # An angle's sine vanishes half a turn away as well, going the other way.
     capacity = 2 * wanted + 2 if surface.turns else wanted
     event = Event(
-        weights=weights,
+        function=watched(system, surface.nodes),
         direction=0 if surface.turns else DIRECTIONS[direction],
         terminal=capacity,
         capacity=capacity,
     )
-    state = np.zeros(2 * total)
-    half = len(system.state) // 2
-    state[:own], state[total : total + own] = system.state[:half], system.state[half:]
-    state[total + own] = float(system.evaluate([surface.node(system.model)])[0, 0])
     trajectory = integrate(
         flow,
-        state,
+        system.state,
         [end],
         start=system.time,
         method=settings.method,
@@ -296,9 +302,9 @@ def _crossed(
     piece = Piece(
         system=system,
         time=found.time,
-        state=np.concatenate([found.state[:, :own], found.state[:, total : total + own]], axis=1).T,
-        turns=found.turns[:, :own].T.astype(float),
-        acceleration=np.zeros((own, len(found.time))),
+        state=found.state.T,
+        turns=found.turns.T.astype(float),
+        acceleration=np.zeros(found.turns.T.shape),
     )
     if surface.turns:
         piece = piece.part(_right_way(piece, surface, DIRECTIONS[direction]))
@@ -320,8 +326,7 @@ def _crossed(
 
 def _right_way(piece: Piece, surface: Surface, direction: int) -> NDArray[np.bool_]:
     """Crossings of the angle itself, in the direction asked for."""
-    model, angle = piece.system.model, surface.series
-    speed = replace(angle, variable=angle.variable.replace("angle", "speed"))
-    values = piece.system.evaluate([angle.node(model), speed.node(model)], piece.time, piece.state)
+    nodes = [series.node(piece.system.model) for series in (surface.series, surface.rate)]
+    values = piece.system.evaluate(nodes, piece.time, piece.state)
     there = np.cos(values[0] - surface.level) > 0
     return there if direction == 0 else there & (values[1] * direction > 0)

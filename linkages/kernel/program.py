@@ -18,16 +18,15 @@ from linkages.kernel.model import Model
 from linkages.kernel.printing import Statements, write_functions
 from linkages.kernel.scalars import Level, Scalar, reachable
 
-GENERATOR_VERSION = 2
+GENERATOR_VERSION = 3
 
 _HEADER = '''"""Equations of motion of one topology; generated, do not edit (generator {version}).
 
 p: parameters, then values that depend on them alone
 {parameters}
 timed: values that depend on time alone
-y: {coordinates} coordinates, then their rates
-out: accelerations ({coordinates}), margins of the blocks ({blocks}), their rates ({blocks}),
-     settled values of {carried} coordinates, their rates ({carried})
+y: {coordinates} coordinates, their rates, and their accelerations where they are used
+out: {written}
 
 Returned is 0, or 1 + the number of the block that cannot be assembled.
 """
@@ -90,6 +89,26 @@ def write_program(
     """
     settled = model.settled if settled is None else settled
     roots = [*accelerations, *model.margins, *model.margin_rates, *settled]
+    n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
+    written = (
+        f"accelerations ({n}), margins of the blocks ({blocks}), their rates ({blocks}),\n"
+        f"     settled values of {carried} coordinates, their rates ({carried})"
+    )
+    return write_functions_of(model, roots, written)
+
+
+def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> Program:
+    """Print a kernel that computes some nodes, which may depend on accelerations.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    roots
+        What ``rates`` writes, in this order.
+    written
+        The same in words.
+    """
     checks = {reach.radicand.index: reach for reach in model.reaches}
     nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
     by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
@@ -108,13 +127,12 @@ def write_program(
                 f"    p[{index}] {text}" for index, text in enumerate(model.inputs.describe())
             ),
             coordinates=model.inputs.coordinates,
-            blocks=len(model.margins),
-            carried=len(settled) // 2,
+            written=written,
         ),
         write_functions(nodes),
         writer.prepare(derived, known, sizes[0]),
         writer.clock(timed, clocked, known, sizes),
-        writer.rates(roots, clocked, known, sizes),
+        writer.rates([*roots], clocked, known, sizes),
     ]
     return Program("".join(parts), (count, len(derived)), len(timed), by_level)
 
@@ -144,14 +162,14 @@ class _Writer:
         self._model = model
         self._by_level = by_level
         self._codes = codes
-        self._inputs = {
-            node.index: self._input(node) for node in model.graph.nodes if node.operation == "input"
-        }
+        inputs = [node for node in model.graph.nodes if node.operation == "input"]
+        self._inputs = {node.index: self._input(node) for node in inputs}
         self._parameters = parameters
 
-    @staticmethod
-    def _input(node: Scalar) -> str:
+    def _input(self, node: Scalar) -> str:
         name, index = node.arguments
+        if name == "a":  # a state is followed by the accelerations that were computed from it
+            return f"y[{2 * self._model.inputs.coordinates + index}]"
         return "t" if name == "t" else f"{name}[{index}]"
 
     def _checks(self, level: Level) -> dict[int, Callable[[str], list[str]]]:
@@ -203,7 +221,7 @@ class _Writer:
         code = Statements(nodes, roots, given, self._checks(Level.STATE))
         lines = code.lines + [f"out[{k}] = {code.text(root)}" for k, root in enumerate(roots)]
         views = (
-            self._view("y", 2 * self._model.inputs.coordinates)
+            self._view("y", 3 * self._model.inputs.coordinates)
             + self._view("p", sizes[0])
             + self._view("timed", sizes[1])
             + self._view("out", len(roots))

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.compiled import compile_kernel
+from linkages.kernel.compiled import CompiledKernel, compile_kernel
 from linkages.kernel.model import Model
 from linkages.kernel.modes import parameter_values
-from linkages.kernel.program import Program, write_program
+from linkages.kernel.program import Program, write_functions_of, write_program
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.kernel.variations import Watched, rate_of, variations
-from linkages.solvers.flow import Flow, Linearisation
+from linkages.kernel.variations import variations
+from linkages.solvers.flow import Companion, Flow
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,7 @@ class KernelSource:
         return write_program(self.model, self.accelerations, self.settled)
 
 
-def kernel_source(
-    system: System, work: bool = False, watched: Watched | None = None, tangents: int = 0
-) -> KernelSource:
+def kernel_source(system: System, work: bool = False, tangents: int = 0) -> KernelSource:
     """The equations that are integrated for a system.
 
     Parameters
@@ -55,28 +53,19 @@ def kernel_source(
     work
         Whether to carry the work of drives and loads along, as the rate of one more coordinate
         whose acceleration is their power.
-    watched
-        A function of position and velocity that is the rate of one more coordinate: events can
-        then be looked for where it crosses a level.
     tangents
         Number of solutions of the variational equations to carry along: after all others, the n
         components of one are n more coordinates, which obey the equations linearised in the free
         coordinates.
     """
     count = len(system.topology.free)
-    model = Model(system.topology, more=int(watched is not None) + int(work) + tangents * count)
+    model = Model(system.topology, more=int(work) + tangents * count)
     free = model.free_accelerations
     accelerations = model.integrated_accelerations(free)
-    settled = model.settled
-    if watched is not None:
-        value = watched(model)
-        accelerations = [*accelerations, rate_of(model, value)]
-        half = len(settled) // 2
-        settled = [*settled[:half], model.graph.zero, *settled[half:], value]
     if work:
         accelerations = [*accelerations, model.power]
     accelerations = [*accelerations, *variations(model, tangents)]
-    return KernelSource(model, tuple(accelerations), tuple(settled))
+    return KernelSource(model, tuple(accelerations), tuple(model.settled))
 
 
 class Flows:
@@ -86,19 +75,13 @@ class Flows:
     ----------
     system
         A system with integrated coordinates.
-    work, watched, tangents
+    work, tangents
         As in `kernel_source`.
     """
 
-    def __init__(
-        self,
-        system: System,
-        work: bool = False,
-        watched: Watched | None = None,
-        tangents: int = 0,
-    ) -> None:
+    def __init__(self, system: System, work: bool = False, tangents: int = 0) -> None:
         self.system = system
-        self._source = kernel_source(system, work, watched, tangents)
+        self._source = kernel_source(system, work, tangents)
 
     @cached_property
     def margin_scale(self) -> NDArray[np.float64]:
@@ -127,17 +110,10 @@ class Flows:
             parameters[paths.index(("side", block))] *= -1.0
         kernel = compile_kernel(program, parameters)
 
-        def linearise() -> Linearisation:
+        def linearise() -> Companion:
             from linkages.kernel.derivatives import compile_jacobian
 
-            jacobian = compile_jacobian(model, self._source.accelerations, parameters)
-            return Linearisation(
-                clock=jacobian.clock,
-                rates=jacobian.rates,
-                parameters=jacobian.parameters,
-                timed_size=jacobian.timed,
-                keepalive=jacobian,
-            )
+            return _companion(compile_jacobian(model, self._source.accelerations, parameters))
 
         bodies = self.system.mechanism.bodies
         rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.coordinates]
@@ -155,6 +131,32 @@ class Flows:
             keepalive=kernel,
             linearise=linearise,
         )
+
+
+def watched(system: System, function: Callable[[Model], tuple[Scalar, Scalar]]) -> Companion:
+    """A function of position and velocity, compiled for an event in the flow of a system.
+
+    Parameters
+    ----------
+    system
+        A system with integrated coordinates.
+    function
+        The model → the function and its rate, which may depend on accelerations.
+    """
+    model = Model(system.topology)
+    nodes = function(model)
+    program = write_functions_of(model, nodes, "a function of position and velocity, its rate")
+    return _companion(compile_kernel(program, parameter_values(model, system.assembly)))
+
+
+def _companion(kernel: CompiledKernel) -> Companion:
+    return Companion(
+        clock=kernel.clock,
+        rates=kernel.rates,
+        parameters=kernel.parameters,
+        timed_size=kernel.timed,
+        keepalive=kernel,
+    )
 
 
 def build_flow(system: System, work: bool = False) -> Flow:

@@ -2,7 +2,7 @@
 
 from linkages.solvers.choice import choose
 from linkages.solvers.events import Crossings, Event
-from linkages.solvers.flow import Flow, Linearisation
+from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.integrate import integrate
 from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS
 from linkages.solvers.outcome import Outcome
@@ -12,10 +12,10 @@ __all__ = [
     "ADAPTIVE_METHODS",
     "FIXED_STEP_METHODS",
     "METHODS",
+    "Companion",
     "Crossings",
     "Event",
     "Flow",
-    "Linearisation",
     "Outcome",
     "Trajectory",
     "choose",

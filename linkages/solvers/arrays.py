@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers.collocation import Collocation
-from linkages.solvers.flow import Flow
+from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.job import Job
 from linkages.solvers.tableau import Tableau
 from linkages.solvers.views import (
@@ -108,6 +108,8 @@ def hook(memory: Memory, job: Job, system: System, table: Table, record: Record)
     events = Events(
         events=len(log.events),
         weights=memory.floats(log.weights),
+        functions=memory.integers([_function(memory, event.function) for event in log.events]),
+        values=memory.floats(np.full((len(log.events), 5), np.nan)),
         level=memory.floats([event.level for event in log.events]),
         period=memory.floats(log.periods),
         direction=memory.integers([event.direction for event in log.events]),
@@ -120,6 +122,15 @@ def hook(memory: Memory, job: Job, system: System, table: Table, record: Record)
     )
     context = memory.integers([*system, *table, *record, *events])
     return Hook(watch_step.address, context)
+
+
+def _function(memory: Memory, function: Companion | None) -> list[int]:
+    """Addresses of what an event watches."""
+    if function is None:
+        return [0, 0, 0, 0]
+    parameters = memory.floats(function.parameters)
+    timed = memory.floats(np.zeros(function.timed_size))
+    return [function.clock, function.rates, parameters, timed]
 
 
 def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:

@@ -10,6 +10,8 @@ import math
 
 from linkages.solvers.compiled import callback, compiled, floats, integers, tuple_at
 from linkages.solvers.locate import (
+    FUNCTION,
+    VALUES,
     dense_value,
     polish,
     prepare_dense,
@@ -96,8 +98,8 @@ def cross_piece(
         target = side * number * floats(events.period)[event]
         theta = low + (high - low) * (target - start) / (stop - start)
         if prepare_dense(system, table, record, t, h):
-            theta = search(system, table, events, record, event, h, low, high, target)
-        theta = polish(system, table, events, record, event, t, h, theta, target)
+            theta = search(system, table, events, record, event, t, h, low, high, target)
+        theta = polish(system, table, events, record, event, t, h, theta, low, high, target)
         note(system, table, events, record, event, t + theta * h)
         if integers(events.found)[event] == integers(events.terminal)[event]:
             return theta
@@ -105,14 +107,42 @@ def cross_piece(
 
 
 @compiled
+def at_start(
+    system: System, events: Events, record: Record, event: int, t: float
+) -> tuple[float, float]:
+    """Function of an event, less its level, and its rate at the start of a step."""
+    kept = floats(events.values + WORD * VALUES * event)
+    if kept[2] == t:  # as the step before left them
+        return kept[3] - floats(events.level)[event], kept[4]
+    start = value(system, events, record, event, 0, t)
+    return start, slope(system, events, event, 0)
+
+
+@compiled
+def remember(events: Events, event: int, t: float) -> None:
+    """Keep what a function has at the end of a step: the next one starts there."""
+    if integers(events.functions)[FUNCTION * event] != 0:
+        kept = floats(events.values + WORD * VALUES * event)
+        kept[2], kept[3], kept[4] = t, kept[0], kept[1]
+
+
+@compiled
 def watch_event(
-    system: System, table: Table, events: Events, record: Record, event: int, t: float, h: float
+    system: System,
+    table: Table,
+    events: Events,
+    record: Record,
+    event: int,
+    t: float,
+    h: float,
+    t_end: float,
 ) -> float:
     """Record the crossings of one event within a step; see `cross_piece`."""
-    start = value(system, events, record, event, 0)
-    stop = value(system, events, record, event, table.end)
-    before = h * slope(system, events, event, 0)
+    start, before = at_start(system, events, record, event, t)
+    before *= h
+    stop = value(system, events, record, event, table.end, t_end)
     after = h * slope(system, events, event, table.end)
+    remember(events, event, t_end)
     if before * after >= 0.0:
         if before * (stop - start) < 0.0 or start == stop:
             return GO_ON
@@ -123,8 +153,8 @@ def watch_event(
     first, last = crossed_levels(events, event, side, bound, side * max(side * start, side * stop))
     if last < first or not prepare_dense(system, table, record, t, h):
         return GO_ON
-    middle = turning_point(system, table, events, record, event, h, side)
-    least = dense_value(system, table, events, record, event, h, middle)
+    middle = turning_point(system, table, events, record, event, t, h, side)
+    least = dense_value(system, table, events, record, event, t, h, middle)
     end = cross_piece(system, table, events, record, event, t, h, 0.0, middle, start, least)
     if end != GO_ON:
         return end
@@ -157,7 +187,7 @@ def watch_step(context: int, t: float, h: float, t_end: float) -> float:
     evaluations = integers(record.counters)[EVALUATIONS]
     part = GO_ON
     for event in range(events.events):
-        part = min(part, watch_event(system, table, events, record, event, t, h))
+        part = min(part, watch_event(system, table, events, record, event, t, h, t_end))
         if integers(record.counters)[EVALUATIONS] != evaluations:
             integers(record.counters)[EVALUATIONS] += table.end
             evaluations = integers(record.counters)[EVALUATIONS]

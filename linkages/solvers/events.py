@@ -1,4 +1,4 @@
-"""Events: a linear function of coordinates and speeds crosses a level."""
+"""Events: a function of coordinates and speeds crosses a level."""
 
 from __future__ import annotations
 
@@ -9,21 +9,24 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.solvers.flow import Flow
+from linkages.solvers.flow import Companion, Flow
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Event:
-    """A linear function of the state whose crossings of a level are located to round-off.
+    """A function of the state whose crossings of a level are located to round-off.
 
-    Where the function takes whole multiples of rotating coordinates only, for example a single
-    angle, the level means itself and all its multiples of a turn. Other functions take rotating
-    coordinates with their whole turns.
+    It is linear, or any function that is compiled. Where a linear one takes whole multiples of
+    rotating coordinates only, for example a single angle, the level means itself and all its
+    multiples of a turn. Others take rotating coordinates with their whole turns. A compiled
+    function takes them within one turn.
 
     Parameters
     ----------
     weights : (2n,)
-        Weights of the coordinates and speeds.
+        Weights of the coordinates and speeds in a linear function.
+    function
+        Any other function and its rate, instead; evaluated once per step.
     level
         Level in the unit of the function.
     direction
@@ -35,7 +38,8 @@ class Event:
         Number of crossings that are recorded; further ones are counted.
     """
 
-    weights: ArrayLike
+    weights: ArrayLike = ()
+    function: Companion | None = None
     level: float = 0.0
     direction: int = 0
     terminal: int = 0
@@ -44,7 +48,10 @@ class Event:
     def __post_init__(self) -> None:
         weights = np.array(self.weights, dtype=np.float64)
         object.__setattr__(self, "weights", weights)
-        if weights.ndim != 1 or not np.isfinite(weights).all() or not weights.any():
+        if self.function is not None and weights.size:
+            raise ValueError("an event has either weights or a function")
+        linear = self.function is None
+        if weights.ndim != 1 or not np.isfinite(weights).all() or weights.any() != linear:
             raise ValueError("weights of an event must be finite numbers, not all of them zero")
         if not math.isfinite(self.level):
             raise ValueError(f"level of an event must be finite, found {self.level}")
@@ -99,7 +106,10 @@ class EventLog:
 
     def __post_init__(self) -> None:
         n = self.flow.coordinates
-        weights = [np.asarray(event.weights) for event in self.events]
+        weights = [
+            np.zeros(2 * n) if event.function else np.asarray(event.weights)
+            for event in self.events
+        ]
         for found in weights:
             if len(found) != 2 * n:
                 raise ValueError(
@@ -125,7 +135,8 @@ class EventLog:
         others = np.delete(self.weights, np.flatnonzero(self.flow.rotates), axis=1)
         angles = self.weights[:, :n][:, self.flow.rotates]
         whole = (angles == np.rint(angles)).all(axis=1)
-        return np.where(whole & ~others.any(axis=1), 2 * math.pi, 0.0)
+        linear = self.weights.any(axis=1)
+        return np.where(linear & whole & ~others.any(axis=1), 2 * math.pi, 0.0)
 
     @property
     def crossings(self) -> tuple[Crossings, ...]:

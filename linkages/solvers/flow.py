@@ -12,11 +12,12 @@ from linkages.kernel.dyads import LEAST_MARGIN
 
 
 @dataclass(frozen=True, kw_only=True)
-class Linearisation:
-    """The derivatives of a flow's accelerations, by functions of the same kind as its own.
+class Companion:
+    """Two functions of the same kind as a flow's own, which write something else.
 
-    Its `rates` writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b + 2c numbers that are
-    of no concern.
+    That of the Jacobian writes ``∂a_i/∂state_j`` to ``out[2n·i + j]``, followed by 2b + 2c numbers
+    that are of no concern. That of an event reads ``[q (n), v (n), a (n)]`` and writes a function
+    of q and v, and its rate, for which a is needed.
 
     Parameters
     ----------
@@ -87,7 +88,7 @@ class Flow:
     first_carried: int = 0
     carried: int = 0
     keepalive: object = None
-    linearise: Callable[[], Linearisation] | None = None
+    linearise: Callable[[], Companion] | None = None
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

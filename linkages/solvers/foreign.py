@@ -15,7 +15,7 @@ RATES = ctypes.CFUNCTYPE(ctypes.c_int64, POINTER, POINTER, POINTER, POINTER)
 
 
 class Kernel(Protocol):
-    """What `Flow` and `Linearisation` have in common."""
+    """What `Flow` and `Companion` have in common."""
 
     @property
     def clock(self) -> int: ...  # noqa: D102

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.flow import Linearisation
+from linkages.solvers.flow import Companion
 from linkages.solvers.foreign import caller
 from linkages.solvers.job import Job
 from linkages.solvers.outcome import Outcome
@@ -35,7 +35,7 @@ class StiffRun:
         flow = job.flow
         self.job, self.n, self.blocks = job, flow.coordinates, len(flow.margin_scale)
         self.kernel = caller(flow, self.n + 2 * self.blocks + 2 * flow.carried)
-        self.linear: Linearisation | None = flow.linearise() if flow.linearise else None
+        self.linear: Companion | None = flow.linearise() if flow.linearise else None
         self.status = 0
         if self.linear is not None:
             size = 2 * self.n * self.n + 2 * self.blocks + 2 * flow.carried

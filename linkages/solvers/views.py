@@ -94,6 +94,8 @@ class Events(NamedTuple):
 
     events: int  # their number e
     weights: int  # (e, 2n) of float64
+    functions: int  # (e, 4) of int64: clock, rates, parameters, timed; zeros for a linear function
+    values: int  # (e, 5) of float64: value and rate of a function now; time, value, rate before
     level: int  # (e,) of float64
     period: int  # (e,) of float64, 0 where the level stands for itself alone
     direction: int  # (e,) of int64: -1, 0 or 1

@@ -59,12 +59,11 @@ def test_section_points_so_far_are_kept(section):
     assert kept.bar_speed[:few].to_numpy() == pytest.approx(whole.bar_speed.to_numpy(), abs=1e-9)
 
 
-@pytest.mark.parametrize("section", [None, "slider9.velocity=0"])
+@pytest.mark.parametrize("section", [None, "r1.speed=0"])
 def test_sections_of_a_motion_that_stops(section):
-    period = 2.0
-    mechanism = linkages.load("ninebar", set={**FOLDING, "simulate.end": period})
+    mechanism = linkages.load("ninebar", set=FOLDING)
     with pytest.raises(UnfinishedError, match=r"at t = 1\.54.*joint F") as caught:
-        linkages.poincare(mechanism, periods=5, section=section, direction="both")
+        linkages.poincare(mechanism, periods=5000, section=section)
     assert not caught.value.interrupted
     assert 1.54 < caught.value.time < 1.55
     assert (caught.value.kept["poincare"].time < 1.55).all()

@@ -11,7 +11,7 @@ import numpy as np
 from numba import cfunc, types
 from scipy.special import ellipj, ellipk
 
-from linkages.solvers import Flow
+from linkages.solvers import Companion, Flow
 
 POINTER = types.CPointer(types.float64)
 CLOCK = types.int64(types.float64, POINTER, POINTER)
@@ -123,9 +123,35 @@ def explosion_rates(y, p, timed, out):
     return 0
 
 
+@cfunc(CLOCK)
+def line_clock(t, p, timed):
+    """A level that rises with time."""
+    timed[0] = p[3] * t
+    return 0
+
+
+@cfunc(RATES)
+def line_function(y, p, timed, out):
+    """p0 q + p1 v + p2 sin q - p3 t, and its rate from the acceleration behind q and v."""
+    p[4] += 1.0
+    out[0] = p[0] * y[0] + p[1] * y[1] + p[2] * math.sin(y[0]) - timed[0]
+    out[1] = p[0] * y[1] + p[1] * y[2] + p[2] * math.cos(y[0]) * y[1] - p[3]
+    return 0
+
+
 @cfunc(RATES)
 def nothing_rates(y, p, timed, out):
     return 0
+
+
+def line(*parameters):
+    """A function for events: see `line_function`."""
+    return Companion(
+        clock=line_clock.address,
+        rates=line_function.address,
+        parameters=np.array([*parameters, 0.0]),
+        timed_size=1,
+    )
 
 
 def flow(rates, parameters=(), *, clock=no_clock, rotates=(False,), blocks=0, timed=0):

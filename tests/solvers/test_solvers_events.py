@@ -11,6 +11,7 @@ from solver_kernels import (
     flow,
     free_rates,
     limited_rates,
+    line,
     pendulum,
     rotation,
     swing,
@@ -159,6 +160,61 @@ def test_motion_along_a_level_is_no_crossing(method):
     event = Event(weights=[0, 1], level=1.0)
     result = integrate(flow(free_rates), [0.0, 1.0], [0.0, 5.0], events=[event], **method)
     assert result.crossings[0].count == 0
+
+
+# functions instead of weights
+
+
+def test_linear_functions_cross_where_weights_do(method):
+    pairs = [
+        (Event(weights=[0.3, 1.0], level=0.1, direction=d),
+         Event(function=line(0.3, 1.0, 0.0, 0.0), level=0.1, direction=d))
+        for d in (-1, 0, 1)
+    ]  # fmt: skip
+    events = [event for pair in pairs for event in pair]
+    result = integrate(pendulum(), [2.0, 0.0], [0.0, 20.0], events=events, **method)
+    found = result.crossings
+    for linear, function in zip(found[::2], found[1::2], strict=True):
+        assert len(linear.time) > 1
+        assert function.time == pytest.approx(linear.time, abs=1e-13)
+        assert function.state == pytest.approx(linear.state, abs=1e-13)
+
+
+def test_functions_of_angle_and_time(method):
+    """sin q = t/20, located to round-off at states of the motion."""
+    event = Event(function=line(0.0, 0.0, 1.0, 0.05))
+    result = integrate(pendulum(), [2.0, 0.0], [0.0, 19.0], events=[event], **method)
+    (found,) = result.crossings
+    assert len(found.time) > 3
+    assert np.sin(found.state[:, 0]) == pytest.approx(0.05 * found.time, abs=1e-13)
+    angles, _ = swing(2.0, found.time)
+    assert found.state[:, 0] == pytest.approx(angles, abs=TOLERANCE)
+    dense = np.linspace(0, 19, 100_001)
+    signs = np.sign(np.sin(swing(2.0, dense)[0]) - 0.05 * dense)
+    assert len(found.time) == np.count_nonzero(np.diff(signs))
+
+
+def test_function_that_crosses_twice_within_one_step():
+    level = float(swing(2.0, 0.015)[0])
+    event = Event(function=line(1.0, 0.0, 0.0, 0.0), level=level)
+    times = [0.0, 4 * QUARTER + 0.25]
+    result = integrate(pendulum(), [2.0, 0.0], times, method="gauss8", step=0.05, events=[event])
+    expected = [0.015, 4 * QUARTER - 0.015, 4 * QUARTER + 0.015]
+    assert result.crossings[0].time == pytest.approx(expected, abs=1e-9)
+
+
+def test_functions_are_evaluated_once_per_step():
+    counted = line(0.0, 1.0, 0.0, 0.0)
+    result = integrate(
+        pendulum(), [2.0, 0.0], [0.0, 20.0], events=[Event(function=counted, level=9)]
+    )
+    assert result.crossings[0].count == 0
+    assert counted.parameters[4] == result.steps + 1
+
+
+def test_an_event_has_weights_or_a_function():
+    with pytest.raises(ValueError, match="either weights or a function"):
+        Event(weights=[1, 0], function=line(1.0, 0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from linkages.solution.flows import Flows, watched
 from linkages.solution.integration import failure_text
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.series import Series, find_series, system_series
+from linkages.solution.simulate import passes
 from linkages.solvers.events import Event
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.methods import FIXED_STEP_METHODS
@@ -213,7 +214,7 @@ def _stroboscopic(
 ) -> Motion:
     period = common_period(system.mechanism)
     times = period * (phase + skip + np.arange(periods, dtype=np.float64))
-    return compute_motion(system, replace(settings, times=times))
+    return compute_motion(system, replace(settings, times=times, passing=passes(system)))
 
 
 def stroboscopic_period(mechanism: Mechanism) -> float:

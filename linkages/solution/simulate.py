@@ -100,7 +100,7 @@ def simulate(
         "energy_residual" in names,
         watch,
     )
-    settings = replace(settings, passing=_passing(system, change_points))
+    settings = replace(settings, passing=passes(system, change_points))
     _require_inertia(system)
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]
@@ -172,7 +172,8 @@ def _settings(
     )
 
 
-def _passing(system: System, change_points: str | None) -> bool:
+def passes(system: System, change_points: str | None = None) -> bool:
+    """Whether a motion goes on through change points, as `simulate` describes it."""
     wanted = change_points or system.mechanism.simulation.change_points
     if wanted not in (None, "pass", "stop"):
         raise ValueError(f"change_points must be 'pass' or 'stop', found {wanted!r}")

@@ -15,7 +15,8 @@ from typing import Annotated
 import typer
 
 from linkages.cli import analyses
-from linkages.cli.options import ChangePoints, File, Json, Out, Set
+from linkages.cli.completion import complete_file
+from linkages.cli.options import ChangePoints, Figures, File, Json, Out, Set, Template
 
 app = typer.Typer(
     name="linkages",
@@ -38,11 +39,23 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
-    version: Annotated[
+    _wanted: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    quiet: Annotated[
+        bool,
+        typer.Option("--quiet", "-q", help="Print errors only: no report, no progress."),
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Say on standard error what is done, and when.")
     ] = False,
 ) -> None:
     """Options before the verb."""
+    from linkages.cli.verbosity import set_verbosity
+
+    if quiet and verbose:
+        raise typer.BadParameter("--quiet and --verbose are both given; expected one of them")
+    set_verbosity(quiet=quiet, verbose=verbose)
 
 
 @app.command()
@@ -137,12 +150,47 @@ def bench(
     raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
 
 
-@app.command("list")
-def list_mechanisms(json: Json = False) -> None:
-    """List the mechanisms that are shipped with the package."""
-    from linkages.cli.library import run_list
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write, a path or not.")],
+    template: Annotated[
+        Template, typer.Option(help="What it begins with.")
+    ] = Template.SLIDER_CRANK,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file of that name.")] = False,
+    json: Json = False,
+) -> None:
+    """Write a commented definition file to start from, and its schema for editors."""
+    from linkages.cli.new import run_new
 
-    raise typer.Exit(run_list(json))
+    raise typer.Exit(run_new(name, template, force, json))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of definition files."""
+    from linkages.cli.schema import run_schema
+
+    raise typer.Exit(run_schema())
+
+
+@app.command("list")
+def list_mechanisms(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="NAME",
+            help="Say what this one is, and draw it.",
+            autocompletion=complete_file,
+        ),
+    ] = None,
+    json: Json = False,
+    out: Out = None,
+    figures: Figures = True,
+) -> None:
+    """List the mechanisms that are shipped with the package, or show one of them."""
+    from linkages.cli.library import run_list, run_show
+
+    raise typer.Exit(run_list(json) if name is None else run_show(name, out, json, figures))
 
 
 def main() -> None:
@@ -155,7 +203,7 @@ def main() -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail
     try:
-        app()
+        app(prog_name=_program_name())
     except LinkagesError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)
@@ -171,6 +219,11 @@ def main() -> None:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         sys.exit(130)
+
+
+def _program_name() -> str | None:
+    """Shells complete programs, not modules: `python -m linkages` installs it for `linkages`."""
+    return "linkages" if any("-completion" in word for word in sys.argv[1:2]) else None
 
 
 def _close_output() -> None:

@@ -22,7 +22,7 @@ def tables() -> str:
         if section.field is not None:
             parts.append(f"{about['description'].split('.')[0]}. Example: `{section.example}`\n")
             entry = about.get("additionalProperties", about)
-            parts.append(HEAD + _row("an entry", {**entry, "description": _own(entry)}, False))
+            parts.append(f"Form of an entry: {form_of(entry)}.\n")
             continue
         parts.append(f"{_form(section.form)} Example: `{section.example}`\n")
         for model in section.models:
@@ -37,10 +37,6 @@ def tables() -> str:
 def _form(form: str) -> str:
     words = {"mapping": "Names with their entries.", "list": "A list.", "value": "A mapping."}
     return words[form]
-
-
-def _own(entry: Schema) -> str:
-    return entry["description"] if "properties" not in entry and "items" not in entry else ""
 
 
 def _row(key: str, value: Schema, required: bool) -> str:
@@ -68,8 +64,8 @@ def form_of(value: Schema) -> str:
         return ", ".join(f"`{word}`" for word in value["enum"] if isinstance(word, str))
     kinds = value.get("type", [])
     if "array" in kinds:
-        count = "two: " if value.get("minItems") == 2 else "list: "
-        return count + form_of(value["items"])
+        count, each = "two" if value.get("minItems") == 2 else "a list", form_of(value["items"])
+        return f"{count} names" if each == "a name" else f"{count}, each {each}"
     if "properties" in value:
         return "a mapping"
     if "object" in kinds:

@@ -5,6 +5,7 @@ Each verb imports what it needs when it runs, so that ``--help`` answers at once
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -212,6 +213,8 @@ def main() -> None:
         sys.exit(1)
     except OSError as error:
         _close_output()
+        if os.name == "nt" and error.errno == errno.EINVAL and not error.filename:
+            sys.exit(1)  # what a broken pipe is called there
         reason = (error.strerror or str(error)).splitlines()[0]
         place = f"{error.filename}: " if error.filename else ""
         print(f"{place}cannot be written: {reason}", file=sys.stderr)

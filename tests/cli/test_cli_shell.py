@@ -114,8 +114,9 @@ def test_verbose_says_what_is_read_and_written_on_standard_error(cli):
 
 
 @pytest.mark.slow
-def test_verbose_names_kernels_and_integrations(cli):
-    err = cli("-v", "simulate", "ninebar", "--no-verify", *SHORT).err
+def test_verbose_names_kernels_and_integrations(tmp_path):
+    """In a process of its own: this one may have loaded the kernel before."""
+    err = shell(tmp_path, "-v", "simulate", "ninebar", "--no-verify", *SHORT).stderr
     assert "kernel " in err
     assert "dop853 from t = 0 s to 0.02 s: " in err
 

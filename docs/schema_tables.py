@@ -56,13 +56,13 @@ def form_of(value: Schema) -> str:
     """What may stand in a place, in words."""
     if "anyOf" in value:
         arms = [arm for arm in value["anyOf"] if arm.get("type") != "null"]
-        if any(arm.get("type") == "boolean" for arm in arms):
-            return "`true` or `false`"
         plain = [arm for arm in arms if "properties" not in arm] or arms  # laws have their tables
         return " or ".join(dict.fromkeys(form_of(arm) for arm in plain))
     if "enum" in value:
         return ", ".join(f"`{word}`" for word in value["enum"] if isinstance(word, str))
     kinds = value.get("type", [])
+    if "boolean" in kinds:
+        return "`true` or `false`"
     if "array" in kinds:
         count, each = "two" if value.get("minItems") == 2 else "a list", form_of(value["items"])
         return f"{count} names" if each == "a name" else f"{count}, each {each}"

@@ -15,9 +15,8 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli import analyses
-from linkages.cli.completion import complete_file
-from linkages.cli.options import ChangePoints, Figures, File, Json, Out, Set, Template
+from linkages.cli import analyses, definitions
+from linkages.cli.options import ChangePoints, File, Json, Out, Set
 
 app = typer.Typer(
     name="linkages",
@@ -151,47 +150,7 @@ def bench(
     raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
 
 
-@app.command()
-def new(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="The file to write, a path or not.")],
-    template: Annotated[
-        Template, typer.Option(help="What it begins with.")
-    ] = Template.SLIDER_CRANK,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file of that name.")] = False,
-    json: Json = False,
-) -> None:
-    """Write a commented definition file to start from, and its schema for editors."""
-    from linkages.cli.new import run_new
-
-    raise typer.Exit(run_new(name, template, force, json))
-
-
-@app.command()
-def schema() -> None:
-    """Print the JSON Schema of definition files."""
-    from linkages.cli.schema import run_schema
-
-    raise typer.Exit(run_schema())
-
-
-@app.command("list")
-def list_mechanisms(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="NAME",
-            help="Say what this one is, and draw it.",
-            autocompletion=complete_file,
-        ),
-    ] = None,
-    json: Json = False,
-    out: Out = None,
-    figures: Figures = True,
-) -> None:
-    """List the mechanisms that are shipped with the package, or show one of them."""
-    from linkages.cli.library import run_list, run_show
-
-    raise typer.Exit(run_list(json) if name is None else run_show(name, out, json, figures))
+definitions.add_to(app)
 
 
 def main() -> None:

@@ -25,7 +25,11 @@ from linkages.spec.quantities import NameRule
 
 Schema = dict[str, Any]
 
-_TRUTHS = ("true", "yes", "on", "false", "no", "off")
+# All that pydantic takes for true or false, in capitals or not; YAML reads the first pair itself.
+_TRUTHS = ("true", "false", "yes", "no", "on", "off", "y", "n", "t", "f", "1", "0")
+_TRUTH = "^({})$".format(
+    "|".join("".join(f"[{letter}{letter.upper()}]" for letter in word) for word in _TRUTHS)
+)
 
 
 def model_schema(model: Any, without: Collection[str] = ()) -> Schema:
@@ -108,9 +112,9 @@ def _alternative(annotation: Any) -> Schema:
         return mapping_schema(value_schema(key), value_schema(value))
     if infos_of(bare):
         return model_schema(bare)
-    if bare is bool:  # YAML 1.2 reads true and false; others come as text
-        words = [form(word) for word in _TRUTHS for form in (str, str.title, str.upper)]
-        return {"anyOf": [{"type": "boolean"}, {"enum": [0, 1, *words]}]}
+    if bare is bool:
+        kinds = ["boolean", "string", "integer"]
+        return {"type": kinds, "pattern": _TRUTH, "minimum": 0, "maximum": 1}
     raise TypeError(f"no schema for {annotation}")
 
 

@@ -101,6 +101,8 @@ def _keys(_app, page, source):
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("source-read", _keys)
+    # the tables may have changed although their page has not
+    app.connect("env-get-outdated", lambda *_: ["schema"])
     app.add_html_math_renderer(
         "local_mathml",
         inline_renderers=(lambda writer, node: _formula(writer, node, False), None),

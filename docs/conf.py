@@ -4,11 +4,15 @@ Everything is local: no inventories are downloaded, and pages need no scripts fr
 """
 
 import dataclasses
+import sys
 from importlib.metadata import version as installed
+from pathlib import Path
 from xml.etree import ElementTree
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 MATHML = "http://www.w3.org/1998/Math/MathML"
 ACCENTS = ("˙", "¨")
@@ -86,8 +90,19 @@ def _fields(_app, what, _name, found, _options, signature, returns):
     return f"(*, {', '.join(parts)})", None
 
 
+def _keys(_app, page, source):
+    """Put the tables of keys into their page: they come from the classes that read the files."""
+    if page == "schema":
+        from schema_tables import tables
+
+        source[0] = source[0].replace("<!-- tables of keys -->", tables())
+
+
 def setup(app):
-    """Register the renderer of formulas and the signatures of dataclasses."""
+    """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
+    app.connect("source-read", _keys)
+    # the tables may have changed although their page has not
+    app.connect("env-get-outdated", lambda *_: ["schema"])
     app.add_html_math_renderer(
         "local_mathml",
         inline_renderers=(lambda writer, node: _formula(writer, node, False), None),

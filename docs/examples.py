@@ -53,8 +53,10 @@ class Output:
 
 
 def pages() -> list[Path]:
-    """README.md and all pages."""
-    return [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+    """README.md, CONTRIBUTING.md and all pages."""
+    built = DOCS / "_build"
+    found = [page for page in sorted(DOCS.rglob("*.md")) if built not in page.parents]
+    return [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *found]
 
 
 def run(page: Path, folder: Path) -> tuple[str, list[Output]]:
@@ -141,7 +143,7 @@ def _command(words: list[str]) -> tuple[str, int]:
 def _executed(content: str, namespace: dict[str, object]) -> str:
     stream = io.StringIO()
     with contextlib.redirect_stdout(stream):
-        exec(compile(content, "<example>", "exec"), namespace)
+        exec(compile(content, "<example>", "exec", dont_inherit=True), namespace)
     return _tidy(stream.getvalue())
 
 

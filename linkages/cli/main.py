@@ -5,6 +5,7 @@ Each verb imports what it needs when it runs, so that ``--help`` answers at once
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -14,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli import analyses
+from linkages.cli import analyses, definitions
 from linkages.cli.options import ChangePoints, File, Json, Out, Set
 
 app = typer.Typer(
@@ -38,11 +39,23 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _options(
-    version: Annotated[
+    _wanted: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    quiet: Annotated[
+        bool,
+        typer.Option("--quiet", "-q", help="Print errors only: no report, no progress."),
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Say on standard error what is done, and when.")
     ] = False,
 ) -> None:
     """Options before the verb."""
+    from linkages.cli.verbosity import set_verbosity
+
+    if quiet and verbose:
+        raise typer.BadParameter("--quiet and --verbose are both given; expected one of them")
+    set_verbosity(quiet=quiet, verbose=verbose)
 
 
 @app.command()
@@ -137,12 +150,7 @@ def bench(
     raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
 
 
-@app.command("list")
-def list_mechanisms(json: Json = False) -> None:
-    """List the mechanisms that are shipped with the package."""
-    from linkages.cli.library import run_list
-
-    raise typer.Exit(run_list(json))
+definitions.add_to(app)
 
 
 def main() -> None:
@@ -155,7 +163,7 @@ def main() -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail
     try:
-        app()
+        app(prog_name=_program_name())
     except LinkagesError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)
@@ -164,6 +172,8 @@ def main() -> None:
         sys.exit(1)
     except OSError as error:
         _close_output()
+        if os.name == "nt" and error.errno == errno.EINVAL and not error.filename:
+            sys.exit(1)  # what a broken pipe is called there
         reason = (error.strerror or str(error)).splitlines()[0]
         place = f"{error.filename}: " if error.filename else ""
         print(f"{place}cannot be written: {reason}", file=sys.stderr)
@@ -171,6 +181,11 @@ def main() -> None:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         sys.exit(130)
+
+
+def _program_name() -> str | None:
+    """Shells complete programs, not modules: `python -m linkages` installs it for `linkages`."""
+    return "linkages" if any("-completion" in word for word in sys.argv[1:2]) else None
 
 
 def _close_output() -> None:

@@ -8,9 +8,15 @@ from typing import Annotated
 
 import typer
 
+from linkages.cli.completion import complete_file
+
 File = Annotated[
     str,
-    typer.Argument(metavar="FILE", help="A definition file, or the name of a shipped mechanism."),
+    typer.Argument(
+        metavar="FILE",
+        help="A definition file, or the name of a shipped mechanism.",
+        autocompletion=complete_file,
+    ),
 ]
 Set = Annotated[
     list[str] | None,
@@ -50,6 +56,15 @@ class ChangePoints(StrEnum):
 
     PASS = "pass"
     STOP = "stop"
+
+
+class Template(StrEnum):
+    """What a new file begins with."""
+
+    SLIDER_CRANK = "slider-crank"
+    FOUR_BAR = "four-bar"
+    NINE_BAR = "nine-bar"
+    EMPTY = "empty"
 
 
 class Direction(StrEnum):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TextIO, cast
 
 from rich.console import Console
 from rich.table import Table
@@ -18,12 +19,39 @@ PATIENCE = 1.0
 """Seconds before a progress bar appears."""
 
 
+_UNBOUNDED = 100_000
+"""Columns where nobody looks at a screen: a line of a file or a pipe is never wrapped."""
+
+_SPACES = re.compile("[ \t]+(?=\n)")
+_quiet = False
+
+
+def be_quiet(wanted: bool) -> None:
+    """Print no reports, notes or progress from now on, or do so again."""
+    global _quiet
+    _quiet = wanted
+
+
 def console(error: bool = False) -> Console:
-    """A console on standard output or standard error; wide enough when it is no terminal."""
-    found = Console(stderr=error, highlight=False, soft_wrap=False, emoji=False)
+    """A console on standard output or standard error, which prints nothing if that is wanted."""
+    found = Console(stderr=error, highlight=False, soft_wrap=False, emoji=False, quiet=_quiet)
     if not found.is_terminal:
-        found.width = 160
+        found.width = _UNBOUNDED
+        found.file = cast(TextIO, _Trimmed(sys.stderr if error else sys.stdout))
     return found
+
+
+class _Trimmed:
+    """A stream that leaves out the spaces with which tables fill their lines."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        return self.stream.write(_SPACES.sub("", text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
 
 
 def print_json(content: dict[str, Any]) -> None:
@@ -32,9 +60,9 @@ def print_json(content: dict[str, Any]) -> None:
     print(json_text(content, ascii_only=not unicode))
 
 
-def json_text(content: dict[str, Any], ascii_only: bool = False) -> str:
+def json_text(content: dict[str, Any], ascii_only: bool = False, indent: int = 2) -> str:
     """A JSON object as text; numbers that are not finite become null."""
-    return json.dumps(_plain(content), ensure_ascii=ascii_only, indent=2, allow_nan=False)
+    return json.dumps(_plain(content), ensure_ascii=ascii_only, indent=indent, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:
@@ -61,10 +89,23 @@ def table(title: str, columns: list[str], rows: list[list[str]], numbers: int = 
     """
     found = Table(title=title, title_justify="left", box=None, pad_edge=False)
     for index, column in enumerate(columns):
-        found.add_column(column, justify="right" if index >= len(columns) - numbers else "left")
+        found.add_column(
+            column,
+            justify="right" if index >= len(columns) - numbers else "left",
+            no_wrap=all(_is_number(row[index]) for row in rows),
+        )
     for row in rows:
         found.add_row(*row)
     return found
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell must not be broken: half a number is another number."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def print_notes(notes: Sequence[str], screen: Console) -> None:
@@ -106,7 +147,7 @@ def progress(
         transient=True,
     )
     task = bar.add_task(label, total=1.0)
-    visible = shown and bar.console.is_terminal  # a log file gets no bar
+    visible = shown and bar.console.is_terminal and not _quiet  # a log file gets no bar
     begin = time.monotonic()
     started = False
 

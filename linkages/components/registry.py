@@ -56,27 +56,37 @@ class Section:
     field: str | None = None
     for_sliders: type[Component] | None = None
 
+    @property
+    def models(self) -> tuple[type[Component], ...]:
+        """All components that an entry may be."""
+        choose = self.choose
+        return choose.models if isinstance(choose, _ByKey) else (choose(None),)
+
 
 def _has(key: str, raw: object) -> bool:
     return isinstance(raw, dict) and key in raw
 
 
-def _by_key(
-    otherwise: type[Component], *choices: tuple[str, type[Component]]
-) -> Callable[[Any], type[Component]]:
-    """Choose the component of the first key that an entry has."""
+class _ByKey:
+    """Chooses the component of the first key that an entry has."""
 
-    def choose(raw: object) -> type[Component]:
-        return next((model for key, model in choices if _has(key, raw)), otherwise)
+    def __init__(self, otherwise: type[Component], *choices: tuple[str, type[Component]]) -> None:
+        self.otherwise = otherwise
+        self.choices = choices
 
-    return choose
+    def __call__(self, raw: object) -> type[Component]:
+        return next((model for key, model in self.choices if _has(key, raw)), self.otherwise)
+
+    @property
+    def models(self) -> tuple[type[Component], ...]:
+        return (self.otherwise, *(model for _, model in self.choices))
 
 
 SECTIONS: dict[str, Section] = {
     "gravity": Section("value", lambda _: UniformGravity, "[9.81, 0]", field="acceleration"),
     "joints": Section("mapping", lambda _: GroundJoint, "O: [0, 0]", field="position"),
     "bars": Section(
-        "mapping", _by_key(Bar, ("points", Plate)), "crank: {joints: [O, A], length: 0.3}"
+        "mapping", _ByKey(Bar, ("points", Plate)), "crank: {joints: [O, A], length: 0.3}"
     ),
     "sliders": Section("mapping", lambda _: Slider, "piston: {joint: B, through: O}"),
     "clearances": Section("mapping", lambda _: Clearance, "r1: {joint: A, bar: rod, size: 0.1 mm}"),
@@ -85,17 +95,17 @@ SECTIONS: dict[str, Section] = {
     "gears": Section("list", lambda _: Gear, "{bars: [crank, rod], ratio: -2}"),
     "drives": Section(
         "mapping",
-        _by_key(Drive, ("position", SliderDrive)),
+        _ByKey(Drive, ("position", SliderDrive)),
         "crank: {angle: 0, speed: 60 rpm}",
         for_sliders=SliderDrive,
     ),
     "free": Section(
-        "mapping", _by_key(FreeAngle, ("position", FreePosition)), "crank: {angle: 0.1, speed: 0}"
+        "mapping", _ByKey(FreeAngle, ("position", FreePosition)), "crank: {angle: 0.1, speed: 0}"
     ),
     "assembly": Section("mapping", lambda _: AssemblyHint, "B: left", field="where"),
     "loads": Section(
         "list",
-        _by_key(
+        _ByKey(
             SliderForce,
             ("joint", JointForce),
             ("bars", TorqueBetweenBars),
@@ -105,12 +115,12 @@ SECTIONS: dict[str, Section] = {
     ),
     "springs": Section(
         "list",
-        _by_key(JointSpring, ("between_bars", SpringBetweenBars), ("bar", BarSpring)),
+        _ByKey(JointSpring, ("between_bars", SpringBetweenBars), ("bar", BarSpring)),
         "{between: [O, B], stiffness: 4530, length: 0.08}",
     ),
     "dampers": Section(
         "list",
-        _by_key(
+        _ByKey(
             LineDamper,
             ("joint", JointDamper),
             ("bars", DamperBetweenBars),

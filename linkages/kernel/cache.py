@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import logging
 import os
 import stat
 import sys
 import tempfile
 import threading
+import time
 import warnings
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 
+LOGGER = logging.getLogger(__name__)
 ENVIRONMENT_VARIABLE = "LINKAGES_CACHE_DIR"
 
 # A module is entered before it has been executed: no other thread may find it in between.
@@ -36,10 +39,13 @@ def cached_module(text: str) -> ModuleType:
     name = f"linkages_kernel_{digest}"
     with _LOADING:
         if name not in sys.modules:
-            path = cache_folder() / f"{name}.py"
-            if not _holds(path, text):
+            path, begin = cache_folder() / f"{name}.py", time.perf_counter()
+            known = _holds(path, text)
+            if not known:
                 _write(path, text)
             _import(name, path)
+            how = "was known" if known else "is new and was compiled"
+            LOGGER.info("kernel %s %s, %.2f s", path, how, time.perf_counter() - begin)
     return sys.modules[name]
 
 

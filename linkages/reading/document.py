@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
@@ -13,6 +14,7 @@ from linkages.reading.nodes import plain
 from linkages.reading.paths import Path, dotted, value_at
 from linkages.reading.wording import shown
 
+LOGGER = logging.getLogger(__name__)
 MAX_BYTES = 10_000_000
 _EXPECTED = "expected a mapping with keys such as joints, bars, drives"
 
@@ -76,6 +78,7 @@ def read(path: FilePath) -> Document:
         The file cannot be read, or `parse` refuses its text.
     """
     source = str(path)
+    LOGGER.info("reading %s", path)
     try:
         with open(path, "rb") as file:
             data = file.read(MAX_BYTES + 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import logging
 import math
 import os
 import tempfile
@@ -15,6 +16,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
+
+LOGGER = logging.getLogger(__name__)
 
 
 @contextmanager
@@ -30,6 +33,7 @@ def replaced(path: Path) -> Iterator[Path]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
+        LOGGER.info("wrote %s", path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import logging
 import math
+import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -17,6 +19,8 @@ from linkages.solvers.method import Method
 from linkages.solvers.methods import METHODS
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
+
+LOGGER = logging.getLogger(__name__)
 
 # Below this the round-off of a step exceeds what is asked for.
 LEAST_RTOL = 1e-14
@@ -99,7 +103,13 @@ def integrate(
         max_steps=max_steps,
         events=tuple(events),
     )
-    return job.trajectory(supervise(chosen, job, watch), choice)
+    clock = time.perf_counter()
+    found = job.trajectory(supervise(chosen, job, watch), choice)
+    LOGGER.info(
+        "%s from t = %g s to %g s: %d evaluations, %.2f s",
+        choice.name, begin, samples[-1], found.evaluations, time.perf_counter() - clock,
+    )  # fmt: skip
+    return found
 
 
 def _method(name: str) -> Method:

@@ -17,6 +17,8 @@ from linkages.spec.quantities import FieldType
 
 # A text with the time or a call in it is a formula, whatever else is wrong with it.
 _FORMULA = re.compile(r"\bt\b|[^\W\d]\w*[ \t]*\(")
+# A formula begins as arithmetic does, or with t or the name of a function.
+_BEGINNING = r"^[-+−(\s]*(\.?[0-9]|π|[A-Za-z])"
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,6 @@ class LawRule(FieldType):
         return f"{quantity}, a formula of t{laws}"
 
     def json_schema(self) -> dict[str, Any]:
-        """Return a number, text, or a mapping with the key of a named law."""
-        laws = [{"type": "object", "required": [key]} for key, _ in self.named]
-        return {"anyOf": [{"type": "number"}, {"type": "string"}, *laws]}
+        """Return a number, text that begins with arithmetic or a formula, or a mapping."""
+        kinds = ["number", "string", *(["object"] if self.named else [])]
+        return {"type": kinds, "pattern": _BEGINNING}

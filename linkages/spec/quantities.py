@@ -17,6 +17,12 @@ from linkages.spec.dimensions import Bound, Dimension
 
 _LONGEST_NAME = 64
 _NAME = r"\w([\w -]*\w)?"
+# The same in terms that all dialects of regular expressions share: in most of them \w is ASCII.
+_LETTER = r"[^\x00-/:-@\[-^`{-\x7f]"
+_INNER = r"[^\x00-\x1f!-,./:-@\[-^`{-\x7f]"
+_NAME_ANYWHERE = f"^{_LETTER}({_INNER}*{_LETTER})?$"
+# How arithmetic begins: signs and parentheses, then a number or pi.
+ARITHMETIC = r"^[-+−(\s]*(\.?[0-9]|pi\b|π)"
 _NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
 
@@ -72,10 +78,10 @@ class Quantity(FieldType):
         return self.dimension.expected(self.bound)
 
     def json_schema(self) -> dict[str, Any]:
-        """Return a number within the bound, or text."""
+        """Return a number within the bound, or text that begins with arithmetic."""
         limits = {Bound.POSITIVE: "exclusiveMinimum", Bound.NON_NEGATIVE: "minimum"}
         limit = {limits[self.bound]: 0} if self.bound in limits else {}
-        return {"anyOf": [{"type": "number", **limit}, {"type": "string"}]}
+        return {"type": ["number", "string"], **limit, "pattern": ARITHMETIC}
 
 
 @dataclass(frozen=True)
@@ -97,8 +103,8 @@ class Count(FieldType):
         return "a whole number > 0"
 
     def json_schema(self) -> dict[str, Any]:
-        """Return an integer, or text."""
-        return {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}
+        """Return an integer, or text that begins with arithmetic."""
+        return {"type": ["integer", "string"], "minimum": 1, "pattern": ARITHMETIC}
 
 
 @dataclass(frozen=True)
@@ -118,8 +124,12 @@ class NameRule(FieldType):
         return _NAME_RULE
 
     def json_schema(self) -> dict[str, Any]:
-        """Return a string with the pattern of names."""
-        return {"type": "string", "pattern": f"^{_NAME}$", "maxLength": _LONGEST_NAME}
+        """Return a string with the pattern of names; YAML takes digits alone for a number."""
+        return {
+            "type": ["string", "integer"],
+            "pattern": _NAME_ANYWHERE,
+            "maxLength": _LONGEST_NAME,
+        }
 
 
 Name = Annotated[str, NameRule()]

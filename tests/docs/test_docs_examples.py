@@ -104,3 +104,42 @@ def test_every_key_stands_on_the_page_of_the_format():
         if field.name not in ("name", "index", section.field) and f"`{field.name}`" not in text
     ]
     assert missing == []
+
+
+def load_tables():
+    spec = importlib.util.spec_from_file_location("tables", ROOT / "docs" / "schema_tables.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
+    from linkages.components.registry import SECTIONS
+    from linkages.components.schema import definition_schema
+
+    text = load_tables().tables()
+    assert re.findall("^## (.*)$", text, re.MULTILINE) == [*SECTIONS, "law"]
+    for name, model in definition_schema()["definitions"].items():
+        table = text.split(f"**{name}.**")[1].split("\n\n")[1]
+        rows = [line for line in table.splitlines() if line.startswith("| `")]
+        assert [row.split("`")[1] for row in rows] == list(model["properties"])
+        required = [row.split("`")[1] for row in rows if "| required |" in row]
+        assert required == model.get("required", [])
+    assert "<!-- tables of keys -->" in (ROOT / "docs" / "schema.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_files_to_start_from_exist(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    named = re.findall(r"`([\w./-]+/[\w.-]+|test_\w+\.py)`", text)
+    folders = [ROOT, ROOT / "linkages", ROOT / "tests" / "solvers"]
+    generated = {"docs/_build"}
+    missing = [n for n in named if not any((f / n).exists() for f in folders)]
+    assert len(named) > 20
+    assert set(missing) <= generated
+
+
+def test_contributing_is_one_text():
+    text = (ROOT / "docs" / "contributing.md").read_text(encoding="utf-8")
+    assert "{include} ../CONTRIBUTING.md" in text
+    assert len(text.splitlines()) < 6

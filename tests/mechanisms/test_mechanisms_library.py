@@ -28,7 +28,7 @@ NAMES = list(shipped())
 
 def test_library_is_the_folder_of_the_project():
     assert sorted(path.name for path in shipped().values()) == sorted(
-        path.name for path in (ROOT / "mechanisms").iterdir()
+        path.name for path in (ROOT / "mechanisms").glob("*.yaml")
     )
 
 
@@ -140,6 +140,8 @@ def test_wheel_carries_the_library(tmp_path):
         for path in shipped().values():
             assert archive.read(f"linkages/mechanisms/{path.name}") == path.read_bytes()
         assert "linkages/cli/main.py" in names
+        assert "linkages/cli/templates/four-bar.yaml" in names
+        assert "linkages/mechanisms/linkages.schema.json" in names
         assert not any(name.startswith("tests/") for name in names)
         archive.extractall(tmp_path / "site")
     # Found there, by name, by a package that has no source tree beside it.

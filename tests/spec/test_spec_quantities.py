@@ -1,4 +1,5 @@
 import math
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -205,10 +206,34 @@ def test_names_that_would_break_paths_or_messages(name):
 def test_json_schema():
     assert TypeAdapter(q.PositiveLength).json_schema() == {
         "description": "a length > 0 (metres, or with a unit)",
-        "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}],
+        "type": ["number", "string"],
+        "exclusiveMinimum": 0,
+        "pattern": q.ARITHMETIC,
     }
-    assert TypeAdapter(q.Name).json_schema()["type"] == "string"
-    assert TypeAdapter(q.PositiveInteger).json_schema()["anyOf"][0]["type"] == "integer"
+    assert TypeAdapter(q.Name).json_schema()["type"] == ["string", "integer"]
+    assert TypeAdapter(q.PositiveInteger).json_schema()["minimum"] == 1
+
+
+TEXTS = st.text(st.sampled_from("0.5eE+-−*/() \tpiπmkgb°1²"), max_size=8)
+
+
+@given(TEXTS)
+def test_pattern_of_numbers_refuses_nothing_that_is_read(text):
+    """What `schema` says of a text is necessary: an editor never marks what the loader reads."""
+    try:
+        q.Quantity(d.LENGTH).read(text)
+    except QuantityError:
+        return
+    assert re.search(q.ARITHMETIC, text)
+
+
+@given(st.text(max_size=5) | st.text(st.sampled_from("aé_- .1"), max_size=8))
+def test_pattern_of_names_refuses_nothing_that_is_a_name(text):
+    try:
+        q.NameRule().read(text)
+    except QuantityError:
+        return
+    assert re.search(q.NameRule().json_schema()["pattern"], text)
 
 
 def test_plain_numbers_do_not_import_pint():

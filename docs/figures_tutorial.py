@@ -1,0 +1,60 @@
+"""Make the figures of the tutorial and of the how-tos from what is on the pages.
+
+python docs/figures_tutorial.py
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import tempfile
+from pathlib import Path
+
+from figures import ROOT, STATIC, write_small
+from matplotlib.figure import Figure
+
+import linkages
+from linkages.chaos.varied import parse_range
+from linkages.components.mechanism import Mechanism
+from linkages.plots import bifurcations, phase
+from linkages.plots.style import style
+
+
+def last_definition(page: str) -> Mechanism:
+    """The mechanism that a page ends with."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    blocks = re.findall(r"^```yaml\n(# [\w-]+\.yaml.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "engine.yaml"
+        file.write_text(blocks[-1], encoding="utf-8")
+        return linkages.load(file)
+
+
+def tutorial() -> None:
+    """The first five turns, and 201 speeds after 300 turns at each."""
+    mechanism = last_definition("tutorial.md")
+    figure = phase.figure(linkages.simulate(mechanism).data, mechanism)
+    assert figure is not None
+    write_small(figure, STATIC / "tutorial-phase.png")
+    speeds = parse_range("drives.crank.speed=500rpm:1000rpm:201")
+    figure = bifurcations.figure(linkages.bifurcation(mechanism, speeds, periods=60, skip=300))
+    assert figure is not None
+    write_small(figure, STATIC / "tutorial-bifurcation.png")
+
+
+def fit() -> None:
+    """The figure that the page on measured curves draws itself, in the style of all others."""
+    with tempfile.TemporaryDirectory() as folder:
+        text = (ROOT / "docs" / "howto" / "measured-curve.md").read_text(encoding="utf-8")
+        code = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
+        names: dict[str, object] = {}
+        with contextlib.chdir(folder), style():
+            exec(compile(code, "measured-curve.md", "exec", dont_inherit=True), names)
+        figure = names["figure"]
+        assert isinstance(figure, Figure)
+        write_small(figure, STATIC / "howto-fit.png")
+
+
+if __name__ == "__main__":
+    tutorial()
+    fit()

@@ -56,8 +56,8 @@ class _Request:
         found = {str(name): np.asarray(values) for name, values in data.data_vars.items()}
         found["time"] = np.asarray(data["time"])
         if self.exponent:
-            rtol = self.section["rtol"]
-            exponents = lyapunov(mechanism, periods=EXPONENT_PERIODS, count=1, rtol=rtol)
+            run = {key: self.section[key] for key in ("skip", "method", "rtol")}
+            exponents = lyapunov(mechanism, periods=EXPONENT_PERIODS, count=1, **run)
             found["exponent"] = np.asarray(exponents["exponent"][0])
             found["error"] = np.asarray(exponents["error"][0])
         return found
@@ -97,7 +97,8 @@ def bifurcation(
         Overrides of the file, one for each initial state that is tried at every value, such as
         ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
     exponent
-        Whether to compute the largest Lyapunov exponent at every value as well.
+        Whether to compute the largest Lyapunov exponent at every value as well, over 100 periods
+        after the same `skip`.
     executor
         Where values are computed; the cores of this machine if not given.
     watch

@@ -60,7 +60,7 @@ def draw(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         (line,) = ax.plot(x * scale.factor, y, **look)
         entries.append((line, f"λ{_below(index + 1)} = {_number(last)} ± {error:.2g} 1/s"))
     _limits(ax, history, errors)
-    ax.set_xlim(0.0, time[-1] * scale.factor)
+    ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
     ax.set_xlabel(scale.label("time"))
     ax.set_ylabel("exponent up to then [1/s]")
     lines, texts = zip(*entries, strict=True)

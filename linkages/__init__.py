@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
     from linkages.components.weld import Weld
     from linkages.errors import ComputationError, InputError, LinkagesError
+    from linkages.plots.animation import animate
     from linkages.solution.simulate import simulate
     from linkages.solution.solution import IncompleteError, Solution
 
@@ -76,6 +77,7 @@ _HOMES = {
     "TorqueBetweenBars": "linkages.components.torque",
     "UniformGravity": "linkages.components.gravity",
     "Weld": "linkages.components.weld",
+    "animate": "linkages.plots.animation",
     "bifurcation": "linkages.chaos.bifurcation",
     "chaos_map": "linkages.chaos.maps",
     "load": "linkages.components.definition",
@@ -118,6 +120,7 @@ __all__ = [
     "TorqueBetweenBars",
     "UniformGravity",
     "Weld",
+    "animate",
     "bifurcation",
     "chaos_map",
     "load",

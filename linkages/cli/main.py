@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from linkages.cli import analyses
-from linkages.cli.options import ChangePoints, File, Json, Out, Set
+from linkages.cli.options import ChangePoints, File, Json, Moving, Out, Set
 
 app = typer.Typer(
     name="linkages",
@@ -117,6 +117,42 @@ def equations(
     from linkages.cli.equations import run_equations
 
     raise typer.Exit(run_equations(file, assignments or [], form, json))
+
+
+@app.command()
+def animate(
+    file: File,
+    assignments: Set = None,
+    out: Out = None,
+    json: Json = False,
+    form: Annotated[
+        Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
+    ] = Moving.GIF,
+    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
+    duration: Annotated[
+        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
+    ] = None,
+    slow: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
+            "default: 1, or what makes the film last from 4 to 12 s."
+        ),
+    ] = None,
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
+    ] = None,
+    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
+) -> None:
+    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+    from linkages.cli.animate import Options, run_animate
+
+    options = Options(
+        format=form.value, start=start, duration=duration, slow=slow, fps=fps, size=size, dpi=dpi
+    )
+    raise typer.Exit(run_animate(file, assignments or [], out, json, options))
 
 
 analyses.add_to(app)

@@ -52,6 +52,13 @@ class ChangePoints(StrEnum):
     STOP = "stop"
 
 
+class Moving(StrEnum):
+    """Formats of moving pictures."""
+
+    GIF = "gif"
+    MP4 = "mp4"
+
+
 class Direction(StrEnum):
     """How a section is crossed."""
 

@@ -50,16 +50,21 @@ def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
             labels.avoid((zigzag if elastic else dashpot)(ax, *ends, shift))
 
 
-def draw_torsional(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Spirals of torsional springs and bent dashpots of torsional dampers."""
+def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
+    """Spirals of torsional springs and bent dashpots of torsional dampers.
+
+    Dashpots point where there was room in a first position, if one is given.
+    """
+    first = first or pose
     taken: Counter[Place] = Counter()
     for load in pose.mechanism.loads:
         if not isinstance(load, TorsionSpring):
             continue
         place = pivot(pose, load.body, load.reference)
-        if place is None:
+        before = pivot(first, load.body, load.reference)
+        if place is None or before is None:
             continue
-        angle = _free_direction(pose, place)
+        angle = _free_direction(first, before)
         if not load.stiffness.absent:
             labels.avoid(spiral(ax, place, _direction_of(pose, load.body, place)))
         if not load.damping.absent:

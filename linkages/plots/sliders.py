@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from linkages.components.terms import AxialDamper, AxialForce
 from linkages.plots import symbols
@@ -15,15 +16,44 @@ from linkages.plots.senses import drive_sense, load_sense
 from linkages.plots.springs import wall_dashpot
 from linkages.plots.style import DRIVEN, GREY, LOAD
 
+Array = NDArray[np.float64]
+
 AXIS_LINE = (0, (9, 2, 1.5, 2))
 
 
-def draw_sliders(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Draw every slider whose axis is known."""
+def draw_sliders(ax: Axes, pose: Pose, labels: Labels, *, rails: bool = True) -> None:
+    """Draw every slider whose axis is known, with the part of its guide where it is.
+
+    Without `rails`, guides on the ground are left out.
+    """
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
+        if axis is None:
+            continue
+        if not _grounded(pose, name):
+            _carried(ax, pose, name, axis, labels)
+            continue
+        place = axis.at(axis.reach)
+        if rails:
+            _guide(ax, pose, axis, np.array([place, place]), labels)
+        labels.avoid(symbols.block(ax, (float(place[0]), float(place[1])), axis.angle))
+
+
+def draw_guides(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Draw the guides of sliders on the ground along all of their travel."""
+    for name, (low, high) in pose.travel.items():
+        axis = pose.axis(name) if _grounded(pose, name) else None
         if axis is not None:
-            _slider(ax, pose, name, axis, labels)
+            ends = np.array([axis.at(pose.unit * low), axis.at(pose.unit * high)])
+            _guide(ax, pose, axis, ends, labels)
+
+
+def _guide(ax: Axes, pose: Pose, axis: Axis, ends: Array, labels: Labels) -> None:
+    """The line of an axis, and rails where the block goes."""
+    further = axis.at(axis.reach + pose.extent), axis.at(axis.reach - pose.extent)
+    ax.axline(*(tuple(place) for place in further), color=GREY, linewidth=0.7,
+              linestyle=AXIS_LINE, zorder=1)  # fmt: skip
+    labels.avoid(symbols.rails(ax, ends, axis.angle))
 
 
 def block_place(pose: Pose, name: str) -> symbols.Place | None:
@@ -40,16 +70,10 @@ def block_place(pose: Pose, name: str) -> symbols.Place | None:
     return float(x), float(y)
 
 
-def _slider(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
-    guide = pose.mechanism.bodies[name].guide
-    assert guide is not None
+def _carried(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
+    """A block on a bar, or in a slot of what carries it."""
     place, pin = block_place(pose, name), axis.at(axis.reach)
     assert place is not None
-    if guide.body is None:
-        ax.axline(place, tuple(axis.at(axis.reach + pose.extent)), color=GREY, linewidth=0.7,
-                  linestyle=AXIS_LINE, zorder=1)  # fmt: skip
-        labels.avoid(symbols.slider_block(ax, place, axis.angle))
-        return
     if along_carrier(pose, name) is None:
         _slot(ax, pose, name, labels)
     rod = np.array([place, pin])
@@ -79,7 +103,7 @@ def _slot(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
 
 
 def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Arrows of drives and forces beside the blocks, and dampers in the guides."""
+    """Arrows of drives and forces beside the blocks."""
     mechanism = pose.mechanism
     for name in mechanism.prescribed:
         if not mechanism.bodies[name].rotates:
@@ -87,12 +111,21 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
     for load in mechanism.loads:
         if isinstance(load, AxialForce):
             _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
-        elif isinstance(load, AxialDamper) and not load.damping.absent:
-            place, angle = block_place(pose, load.body), pose.angle(load.body)
-            if place is not None and angle is not None:
-                start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
-                turned = angle + (0.0 if _busy_behind(pose, load.body, angle) else np.pi)
-                labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
+
+
+def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
+    """Dampers in the guides of sliders, on the side that was free in a first position, if given."""
+    first = first or pose
+    for load in pose.mechanism.loads:
+        if not isinstance(load, AxialDamper) or load.damping.absent:
+            continue
+        place, angle, before = (
+            block_place(pose, load.body), pose.angle(load.body), first.angle(load.body),
+        )  # fmt: skip
+        if place is not None and angle is not None and before is not None:
+            start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
+            turned = angle + (0.0 if _busy_behind(first, load.body, before) else np.pi)
+            labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
 
 
 def _busy_behind(pose: Pose, name: str, angle: float) -> bool:

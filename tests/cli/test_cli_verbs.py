@@ -12,7 +12,7 @@ import linkages
 from linkages.cli.terminal import console, print_notes
 from linkages.reading.locate import shipped
 
-VERBS = ("simulate", "check", "equations", "list")
+VERBS = ("simulate", "check", "equations", "animate", "list")
 # A short run of a mechanism that nothing integrates: fast.
 SHORT = ("--set", "simulate.end=0.02", "--set", "simulate.samples=21")
 

@@ -180,8 +180,8 @@ def _write(pose: Pose, labels: Labels) -> None:
 
 
 def _write_body(pose: Pose, body: Body, corners: Array, labels: Labels) -> None:
-    sides = np.roll(corners, -1, axis=0) - corners
-    longest = int(np.argmax(np.hypot(*sides.T)))
-    start = corners[longest]
     colour = body_colour(pose.mechanism, body.name)
-    labels.beside_segment(body.name, start, start + sides[longest], color=colour)
+    if len(corners) > 2:
+        labels.in_polygon(body.name, corners, color=colour)
+    else:
+        labels.beside_segment(body.name, *corners, color=colour)

@@ -17,7 +17,7 @@ from linkages.plots.labels import Labels
 from linkages.plots.pose import Place, Pose
 from linkages.plots.prefixes import scale_for
 from linkages.plots.senses import force_direction, load_sense
-from linkages.plots.sliders import block_place
+from linkages.plots.sliders import block_place, force_side
 from linkages.plots.springs import bent_dashpot, dashpot, spiral, zigzag
 from linkages.plots.style import LOAD
 from linkages.plots.view import per_point, pixels
@@ -103,7 +103,8 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
             place, size = block_place(pose, load.body), _size((load.force,), "N")
             sense, turned = load_sense(load.force, pose.mechanism), pose.angle(load.body)
             if place and size and sense and turned is not None:
-                yield size, _tip(ax, place, turned, sense), 4.0
+                side = force_side(pose, load.body, sense)
+                yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
         elif isinstance(load, Torque):
             place, size = _torque_place(pose, load), _size((load.torque,), "N·m")
             if place and size:
@@ -111,8 +112,8 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
 
 
 def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
-    """Near the tip of a force's arrow."""
-    reach = (STRAIGHT if sense > 0 else -STRAIGHT) * per_point(ax)
+    """Near the outer end of a force's arrow; the place itself if the arrow stands over it."""
+    reach = sense * STRAIGHT * per_point(ax)
     pixel = pixels(ax, place)[0] + reach * np.array([np.cos(angle), np.sin(angle)])
     x, y = ax.transData.inverted().transform(pixel)
     return float(x), float(y)

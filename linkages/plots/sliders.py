@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from linkages.components.terms import AxialDamper, AxialForce
 from linkages.plots import symbols
-from linkages.plots.arrows import straight_arrow
+from linkages.plots.arrows import STRAIGHT, straight_arrow
 from linkages.plots.bodies import THICKNESS, body_colour
 from linkages.plots.labels import Labels
 from linkages.plots.pose import Axis, Pose, along_carrier
-from linkages.plots.senses import drive_sense, load_sense
+from linkages.plots.senses import BOTH, drive_sense, load_sense
 from linkages.plots.springs import wall_dashpot
 from linkages.plots.style import DRIVEN, GREY, LOAD
 
@@ -53,6 +53,7 @@ def _guide(ax: Axes, pose: Pose, axis: Axis, ends: Array, labels: Labels) -> Non
     further = axis.at(axis.reach + pose.extent), axis.at(axis.reach - pose.extent)
     ax.axline(*(tuple(place) for place in further), color=GREY, linewidth=0.7,
               linestyle=AXIS_LINE, zorder=1)  # fmt: skip
+    labels.avoid_line(np.array(further))
     labels.avoid(symbols.rails(ax, ends, axis.angle))
 
 
@@ -124,36 +125,50 @@ def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None 
         )  # fmt: skip
         if place is not None and angle is not None and before is not None:
             start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
-            turned = angle + (0.0 if _busy_behind(first, load.body, before) else np.pi)
+            turned = angle + (0.0 if _damper_side(first, load.body) > 0 else np.pi)
             labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
 
 
-def _busy_behind(pose: Pose, name: str, angle: float) -> bool:
-    """Whether bodies at a slider's pin or forces on it lie behind rather than before it."""
-    shown = pose.shown(name)
-    along = np.array([np.cos(angle), np.sin(angle)])
+def force_side(pose: Pose, name: str, sense: int) -> int:
+    """On which side of a slider, along its axis, an arrow of a force stands: where no bars are.
+
+    There it pulls at the block, or pushes it, as its sense wants. 0 for a force of both senses,
+    whose arrow stands over the block.
+    """
+    if sense == BOTH:
+        return 0
+    angle, shown = pose.angle(name), pose.shown(name)
+    along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
     ways = [
-        np.subtract(other, shown[joint]) @ along
+        float(np.subtract(other, shown[joint]) @ along)
         for joint in shown
         for body in pose.mechanism.bodies
         if body != name and joint in pose.shown(body)
         for other in pose.shown(body).values()
     ]
-    forces = [load for load in pose.mechanism.loads if isinstance(load, AxialForce)]
-    senses = [load_sense(f.force, pose.mechanism) for f in forces if f.body == name]
-    if senses and senses[0] in (1, -1):
-        return senses[0] < 0
-    return float(np.sum(ways)) < 0.0
+    balance = sum(ways)
+    if abs(balance) < 1e-6 * pose.extent:
+        return sense
+    return -1 if balance > 0.0 else 1
+
+
+def _damper_side(pose: Pose, name: str) -> int:
+    """Where a damper finds room: where no bars are, unless a force stands there."""
+    forces = [f for f in pose.mechanism.loads if isinstance(f, AxialForce) and f.body == name]
+    side = force_side(pose, name, -1)
+    stands = [force_side(pose, name, load_sense(f.force, pose.mechanism)) for f in forces]
+    return -side if side in stands else side
 
 
 def _beside(ax: Axes, pose: Pose, name: str, sense: int, colour: str, labels: Labels) -> None:
-    """A drive's arrow stands over the block, a force's before it."""
+    """A drive's arrow stands over the block, a force's before or behind it."""
     place, angle = block_place(pose, name), pose.angle(name)
     if place is None or angle is None or sense == 0:
         return
     half, height = symbols.BLOCK if _grounded(pose, name) else symbols.SMALL_BLOCK
-    start = (half + 3.0, 0.0)
-    if colour == DRIVEN:
+    side = force_side(pose, name, sense)
+    start = (half + 2.0, 0.0) if side == sense else (-half - 2.0 - STRAIGHT, 0.0)
+    if colour == DRIVEN or side == 0:
         start = (-half, height + 8.0)
     labels.avoid(straight_arrow(ax, place, angle, start, sense, colour))
 

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
     from linkages.components.weld import Weld
     from linkages.errors import ComputationError, InputError, LinkagesError
+    from linkages.plots import charts
     from linkages.plots.animation import animate
     from linkages.solution.simulate import simulate
     from linkages.solution.solution import IncompleteError, Solution
@@ -80,6 +81,7 @@ _HOMES = {
     "animate": "linkages.plots.animation",
     "bifurcation": "linkages.chaos.bifurcation",
     "chaos_map": "linkages.chaos.maps",
+    "charts": "linkages.plots",
     "load": "linkages.components.definition",
     "lyapunov": "linkages.chaos.lyapunov",
     "poincare": "linkages.chaos.section",
@@ -123,6 +125,7 @@ __all__ = [
     "animate",
     "bifurcation",
     "chaos_map",
+    "charts",
     "load",
     "lyapunov",
     "poincare",

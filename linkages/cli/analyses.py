@@ -12,11 +12,13 @@ from linkages.cli.options import (
     Direction,
     Figures,
     File,
+    Format,
     Indicator,
     Json,
     Method,
     Out,
     Phase,
+    Picture,
     Rtol,
     Section,
     Set,
@@ -30,6 +32,7 @@ def poincare(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Number of points.")] = 500,
     skip: Annotated[int, typer.Option(help="Points left out before.")] = 0,
     phase: Phase = 0.0,
@@ -48,7 +51,7 @@ def poincare(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(
         run_poincare(
@@ -70,6 +73,7 @@ def lyapunov(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Length of the run in periods.")] = 300,
     skip: Annotated[int, typer.Option(help="Periods before the average begins.")] = 0,
     count: Annotated[
@@ -88,7 +92,7 @@ def lyapunov(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(
         run_lyapunov(request, periods=periods, skip=skip, count=count, interval=interval)
@@ -108,6 +112,7 @@ def bifurcation(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Points at each value.")] = 200,
     skip: Annotated[int, typer.Option(help="Points left out before, at each value.")] = 100,
     phase: Phase = 0.0,
@@ -136,7 +141,7 @@ def bifurcation(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     sweep = Sweep(vary=vary, initial=initial or [], start=start.value, cores=cores)
     raise typer.Exit(
@@ -169,6 +174,7 @@ def map_(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     indicator: Annotated[Indicator, typer.Option(help="What the map shows.")] = Indicator.EXPONENT,
     periods: Annotated[int, typer.Option(help="Length of each run in periods.")] = 100,
     cores: Cores = None,
@@ -181,7 +187,7 @@ def map_(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(run_map(request, x, y, cores, indicator=indicator.value, periods=periods))
 
@@ -192,6 +198,7 @@ def chaos(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[
         int | None, typer.Option(help="Length of the motion in periods; default: 300.")
     ] = None,
@@ -208,7 +215,7 @@ def chaos(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(run_chaos(request, periods, quick, skip=skip))
 

@@ -15,7 +15,17 @@ from typing import Annotated
 import typer
 
 from linkages.cli import analyses
-from linkages.cli.options import ChangePoints, File, Json, Moving, Out, Set
+from linkages.cli.options import (
+    ChangePoints,
+    Figures,
+    File,
+    Format,
+    Json,
+    Moving,
+    Out,
+    Picture,
+    Set,
+)
 
 app = typer.Typer(
     name="linkages",
@@ -51,7 +61,8 @@ def simulate(
     assignments: Set = None,
     out: Out = None,
     json: Json = False,
-    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    figures: Figures = True,
+    form: Format = Picture.PNG,
     outputs: Annotated[
         str | None,
         typer.Option(
@@ -78,7 +89,9 @@ def simulate(
 
     wanted = None if change_points is None else change_points.value
     raise typer.Exit(
-        run_simulate(file, assignments or [], out, json, figures, outputs, verify, wanted)
+        run_simulate(
+            file, assignments or [], out, json, figures, outputs, verify, wanted, form.value
+        )
     )
 
 
@@ -97,11 +110,12 @@ def check(
         Path | None,
         typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
     ] = None,
+    form: Format = Picture.PNG,
 ) -> None:
     """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
     from linkages.cli.check import run_check
 
-    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out))
+    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out, form.value))
 
 
 @app.command()
@@ -165,12 +179,13 @@ def bench(
     out: Out = None,
     json: Json = False,
     figures: Annotated[bool, typer.Option(help="Draw work against error.")] = True,
+    form: Format = Picture.PNG,
     repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
 ) -> None:
     """Measure time against error of every method and of installed peers."""
     from linkages.cli.bench import run_bench
 
-    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
+    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats, form.value))
 
 
 @app.command("list")

@@ -24,6 +24,17 @@ Out = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
 ]
 Figures = Annotated[bool, typer.Option(help="Draw figures.")]
+
+
+class Picture(StrEnum):
+    """Formats of figures."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+
+
+Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
 Method = Annotated[
     str | None, typer.Option(help="How to integrate; default: simulate.method of the file.")
 ]

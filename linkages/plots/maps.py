@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.bifurcations import cell_borders
-from linkages.plots.style import BOTTOM, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
+from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,9 +110,11 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
     x, y = _frame(ax, data)
     colours = ListedColormap(list(KINDS.values())).with_extremes(bad=PALE)
     ax.pcolormesh(x, y, numbers, cmap=colours, vmin=-0.5, vmax=len(KINDS) - 0.5, rasterized=True)
-    shown = {word: Patch(color=colour) for word, colour in KINDS.items() if (words == word).any()}
+    present = {word: colour for word, colour in KINDS.items() if (words == word).any()}
     if np.isnan(numbers).any():
-        shown["not computed"] = Patch(color=PALE)
+        present["not computed"] = PALE
+    outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}  # white is one of the colours
+    shown = {word: Patch(facecolor=colour, **outline) for word, colour in present.items()}
     heading = f"{data.attrs.get('name', '')}: {coordinate}"
     look = legend_above(heading) | {"handlelength": 1.0}
     ax.legend(list(shown.values()), list(shown), **look, ncols=5)

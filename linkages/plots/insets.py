@@ -24,8 +24,9 @@ Array = NDArray[np.float64]
 # In radial clearances, which alone are to scale: the true radius of a pin is not in the file.
 PIN, HOLE, WALL = 2.2, 3.2, 3.9
 REACH, LONGEST = 7.4, 3.9  # half the picture, and the longest arrow
-SHAFT, HEAD = 0.16, 0.5  # half widths of an arrow
-EXCEPTION = 2.0  # forces beyond so many times what nine tenths stay below have arrows of one length
+SHAFT = 0.17  # half the width of an arrow, of one that is long enough
+SLENDER = 0.5  # half the width of its head over its length
+EXCEPTION = 1.3  # times what three quarters stay below: larger forces have the longest arrow
 CORNER = 0.04  # of the picture: where texts stand
 
 
@@ -155,16 +156,17 @@ def full_length(force: Array) -> float:
     sizes = np.abs(force[np.isfinite(force)])
     if not len(sizes):
         return 0.0
-    return float(min(sizes.max(), EXCEPTION * np.quantile(sizes, 0.9)) or sizes.max())
+    return float(min(sizes.max(), EXCEPTION * np.quantile(sizes, 0.75)) or sizes.max())
 
 
 def arrow(along: Array, length: float) -> Array:
     """Corners of an arrow from the origin, shape (7, 2); it points back if its length is < 0."""
-    head = np.sign(length) * min(1.1, 0.6 * abs(length))
-    wide = HEAD * min(1.0, 0.5 + 0.5 * abs(length)) * min(1.0, 4.0 * abs(length))
+    head = np.sign(length) * min(1.1, 0.7 * abs(length))
+    wide = SLENDER * abs(head)
+    shaft = min(SHAFT, 0.4 * wide)
     across = np.array([-along[1], along[0]])
     neck = length - head
-    corners = [(0.0, SHAFT), (neck, SHAFT), (neck, wide), (length, 0.0)]
+    corners = [(0.0, shaft), (neck, shaft), (neck, wide), (length, 0.0)]
     corners += [(reach, -aside) for reach, aside in reversed(corners[:3])]
     return np.array([reach * along + aside * across for reach, aside in corners])
 

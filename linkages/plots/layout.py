@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil
 
@@ -17,7 +18,7 @@ SMALLEST, LARGEST = 1.5, 2.2  # sides of an inset in inches
 HEAD, GAP = 0.3, 0.2  # title of an inset; between insets
 LOWEST, HIGHEST = 1.3, 5.0  # of the main picture, in inches
 WIDE = 1.8
-"""Width over height from which on insets stand below."""
+"""Width over height from which on insets stand below if one column beside does not hold them."""
 
 LEAST = 1.0
 """Inches; a main picture that is smaller shows nothing."""
@@ -59,13 +60,30 @@ class Layout:
         ValueError
             If the size leaves no room for the main picture.
         """
-        shape = box.size[0] / max(box.size[1], 1e-3 * box.size[0])
-        if insets and shape > WIDE:
-            return cls._with_insets_below(box, insets, size)
+        if size is None or not insets:
+            return cls._with_insets_beside(box, insets, size)
+        found = []
+        for arranged in (cls._with_insets_beside, cls._with_insets_below):
+            with suppress(ValueError):
+                layout = arranged(box, insets, size)
+                room = np.array(layout.main[2:]) * size - 2 * MARGIN
+                found.append((float(np.min(room / np.maximum(box.size, 1e-12))), layout))
+        if not found:
+            raise _too_small(size)
+        return max(found, key=lambda scaled: scaled[0])[1]
+
+    @classmethod
+    def _with_insets_beside(cls, box: Box, insets: int, size: tuple[float, float] | None) -> Layout:
+        """Insets in columns to the right; below, where the size is free and they fit better."""
         width = WIDTH if size is None else size[0]
         main = width - LEFT - RIGHT
         height = _height(box, main) if size is None else size[1] - BOTTOM - TOP
-        stacked = max(1, min(insets, int((height + HEAD) / (SMALLEST + HEAD))))
+        fitting = max(1, int((height + HEAD) / (SMALLEST + HEAD)))
+        columns = max(1, ceil(insets / fitting))
+        stacked = max(1, ceil(insets / columns))
+        wide = box.size[0] > WIDE * box.size[1]
+        if size is None and insets and (height < SMALLEST or (wide and columns > 1)):
+            return cls._with_insets_below(box, insets, size)
         side = min(LARGEST, (height + HEAD) / stacked - HEAD)
         beside = ceil(insets / stacked) * (side + GAP)
         if size is None:
@@ -105,12 +123,16 @@ class Layout:
     ) -> Layout:  # fmt: skip
         """From inches to parts of the page."""
         if min(main[2:]) < LEAST:
-            raise ValueError(
-                f"{page[0]:.3g} by {page[1]:.3g} inches are too small for this picture; "
-                "expected a larger size or fewer dots per inch"
-            )
+            raise _too_small(page)
         insets = tuple(_part((*place, side, side), page) for place in places)
         return cls(page, _part(main, page), insets)
+
+
+def _too_small(page: tuple[float, float]) -> ValueError:
+    return ValueError(
+        f"{page[0]:.3g} by {page[1]:.3g} inches are too small for this picture; "
+        "expected a larger size or fewer dots per inch"
+    )
 
 
 def _height(box: Box, width: float) -> float:

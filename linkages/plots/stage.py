@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
+from linkages.plots.bodies import outlines
 from linkages.plots.film import Film
 from linkages.plots.insets import Contact, Inset, contacts
 from linkages.plots.labels import Labels
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Frame = NDArray[np.uint8]
+
+LOOKS = 12
+"""Positions of the mechanism that names of traces keep clear of."""
 
 AHEAD = 0.25
 """Opacity of the part of a trace that is still to come."""
@@ -123,12 +127,13 @@ class Stage:
             (line,) = ax.plot([], [], zorder=1.3, **look)
             line.set_animated(True)
             self._runs.append((line, path))
+        for index in np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int):
+            for _, corners in outlines(self._moving.at(int(index)).scaled(self._factor)):
+                labels.avoid_line(corners)
         for (line, path), name in zip(self._runs, paths, strict=True):
             finite = path[np.isfinite(path).all(axis=1)]
             if name not in led and len(finite):
-                # from its middle on: at its start the mechanism would cover the name
-                turned = np.roll(finite, len(finite) // 2, axis=0)
-                labels.beside_curve(name, turned, color=line.get_color(), weight="bold")
+                labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
 
     def _write_still(self, ax: Axes, film: Film) -> None:
         """Name, pace and gravity; the time stands where the eye looks for it."""

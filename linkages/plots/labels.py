@@ -20,7 +20,7 @@ _DIRECTIONS = np.column_stack((np.cos(_AROUND), np.sin(_AROUND)))[
     [2, 14, 6, 10, 0, 4, 12, 8, 1, 15, 3, 13, 5, 11, 7, 9]
 ]
 _FRACTIONS = (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82)
-_BESIDE = (4.5, 7.5, 12.0)  # points from a line
+_BESIDE = (4.5, 7.5, 12.0, 18.0)  # points from a line
 _HALO = 1.5  # points
 _CELL = 2  # pixels
 _INK = 0.72  # of the height of a line: most names have no descenders
@@ -126,7 +126,7 @@ class Labels:
 
     def _costs(self, centres: Array, half: Array) -> Array:
         """What it would cost to write with the centre of the text at each of these pixels."""
-        room = half + 0.5 * _HALO * self._point
+        room = half + _HALO * self._point
         cost = _COST_HIT * self._covered(centres - room, centres + room)
         for low, high in self._boxes:
             overlap = np.minimum(centres + room, high) - np.maximum(centres - room, low)

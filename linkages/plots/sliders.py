@@ -15,8 +15,12 @@ from linkages.plots.pose import Axis, Pose, along_carrier
 from linkages.plots.senses import BOTH, drive_sense, load_sense
 from linkages.plots.springs import wall_dashpot
 from linkages.plots.style import DRIVEN, GREY, LOAD
+from linkages.plots.view import pixels
 
 Array = NDArray[np.float64]
+
+FAINT = 40.0
+"""Pixels between those of an axis that labels avoid: they may lie on it rather than far away."""
 
 AXIS_LINE = (0, (9, 2, 1.5, 2))
 
@@ -53,7 +57,9 @@ def _guide(ax: Axes, pose: Pose, axis: Axis, ends: Array, labels: Labels) -> Non
     further = axis.at(axis.reach + pose.extent), axis.at(axis.reach - pose.extent)
     ax.axline(*(tuple(place) for place in further), color=GREY, linewidth=0.7,
               linestyle=AXIS_LINE, zorder=1)  # fmt: skip
-    labels.avoid_line(np.array(further))
+    start, end = pixels(ax, further)
+    count = max(2, int(np.hypot(*(end - start)) / FAINT))
+    labels.avoid(np.linspace(start, end, count))
     labels.avoid(symbols.rails(ax, ends, axis.angle))
 
 

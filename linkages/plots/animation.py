@@ -9,6 +9,7 @@ import numpy as np
 
 from linkages.plots.film import FPS, Film, film_of
 from linkages.plots.gif import FASTEST, GifFile, palette_of
+from linkages.plots.interrupts import interrupts_kept
 from linkages.plots.stage import Stage
 from linkages.plots.video import VideoFile, find_ffmpeg
 from linkages.solution.files import replaced
@@ -80,13 +81,18 @@ def animate(
     film = film_of(float(time[-1]), start=start, duration=duration, slow=slow, fps=fps)
     samples = film.samples(time)
     window = solution.data.isel(time=slice(int(samples[0]), int(samples[-1]) + 1))
-    stage = Stage(window, solution.mechanism, film, size, dpi)
-    indices = samples - samples[0]
-    with replaced(path) as temporary, _opened(temporary, format_, stage, film, indices) as file:
-        for done, index in enumerate(indices, start=1):
-            file.add(stage.picture(int(index)))
-            if watch is not None:
-                watch(done / len(indices))
+    indices = [int(index) for index in samples - samples[0]]
+    with interrupts_kept() as ask:
+        stage = Stage(window, solution.mechanism, film, size, dpi)
+        with (
+            replaced(path) as temporary,
+            _opened(temporary, format_, stage, film, indices) as file,
+        ):
+            for done, index in enumerate(indices, start=1):
+                file.add(stage.picture(index))
+                if watch is not None:
+                    watch(done / len(indices))
+                ask()
     return film
 
 
@@ -117,10 +123,10 @@ def check_arguments(
 
 
 def _opened(
-    path: Path, format_: str, stage: Stage, film: Film, indices: np.ndarray
+    path: Path, format_: str, stage: Stage, film: Film, indices: list[int]
 ) -> GifFile | VideoFile:
     if format_ == "mp4":
         return VideoFile(path, stage.size, film.fps)
-    looks = indices[np.unique(np.linspace(0, len(indices) - 1, LOOKS).round().astype(int))]
-    frames = [stage.picture(int(index)).copy() for index in looks]
+    looks = np.unique(np.linspace(0, len(indices) - 1, LOOKS).round().astype(int))
+    frames = [stage.picture(indices[look]).copy() for look in looks]
     return GifFile(path, palette_of(frames), film.fps)

@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FPS = 25.0
+SLOWEST = 0.01
+"""Frames per second; a GIF cannot show a frame for much longer."""
+
 SHORTEST, LONGEST = 4.0, 12.0
 """Seconds that an animation lasts whose pace nobody asked for."""
 
@@ -114,8 +117,8 @@ def film_of(
     slow = natural_pace(shown) if slow is None else slow
     if not 0 < slow < np.inf:
         raise ValueError(f"slow must be > 0, found {slow:g}")
-    if not 0 < fps < np.inf:
-        raise ValueError(f"fps must be > 0, found {fps:g}")
+    if not SLOWEST <= fps < np.inf:
+        raise ValueError(f"fps must be at least {SLOWEST:g}, found {fps:g}")
     count = shown * slow * fps
     if count > MOST_FRAMES:
         raise ValueError(

@@ -68,7 +68,7 @@ def test_a_film_may_be_longer_than_the_file_says(cli):
     [
         (("--start", "1"), "start must be a time from 0 to before 0.08 s, found 1"),
         (("--duration", "-1"), "duration must be > 0 s, found -1"),
-        (("--fps", "0"), "fps must be > 0, found 0"),
+        (("--fps", "0"), "fps must be at least 0.01, found 0"),
         (("--fps", "100"), "a GIF shows at most 50 frames per second, found 100"),
         (("--slow", "-2"), "slow must be > 0, found -2"),
         (("--size", "big"), "--size must be WIDTHxHEIGHT in pixels, such as 800x600, found 'big'"),

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 from dataclasses import replace
 from itertools import pairwise
@@ -177,12 +178,27 @@ def test_a_failure_or_ctrl_c_leaves_nothing_behind(tmp_path):
     assert path.read_bytes() == b"an older film"
 
 
+def test_ctrl_c_waits_for_the_end_of_a_frame(tmp_path):
+    # In the midst of drawing, matplotlib turns it into a ValueError of its own.
+    done = []
+
+    def hit(fraction):
+        done.append(fraction)
+        signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        animate(run("four-bar"), tmp_path / "a.gif", fps=2, watch=hit)
+    assert len(done) == 1
+    assert os.listdir(tmp_path) == []
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
         ("a.avi", {}, "unknown format 'avi'; expected one of: gif, mp4"),
         ("a.gif", {"fps": 51}, "at most 50 frames per second, found 51"),
-        ("a.gif", {"fps": 0}, "fps must be > 0"),
+        ("a.gif", {"fps": 0}, "fps must be at least 0.01, found 0"),
         ("a.gif", {"slow": float("nan")}, "slow must be > 0"),
         ("a.gif", {"duration": -1}, "duration must be > 0 s"),
         ("a.gif", {"duration": 2}, "duration reaches beyond the end"),

@@ -74,7 +74,7 @@ def animate(
         For arguments that make no sense, and for MP4 without ffmpeg; nothing is written then.
     """
     path = Path(path)
-    format_ = check_arguments(path.suffix.removeprefix("."), fps, size, dpi)
+    format_ = check_arguments(path.suffix.removeprefix(".").lower(), fps, size, dpi)
     time = np.asarray(solution.data["time"], dtype=float)
     if len(time) < 2:
         raise ValueError(f"an animation needs two samples or more, found {len(time)}")

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.plots.film import FPS, Film, film_of
 from linkages.plots.gif import FASTEST, GifFile, palette_of
@@ -15,10 +17,16 @@ from linkages.plots.video import VideoFile, find_ffmpeg
 from linkages.solution.files import replaced
 from linkages.solution.solution import Solution
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 FORMATS = ("gif", "mp4")
 DPI = 80.0
 LOOKS = 8
 """Frames from which the palette of a GIF is made."""
+
+TRACED = 4000
+"""Samples that a trace has at most, besides those of the frames."""
 
 LARGEST = 4096
 """Pixels of a side."""
@@ -79,9 +87,7 @@ def animate(
     if len(time) < 2:
         raise ValueError(f"an animation needs two samples or more, found {len(time)}")
     film = film_of(float(time[-1]), start=start, duration=duration, slow=slow, fps=fps)
-    samples = film.samples(time)
-    window = solution.data.isel(time=slice(int(samples[0]), int(samples[-1]) + 1))
-    indices = [int(index) for index in samples - samples[0]]
+    window, indices = shown_part(solution.data, film.samples(time))
     with interrupts_kept() as ask:
         stage = Stage(window, solution.mechanism, film, size, dpi)
         with (
@@ -94,6 +100,26 @@ def animate(
                     watch(done / len(indices))
                 ask()
     return film
+
+
+def shown_part(data: xr.Dataset, samples: NDArray[np.intp]) -> tuple[xr.Dataset, list[int]]:
+    """Data of a film: the samples of its frames, and between them what traces need to be smooth.
+
+    Parameters
+    ----------
+    data
+        All samples.
+    samples
+        Those of the frames, in their order.
+
+    Returns
+    -------
+    The data, and the places of the frames' samples in them.
+    """
+    first, last = int(samples[0]), int(samples[-1])
+    between = np.linspace(first, last, min(last - first + 1, TRACED)).round().astype(np.intp)
+    kept = np.union1d(samples, between)
+    return data.isel(time=kept), [int(place) for place in np.searchsorted(kept, samples)]
 
 
 def check_arguments(

@@ -9,11 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import xarray as xr
 from PIL import Image
 
 import linkages
 from linkages.components.definition import from_document
-from linkages.plots.animation import animate
+from linkages.plots.animation import animate, shown_part
 from linkages.plots.film import film_of
 from linkages.plots.stage import Stage
 from linkages.reading.document import parse
@@ -219,6 +220,15 @@ def test_data_without_joints(tmp_path):
     solution = run("slider-crank", outputs=["slider_position"])
     with pytest.raises(ValueError, match="no samples of joint_position"):
         animate(solution, tmp_path / "a.gif")
+
+
+def test_of_many_samples_few_are_drawn():
+    data = xr.Dataset(coords={"time": np.linspace(0.0, 1.0, 100_001)})
+    samples = film_of(1.0, start=0.1, slow=1.0).samples(data["time"])
+    window, indices = shown_part(data, samples)
+    np.testing.assert_array_equal(window["time"][indices], data["time"][samples])
+    assert 4000 <= window.sizes["time"] <= 4000 + len(samples)
+    assert np.diff(window["time"]).max() < 3e-4
 
 
 def test_the_size_is_as_wished(tmp_path):

@@ -28,8 +28,7 @@ RUNS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", ["svg", "pdf"])
-@pytest.mark.parametrize("verb", RUNS)
+@pytest.mark.parametrize(("verb", "kind"), list(zip(RUNS, ["svg", "pdf"] * 3, strict=True)))
 def test_vectors(cli, tmp_path, verb, kind):
     (tmp_path / "pendulum.yaml").write_text(PENDULUM)
     result = cli(verb, "pendulum.yaml", *RUNS[verb], "--format", kind)

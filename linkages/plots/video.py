@@ -61,7 +61,7 @@ class VideoFile:
             "-movflags", "+faststart", str(path),
         ]  # fmt: skip
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 — closed on leaving
-        # a session of its own: Ctrl-C is ours to handle
+        # apart from the terminal: Ctrl-C is ours to handle
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,

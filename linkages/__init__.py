@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
     from linkages.components.weld import Weld
     from linkages.errors import ComputationError, InputError, LinkagesError
+    from linkages.plots import charts
+    from linkages.plots.animation import animate
     from linkages.solution.simulate import simulate
     from linkages.solution.solution import IncompleteError, Solution
 
@@ -76,8 +78,10 @@ _HOMES = {
     "TorqueBetweenBars": "linkages.components.torque",
     "UniformGravity": "linkages.components.gravity",
     "Weld": "linkages.components.weld",
+    "animate": "linkages.plots.animation",
     "bifurcation": "linkages.chaos.bifurcation",
     "chaos_map": "linkages.chaos.maps",
+    "charts": "linkages.plots",
     "load": "linkages.components.definition",
     "lyapunov": "linkages.chaos.lyapunov",
     "poincare": "linkages.chaos.section",
@@ -118,8 +122,10 @@ __all__ = [
     "TorqueBetweenBars",
     "UniformGravity",
     "Weld",
+    "animate",
     "bifurcation",
     "chaos_map",
+    "charts",
     "load",
     "lyapunov",
     "poincare",

@@ -12,11 +12,13 @@ from linkages.cli.options import (
     Direction,
     Figures,
     File,
+    Format,
     Indicator,
     Json,
     Method,
     Out,
     Phase,
+    Picture,
     Rtol,
     Section,
     Set,
@@ -46,6 +48,7 @@ def phase(
     ] = None,
     method: Method = None,
     rtol: Rtol = None,
+    form: Format = Picture.PNG,
 ) -> None:
     """Draw any output of the motion against another one."""
     from linkages.cli.phase import run_phase
@@ -53,7 +56,7 @@ def phase(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(run_phase(request, x, y, wrap, skip, end, samples))
 
@@ -64,6 +67,7 @@ def poincare(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Number of points.")] = 500,
     skip: Annotated[int, typer.Option(help="Points left out before.")] = 0,
     phase: Phase = 0.0,
@@ -82,7 +86,7 @@ def poincare(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(
         run_poincare(
@@ -104,6 +108,7 @@ def lyapunov(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Length of the run in periods.")] = 300,
     skip: Annotated[int, typer.Option(help="Periods before the average begins.")] = 0,
     count: Annotated[
@@ -122,7 +127,7 @@ def lyapunov(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(
         run_lyapunov(request, periods=periods, skip=skip, count=count, interval=interval)
@@ -142,6 +147,7 @@ def bifurcation(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[int, typer.Option(help="Points at each value.")] = 200,
     skip: Annotated[int, typer.Option(help="Points left out before, at each value.")] = 100,
     phase: Phase = 0.0,
@@ -170,7 +176,7 @@ def bifurcation(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     sweep = Sweep(vary=vary, initial=initial or [], start=start.value, cores=cores)
     raise typer.Exit(
@@ -203,6 +209,7 @@ def map_(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     indicator: Annotated[Indicator, typer.Option(help="What the map shows.")] = Indicator.EXPONENT,
     periods: Annotated[int, typer.Option(help="Length of each run in periods.")] = 100,
     cores: Cores = None,
@@ -215,7 +222,7 @@ def map_(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(run_map(request, x, y, cores, indicator=indicator.value, periods=periods))
 
@@ -226,6 +233,7 @@ def chaos(
     out: Out = None,
     json: Json = False,
     figures: Figures = True,
+    form: Format = Picture.PNG,
     periods: Annotated[
         int | None, typer.Option(help="Length of the motion in periods; default: 300.")
     ] = None,
@@ -242,7 +250,7 @@ def chaos(
 
     request = Request(
         file=file, assignments=assignments or [], out=out, json=json,
-        figures=figures, method=method, rtol=rtol,
+        figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
     raise typer.Exit(run_chaos(request, periods, quick, skip=skip))
 

@@ -14,7 +14,13 @@ from linkages.solution.files import replaced
 
 
 def run_bench(
-    file: str, assignments: Sequence[str], out: Path | None, json: bool, figures: bool, repeats: int
+    file: str,
+    assignments: Sequence[str],
+    out: Path | None,
+    json: bool,
+    figures: bool,
+    repeats: int,
+    format: str = "png",  # noqa: A002
 ) -> int:
     """Measure, write ``bench.json`` and a figure, print tables; returns the exit code."""
     mechanism = mechanism_from(file, assignments)
@@ -26,7 +32,7 @@ def run_bench(
 
     report = run_benchmark(mechanism, file, assignments, repeats=repeats, watch=show)
     folder = Path("results") / Path(file).stem if out is None else out
-    written = _save(report, folder, figures)
+    written = _save(report, folder, format if figures else None)
     if json:
         print_json({**report.as_dict(), "files": [str(path) for path in written]})
     else:
@@ -34,16 +40,16 @@ def run_bench(
     return 0
 
 
-def _save(report: BenchReport, folder: Path, figures: bool) -> list[Path]:
+def _save(report: BenchReport, folder: Path, format_: str | None) -> list[Path]:
     path = folder / "bench.json"
     with replaced(path) as temporary:
         temporary.write_text(json_format.dumps(report.as_dict(), indent=2), encoding="utf-8")
-    if not figures:
+    if format_ is None:
         return [path]
     from linkages.plots.figures import write_figure
     from linkages.plots.work_precision import figure
 
-    picture = folder / "work_precision.png"
+    picture = folder / f"work_precision.{format_}"
     write_figure(figure(report.points, f"{report.mechanism}, {number(report.end)} s"), picture)
     return [path, picture]
 

@@ -133,7 +133,7 @@ def _save(data: xr.Dataset, request: Request) -> list[Any]:
             "bifurcation": bifurcations.figure(data),
             "bifurcation_rates": bifurcations.figure(data, rates=True),
         }
-        written += save_figures(drawn, folder)
+        written += save_figures(drawn, folder, request.format)
     return written
 
 

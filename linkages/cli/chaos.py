@@ -59,7 +59,7 @@ def _save(report: ChaosReport, tables: list[Table], request: Request) -> list[Pa
         save_netcdf(report.exponents, folder / "chaos_exponents.nc"),
     ]
     figures = chaos_figures(report) if request.figures else {}
-    written += save_figures(figures, folder)
+    written += save_figures(figures, folder, request.format)
     written.append(_write(chaos_page(report, tables, figures), folder / "chaos.html"))
     return written
 

@@ -27,6 +27,7 @@ def run_check(
     kernel: bool,
     modes: bool = False,
     out: Path | None = None,
+    format: str = "png",  # noqa: A002
 ) -> int:
     """Print the report of a file; returns the exit code. A folder implies `modes`."""
     mechanism = mechanism_from(file, assignments)
@@ -39,7 +40,7 @@ def run_check(
     if modes or out is not None:
         from linkages.cli.modes import modes_content
 
-        content["modes"] = modes_content(system, out)
+        content["modes"] = modes_content(system, out, format)
     if json:
         print_json(content)
     else:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from linkages.cli.completion import complete_file
-from linkages.cli.options import Figures, Json, Out, Template
+from linkages.cli.options import Figures, Format, Json, Out, Picture, Template
 
 
 def new(
@@ -43,11 +43,14 @@ def list_mechanisms(
     json: Json = False,
     out: Out = None,
     figures: Figures = True,
+    form: Format = Picture.PNG,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""
     from linkages.cli.library import run_list, run_show
 
-    raise typer.Exit(run_list(json) if name is None else run_show(name, out, json, figures))
+    raise typer.Exit(
+        run_list(json) if name is None else run_show(name, out, json, figures, form.value)
+    )
 
 
 def add_to(app: typer.Typer) -> None:

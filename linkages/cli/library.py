@@ -33,7 +33,7 @@ def run_list(json: bool) -> int:
     return 0
 
 
-def run_show(file: str, out: Path | None, json: bool, figures: bool) -> int:
+def run_show(file: str, out: Path | None, json: bool, figures: bool, picture: str) -> int:
     """Say what one mechanism is and draw it; returns the exit code."""
     from linkages.cli.loading import mechanism_from, require_folder
     from linkages.kernel.system import System
@@ -53,7 +53,7 @@ def run_show(file: str, out: Path | None, json: bool, figures: bool) -> int:
         "mobility": topology.mobility,
         "driven": list(topology.driven),
         "free": list(topology.free),
-        "files": [str(_drawn(system, folder))] if figures else [],
+        "files": [str(_drawn(system, folder / f"mechanism.{picture}"))] if figures else [],
     }
     if json:
         print_json(content)
@@ -83,14 +83,14 @@ def _components(mechanism: Mechanism) -> dict[str, list[str]]:
     return found
 
 
-def _drawn(system: System, folder: Path) -> Path:
+def _drawn(system: System, path: Path) -> Path:
     from linkages.plots.figures import write_figure
     from linkages.plots.position import position_figure
 
     places = system.places()
     positions = {j: (float(places[j][0]), float(places[j][1])) for j in system.topology.joints}
     figure = position_figure(system.mechanism, positions)
-    return write_figure(figure, folder / "mechanism.png")
+    return write_figure(figure, path)
 
 
 def _print(content: dict[str, Any]) -> None:

@@ -37,7 +37,7 @@ def run_lyapunov(request: Request, **run: Any) -> int:
     if request.figures:
         from linkages.plots import exponents
 
-        written += save_figures({"lyapunov": exponents.figure(data)}, folder)
+        written += save_figures({"lyapunov": exponents.figure(data)}, folder, request.format)
     rows = exponent_rows(data)
     end = float(data["time"][-1])
     if request.json:

@@ -16,7 +16,17 @@ from typing import Annotated
 import typer
 
 from linkages.cli import analyses, definitions
-from linkages.cli.options import ChangePoints, File, Json, Out, Set
+from linkages.cli.options import (
+    ChangePoints,
+    Figures,
+    File,
+    Format,
+    Json,
+    Moving,
+    Out,
+    Picture,
+    Set,
+)
 
 app = typer.Typer(
     name="linkages",
@@ -64,7 +74,8 @@ def simulate(
     assignments: Set = None,
     out: Out = None,
     json: Json = False,
-    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    figures: Figures = True,
+    form: Format = Picture.PNG,
     outputs: Annotated[
         str | None,
         typer.Option(
@@ -91,7 +102,9 @@ def simulate(
 
     wanted = None if change_points is None else change_points.value
     raise typer.Exit(
-        run_simulate(file, assignments or [], out, json, figures, outputs, verify, wanted)
+        run_simulate(
+            file, assignments or [], out, json, figures, outputs, verify, wanted, form.value
+        )
     )
 
 
@@ -110,11 +123,12 @@ def check(
         Path | None,
         typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
     ] = None,
+    form: Format = Picture.PNG,
 ) -> None:
     """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
     from linkages.cli.check import run_check
 
-    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out))
+    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out, form.value))
 
 
 @app.command()
@@ -132,6 +146,42 @@ def equations(
     raise typer.Exit(run_equations(file, assignments or [], form, json))
 
 
+@app.command()
+def animate(
+    file: File,
+    assignments: Set = None,
+    out: Out = None,
+    json: Json = False,
+    form: Annotated[
+        Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
+    ] = Moving.GIF,
+    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
+    duration: Annotated[
+        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
+    ] = None,
+    slow: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
+            "default: 1, or what makes the film last from 4 to 12 s."
+        ),
+    ] = None,
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
+    ] = None,
+    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
+) -> None:
+    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+    from linkages.cli.animate import Options, run_animate
+
+    options = Options(
+        format=form.value, start=start, duration=duration, slow=slow, fps=fps, size=size, dpi=dpi
+    )
+    raise typer.Exit(run_animate(file, assignments or [], out, json, options))
+
+
 analyses.add_to(app)
 
 
@@ -142,12 +192,13 @@ def bench(
     out: Out = None,
     json: Json = False,
     figures: Annotated[bool, typer.Option(help="Draw work against error.")] = True,
+    form: Format = Picture.PNG,
     repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
 ) -> None:
     """Measure time against error of every method and of installed peers."""
     from linkages.cli.bench import run_bench
 
-    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats))
+    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats, form.value))
 
 
 definitions.add_to(app)

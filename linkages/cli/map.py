@@ -70,7 +70,7 @@ def _save(data: xr.Dataset, request: Request) -> list[Path]:
         for index, name in enumerate(names):
             stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
             drawn[stem] = maps.class_figure(data, name)
-        written += save_figures(drawn, folder)
+        written += save_figures(drawn, folder, request.format)
     return written
 
 

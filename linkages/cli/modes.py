@@ -24,7 +24,11 @@ DIFFERENT = 1e-9
 """Of the mechanism's size: joints closer than this are at one place."""
 
 
-def modes_content(system: System, out: Path | None) -> Content:
+def modes_content(
+    system: System,
+    out: Path | None,
+    format: str = "png",  # noqa: A002
+) -> Content:
     """All modes with their positions; draws them if a folder is given."""
     found = system.modes()
     places = [_places(system, assembly) for assembly in found]
@@ -46,7 +50,7 @@ def modes_content(system: System, out: Path | None) -> Content:
         "files": [],
     }
     if out is not None:
-        content["files"] = [str(_draw(system, rows, places, out))]
+        content["files"] = [str(_draw(system, rows, places, out / f"modes.{format}"))]
     return content
 
 
@@ -109,7 +113,7 @@ def _notes(system: System, rows: list[Content]) -> list[str]:
 
 
 def _draw(
-    system: System, rows: list[Content], places: list[dict[str, np.ndarray]], out: Path
+    system: System, rows: list[Content], places: list[dict[str, np.ndarray]], path: Path
 ) -> Path:
     from linkages.plots.figures import write_figure
     from linkages.plots.modes import Mode, figure
@@ -123,7 +127,7 @@ def _draw(
         )
         for row, place in zip(rows, places, strict=True)
     ]
-    return write_figure(figure(system.mechanism, drawn), out / "modes.png")
+    return write_figure(figure(system.mechanism, drawn), path)
 
 
 def _short(choice: Content) -> str:

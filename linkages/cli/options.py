@@ -30,6 +30,17 @@ Out = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder for results; default: results/<file stem>."),
 ]
 Figures = Annotated[bool, typer.Option(help="Draw figures.")]
+
+
+class Picture(StrEnum):
+    """Formats of figures."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+
+
+Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
 Method = Annotated[
     str | None, typer.Option(help="How to integrate; default: simulate.method of the file.")
 ]
@@ -65,6 +76,13 @@ class Template(StrEnum):
     FOUR_BAR = "four-bar"
     NINE_BAR = "nine-bar"
     EMPTY = "empty"
+
+
+class Moving(StrEnum):
+    """Formats of moving pictures."""
+
+    GIF = "gif"
+    MP4 = "mp4"
 
 
 class Direction(StrEnum):

@@ -59,7 +59,8 @@ def run_phase(
     if request.figures:
         from linkages.plots import phase_pair
 
-        written += save_figures({"phase": phase_pair.figure(data, x, y, wrap=wrap)}, folder)
+        drawn = {"phase": phase_pair.figure(data, x, y, wrap=wrap)}
+        written += save_figures(drawn, folder, request.format)
     rows = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()

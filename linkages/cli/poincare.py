@@ -33,7 +33,7 @@ def run_poincare(request: Request, **section: Any) -> int:
     if request.figures:
         from linkages.plots import sections
 
-        written += save_figures({"poincare": sections.figure(data)}, folder)
+        written += save_figures({"poincare": sections.figure(data)}, folder, request.format)
     rows = section_rows(data)
     if request.json:
         print_json(

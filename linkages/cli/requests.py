@@ -31,6 +31,8 @@ class Request:
         As on the command line.
     json, figures
         Whether to print JSON, and whether to draw.
+    format
+        Of figures: ``"png"``, ``"svg"`` or ``"pdf"``.
     method, rtol
         Of the integration; those of the file if None.
     """
@@ -40,6 +42,7 @@ class Request:
     out: Path | None = None
     json: bool = False
     figures: bool = True
+    format: str = "png"
     method: str | None = None
     rtol: float | None = None
 

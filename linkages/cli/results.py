@@ -41,12 +41,16 @@ def save_table(columns: Mapping[str, Any], path: Path) -> Path:
     return path
 
 
-def save_figures(figures: Mapping[str, Figure | None], folder: Path) -> list[Path]:
-    """Write the figures that there are as ``<name>.png``."""
+def save_figures(
+    figures: Mapping[str, Figure | None],
+    folder: Path,
+    format: str = "png",  # noqa: A002
+) -> list[Path]:
+    """Write the figures that there are as ``<name>.png``, or ``.svg``, or ``.pdf``."""
     from linkages.plots.figures import write_figure
 
     return [
-        write_figure(figure, folder / f"{name}.png")
+        write_figure(figure, folder / f"{name}.{format}")
         for name, figure in figures.items()
         if figure is not None
     ]

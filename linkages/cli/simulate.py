@@ -47,8 +47,9 @@ def run_simulate(
     outputs: str | None,
     verify: bool | None,
     change_points: str | None = None,
+    format: str = "png",  # noqa: A002
 ) -> int:
-    """Simulate a file and save everything; returns the exit code."""
+    """Simulate a file and save everything, figures in a format; returns the exit code."""
     mechanism = mechanism_from(file, assignments)
     folder = Path("results") / Path(file).stem if out is None else out
     require_folder(folder)
@@ -66,7 +67,7 @@ def run_simulate(
     if figures:
         from linkages.plots.figures import save_figures
 
-        written += save_figures(solution.data, solution.mechanism, folder)
+        written += save_figures(solution.data, solution.mechanism, folder, format)
     _report(solution, horizon, written, failure, json)
     return 0 if failure is None else 1
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 RADII, SPAN = (11.0, 18.0), 1.9  # of the arrow about a driven body's pin
 TORQUE, TORQUE_SPAN = 10.0, 4.2
-STRAIGHT = 26.0
+STRAIGHT = 23.0
 
 
 def rotation_arrow(ax: Axes, place: Place, tip: Place, sense: int, colour: str) -> Array:

@@ -65,7 +65,7 @@ def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
     if below:
         draw_exponent(axes[-1], data)
     for ax in axes:
-        _show_parameter(ax, data)
+        show_parameter(ax, data)
     for ax in axes[:-1]:
         ax.set_xlabel("")
     heading = str(data.attrs.get("name", ""))
@@ -170,7 +170,8 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
     return ax
 
 
-def _show_parameter(ax: Axes, data: xr.Dataset) -> None:
+def show_parameter(ax: Axes, data: xr.Dataset) -> None:
+    """Limits and label of the axis of the parameter."""
     x, label = parameter(data)
     borders = cell_borders(x)
     low, high = sorted((float(borders[0]), float(borders[-1])))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
@@ -120,24 +121,27 @@ def draw_bodies(ax: Axes, pose: Pose, *, muted: bool = False, width: float = THI
     for displaced, joint in clearance_ends(mechanism).items():
         if {displaced, joint} <= set(positions):
             ends = np.array([positions[joint], positions[displaced]])
-            ax.plot(*ends.T, color=GREY if muted else CLEARANCE, linewidth=1.2, zorder=5)
+            colour = GREY if muted else CLEARANCE
+            ax.add_artist(Line2D(*ends.T, color=colour, linewidth=1.2, zorder=5))
     for body, corners in outlines(pose):
         colour = GREY if muted else body_colour(mechanism, body.name)
         thickness = 1.2 if muted else width
         if len(corners) > 2:
             fill = Polygon(corners, facecolor=colour, edgecolor="none", alpha=0.22, zorder=2)
-            ax.add_patch(fill)
+            ax.add_artist(fill)
             corners = np.vstack((corners, corners[:1]))
             thickness = 0.6 * thickness
         _line(ax, corners, colour, thickness, muted)
 
 
 def _line(ax: Axes, corners: Array, colour: str, width: float, muted: bool) -> None:
-    ax.plot(
-        *corners.T,
-        color=colour,
-        linewidth=width,
-        solid_capstyle="round",
-        solid_joinstyle="round",
-        zorder=1.5 if muted else 3,
+    ax.add_artist(
+        Line2D(
+            *corners.T,
+            color=colour,
+            linewidth=width,
+            solid_capstyle="round",
+            solid_joinstyle="round",
+            zorder=1.5 if muted else 3,
+        )
     )

@@ -127,12 +127,14 @@ def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
     low, high = ax.get_xlim()
     place = (x - low) / (high - low)
     side = 1 if peak.value >= 0 else -1
+    # beside the ring rather than over it near an end: else the text begins on the frame
+    aligned, aside = ("left", 5) if place < 0.2 else ("right", -5) if place > 0.8 else ("center", 0)
     ax.annotate(
         peak_text(peak, scales),
         (x, y),
-        xytext=(0, 5 * side),
+        xytext=(aside, 5 * side),
         textcoords="offset points",
-        horizontalalignment="left" if place < 0.2 else "right" if place > 0.8 else "center",
+        horizontalalignment=aligned,
         verticalalignment="bottom" if side > 0 else "top",
         fontsize=8,
     )

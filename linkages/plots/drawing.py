@@ -22,7 +22,7 @@ from linkages.plots.bodies import (
     outlines,
     slots_of,
 )
-from linkages.plots.gears import draw_gears, draw_welds, reach_of_gears, welded
+from linkages.plots.gears import draw_gears, draw_welds, note_gears, reach_of_gears, welded
 from linkages.plots.labels import Labels
 from linkages.plots.loads import (
     draw_forces,
@@ -34,7 +34,7 @@ from linkages.plots.loads import (
 from linkages.plots.pose import Pose
 from linkages.plots.samples import pose_at
 from linkages.plots.senses import drive_sense
-from linkages.plots.sliders import block_place, draw_axial, draw_sliders
+from linkages.plots.sliders import block_place, draw_axial, draw_guide_dampers, draw_sliders
 from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, LOAD, styled
 from linkages.plots.view import Box, Positions, frame, picture
 
@@ -100,36 +100,51 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
     for _, corners in outlines(shown):
         labels.avoid_line(np.vstack((corners, corners[:1])))
     draw_gears(ax, shown, labels)
+    note_gears(ax, shown)
     draw_springs(ax, shown, labels)
     draw_sliders(ax, shown, labels)
     draw_welds(ax, shown, labels)
     draw_masses(ax, shown, labels)
-    _joints(ax, shown, labels)
+    draw_bearings(ax, shown, labels)
+    draw_joints(ax, shown, labels)
     draw_torsional(ax, shown, labels)
     for name in shown.mechanism.prescribed:
         _drive(ax, shown, name, labels)
     draw_axial(ax, shown, labels)
+    draw_guide_dampers(ax, shown, labels)
     draw_forces(ax, shown, labels)
 
 
-def _joints(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Pins, bearings on the ground, clearances, and free ends."""
+def draw_bearings(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Hatched ground under the joints that it holds."""
+    for joint, place in pose.positions.items():
+        if joint in pose.mechanism.ground and not _fixed(pose, joint):
+            labels.avoid(symbols.ground_pin(ax, place, ground_direction(pose, joint)))
+
+
+def draw_joints(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Pins, clearances, and free ends."""
     mechanism, shown = pose.mechanism, pose.positions
-    ends, welds = clearance_ends(mechanism), welded(pose)
+    ends = clearance_ends(mechanism)
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
     # free ends first: what turns on a pin at the same place is drawn over them
     for joint, place in sorted(shown.items(), key=lambda item: meeting.count(item[0]) > 1):
-        fixed = joint in welds and joint not in ends.values()
-        bodies = meeting.count(joint) + (joint in mechanism.ground)
-        if joint in ends or (fixed and bodies == 2):
+        if joint in ends or _fixed(pose, joint):
             continue
-        if joint in mechanism.ground:
-            labels.avoid(symbols.ground_pin(ax, place, ground_direction(pose, joint)))
         if joint in ends.values():
             labels.avoid(symbols.clearance(ax, place))
         free_end = joint not in mechanism.ground and meeting.count(joint) < 2
         radius, fill = (symbols.FREE_END, BLACK) if free_end else (symbols.PIN, "white")
         labels.avoid(symbols.pin(ax, place, radius=radius, fill=fill))
+
+
+def _fixed(pose: Pose, joint: str) -> bool:
+    """Whether a weld holds the only two bodies at a joint together: no pin is there."""
+    mechanism = pose.mechanism
+    if joint not in welded(pose) or joint in clearance_ends(mechanism).values():
+        return False
+    meeting = [name for body in mechanism.bodies.values() for name in body.points]
+    return meeting.count(joint) + (joint in mechanism.ground) == 2
 
 
 def _drive(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
@@ -165,8 +180,8 @@ def _write(pose: Pose, labels: Labels) -> None:
 
 
 def _write_body(pose: Pose, body: Body, corners: Array, labels: Labels) -> None:
-    sides = np.roll(corners, -1, axis=0) - corners
-    longest = int(np.argmax(np.hypot(*sides.T)))
-    start = corners[longest]
     colour = body_colour(pose.mechanism, body.name)
-    labels.beside_segment(body.name, start, start + sides[longest], color=colour)
+    if len(corners) > 2:
+        labels.in_polygon(body.name, corners, color=colour)
+    else:
+        labels.beside_segment(body.name, *corners, color=colour)

@@ -24,9 +24,16 @@ SETTLING = 0.1
 @styled
 def figure(data: xr.Dataset) -> Figure:
     """The figure of `draw`, with room for its legend."""
+    ax = draw(page(data), data, str(data.attrs.get("name", "")))
+    result = ax.get_figure(root=True)
+    assert result is not None
+    return result
+
+
+def page(data: xr.Dataset) -> Axes:
+    """Axes of a new figure, with room for the legend."""
     rows = -(-data.sizes["index"] // 2)
-    result, (ax,) = panels(1, 1, HEIGHT, TOP + LEGEND + rows * ROW)
-    return draw(ax, data, str(data.attrs.get("name", ""))).get_figure(root=True) or result
+    return panels(1, 1, HEIGHT, TOP + LEGEND + rows * ROW)[1][0]
 
 
 def draw(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:

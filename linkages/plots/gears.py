@@ -78,12 +78,10 @@ def reach_of_gears(pose: Pose) -> Array:
 
 
 def draw_gears(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Pitch circles, belts, and a note for gears whose axes are elsewhere."""
-    notes = []
+    """Pitch circles and belts of gears whose axes are known."""
     for gear in gears(pose):
         pair = wheels(pose, gear)
         if pair is None:
-            notes.append(gear_text(gear))
             continue
         names = zip(gear.bars, pair.places, pair.radii, strict=True)
         for name, place, radius in names:
@@ -95,6 +93,11 @@ def draw_gears(ax: Axes, pose: Pose, labels: Labels) -> None:
             labels.avoid_line(np.asarray(place) + radius * ring)
         if pair.belt:
             _belt(ax, pair, labels)
+
+
+def note_gears(ax: Axes, pose: Pose) -> None:
+    """Write down the gears whose axes are not known."""
+    notes = [gear_text(gear) for gear in gears(pose) if wheels(pose, gear) is None]
     if notes:
         ax.text(0.01, 0.012, "\n".join(notes), transform=ax.transAxes, fontsize=8, color=PASSIVE,
                 gid="note")  # fmt: skip

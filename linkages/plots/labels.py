@@ -20,6 +20,7 @@ _DIRECTIONS = np.column_stack((np.cos(_AROUND), np.sin(_AROUND)))[
     [2, 14, 6, 10, 0, 4, 12, 8, 1, 15, 3, 13, 5, 11, 7, 9]
 ]
 _FRACTIONS = (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82)
+_BESIDE = (4.5, 7.5, 12.0, 18.0)  # points from a line
 _HALO = 1.5  # points
 _CELL = 2  # pixels
 _INK = 0.72  # of the height of a line: most names have no descenders
@@ -71,7 +72,22 @@ class Labels:
             normal = -normal
         anchors = np.repeat([p + f * (q - p) for f in _FRACTIONS], 2, axis=0)
         directions = np.tile((normal, -normal), (len(_FRACTIONS), 1))
-        self._put(text, anchors, directions, (3.5, 7.0, 12.0), font)
+        self._put(text, anchors, directions, _BESIDE, font)
+
+    def in_polygon(self, text: str, corners: ArrayLike, **font: Any) -> None:
+        """Label a polygon of shape (n, 2): in its middle if there is room, or beside a side."""
+        points = np.asarray(corners, dtype=float)
+        ends = np.roll(points, -1, axis=0)
+        along = pixels(self.ax, ends) - pixels(self.ax, points)
+        lengths = np.hypot(*along.T)
+        order = np.argsort(-lengths, kind="stable")
+        anchors, directions = [points.mean(axis=0)], [np.zeros(2)]
+        for fraction in _FRACTIONS[:5]:
+            for side in order:
+                normal = np.array([-along[side, 1], along[side, 0]]) / max(lengths[side], 1e-12)
+                anchors += [points[side] + fraction * (ends[side] - points[side])] * 2
+                directions += [normal, -normal]
+        self._put(text, np.array(anchors), np.array(directions), _BESIDE, font)
 
     def beside_curve(self, text: str, curve: ArrayLike, **font: Any) -> None:
         """Label a curve of shape (n, 2) anywhere along it."""
@@ -110,13 +126,13 @@ class Labels:
 
     def _costs(self, centres: Array, half: Array) -> Array:
         """What it would cost to write with the centre of the text at each of these pixels."""
-        room = half + 0.5 * _HALO * self._point
+        room = half + _HALO * self._point
         cost = _COST_HIT * self._covered(centres - room, centres + room)
         for low, high in self._boxes:
             overlap = np.minimum(centres + room, high) - np.maximum(centres - room, low)
             cost += _COST_BOX * np.prod(np.maximum(overlap, 0.0), axis=1) ** 0.5
         window = self.ax.get_window_extent()
-        beyond = np.maximum(window.min - (centres - half), (centres + half) - window.max)
+        beyond = np.maximum(window.min - (centres - room), (centres + room) - window.max)
         return cost + _COST_OUTSIDE * np.maximum(beyond, 0.0).sum(axis=1)
 
     def _covered(self, low: Array, high: Array) -> Array:

@@ -17,7 +17,7 @@ from linkages.plots.labels import Labels
 from linkages.plots.pose import Place, Pose
 from linkages.plots.prefixes import scale_for
 from linkages.plots.senses import force_direction, load_sense
-from linkages.plots.sliders import block_place
+from linkages.plots.sliders import block_place, force_side
 from linkages.plots.springs import bent_dashpot, dashpot, spiral, zigzag
 from linkages.plots.style import LOAD
 from linkages.plots.view import per_point, pixels
@@ -50,16 +50,21 @@ def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
             labels.avoid((zigzag if elastic else dashpot)(ax, *ends, shift))
 
 
-def draw_torsional(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Spirals of torsional springs and bent dashpots of torsional dampers."""
+def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
+    """Spirals of torsional springs and bent dashpots of torsional dampers.
+
+    Dashpots point where there was room in a first position, if one is given.
+    """
+    first = first or pose
     taken: Counter[Place] = Counter()
     for load in pose.mechanism.loads:
         if not isinstance(load, TorsionSpring):
             continue
         place = pivot(pose, load.body, load.reference)
-        if place is None:
+        before = pivot(first, load.body, load.reference)
+        if place is None or before is None:
             continue
-        angle = _free_direction(pose, place)
+        angle = _free_direction(first, before)
         if not load.stiffness.absent:
             labels.avoid(spiral(ax, place, _direction_of(pose, load.body, place)))
         if not load.damping.absent:
@@ -98,7 +103,8 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
             place, size = block_place(pose, load.body), _size((load.force,), "N")
             sense, turned = load_sense(load.force, pose.mechanism), pose.angle(load.body)
             if place and size and sense and turned is not None:
-                yield size, _tip(ax, place, turned, sense), 4.0
+                side = force_side(pose, load.body, sense)
+                yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
         elif isinstance(load, Torque):
             place, size = _torque_place(pose, load), _size((load.torque,), "N·m")
             if place and size:
@@ -106,8 +112,8 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
 
 
 def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
-    """Near the tip of a force's arrow."""
-    reach = (STRAIGHT if sense > 0 else -STRAIGHT) * per_point(ax)
+    """Near the outer end of a force's arrow; the place itself if the arrow stands over it."""
+    reach = sense * STRAIGHT * per_point(ax)
     pixel = pixels(ax, place)[0] + reach * np.array([np.cos(angle), np.sin(angle)])
     x, y = ax.transData.inverted().transform(pixel)
     return float(x), float(y)

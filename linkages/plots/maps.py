@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.bifurcations import cell_borders
-from linkages.plots.style import BOTTOM, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
+from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,9 @@ BAR_LABELS = 0.75  # inches, to the right of the colour bar
 BOTH_SIGNS = 0.05
 """Part of the largest magnitude from which on the other sign gets colours of its own."""
 
-KINDS = {"resting": "#BBBBBB", "swing": "#0072B2", "mixed": "#E69F00", "rotation": "#CC79A7"}
+# From light to dark in black and white, too; the same holds for both sides of zero below.
+KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "swing": "#0072B2", "rotation": "#3B1C4A"}
+BELOW, ABOVE = ("#071A3D", "#2F6DB5", "#9FB4C7"), ("#E8A33D", "#F6D27A", "#FFFBE0")
 
 
 @styled
@@ -32,13 +34,17 @@ def figure(data: xr.Dataset) -> Figure:
     """The indicator as an image with a colour bar."""
     result, ax, bar = _page(LEGEND if _missing(data).any() else 0.0)
     draw(ax, data)
-    image = ax.collections[0]
+    result.colorbar(ax.collections[0], cax=bar, label=indicator_label(data))
+    return result
+
+
+def indicator_label(data: xr.Dataset) -> str:
+    """What the colour bar shows."""
     units = str(data["indicator"].attrs.get("units", ""))
     label = str(data["indicator"].attrs.get("long_name", "indicator"))
     if _logarithmic(data):
         label = f"log₁₀ of the {label}"
-    result.colorbar(image, cax=bar, label=f"{label} [{units}]" if units else label)
-    return result
+    return f"{label} [{units}]" if units else label
 
 
 @styled
@@ -104,9 +110,11 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
     x, y = _frame(ax, data)
     colours = ListedColormap(list(KINDS.values())).with_extremes(bad=PALE)
     ax.pcolormesh(x, y, numbers, cmap=colours, vmin=-0.5, vmax=len(KINDS) - 0.5, rasterized=True)
-    shown = {word: Patch(color=colour) for word, colour in KINDS.items() if (words == word).any()}
+    present = {word: colour for word, colour in KINDS.items() if (words == word).any()}
     if np.isnan(numbers).any():
-        shown["not computed"] = Patch(color=PALE)
+        present["not computed"] = PALE
+    outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}  # white is one of the colours
+    shown = {word: Patch(facecolor=colour, **outline) for word, colour in present.items()}
     heading = f"{data.attrs.get('name', '')}: {coordinate}"
     look = legend_above(heading) | {"handlelength": 1.0}
     ax.legend(list(shown.values()), list(shown), **look, ncols=5)
@@ -126,14 +134,19 @@ def _frame(ax: Axes, data: xr.Dataset) -> tuple[Array, Array]:
 
 
 def _colours(values: Array) -> tuple[Colormap, Normalize]:
-    """Blue to red through white for values of both signs, else from dark to light."""
+    """Dark to light; blue below zero and yellow above for values of both signs."""
     from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
 
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     largest = max(abs(low), abs(high)) or 1.0
     both = low < -BOTH_SIGNS * largest and high > BOTH_SIGNS * largest
-    base = colormaps["RdBu_r" if both else "cividis"]
+    places = [0.0, 0.3, 0.5, 0.5, 0.7, 1.0]
+    signs = list(zip(places, BELOW + ABOVE, strict=True))
+    base: Colormap = colormaps["cividis"]
+    if both:
+        base = LinearSegmentedColormap.from_list("signs", signs, N=512)
     return base.with_extremes(bad=PALE), Normalize(-largest, largest) if both else Normalize(
         low, high
     )

@@ -94,7 +94,7 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
 
 def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1) -> Axes:
     """Draw one mode in a box, without names; smaller symbols where there are many columns."""
-    half = 0.5 * box.size + 0.11 * box.size.max()
+    half = 0.5 * box.size + 0.16 * box.size.max()
     shape = ax.bbox.height / ax.bbox.width
     half = np.maximum(half, (half[1] / shape, half[0] * shape))
     middle = 0.5 * (box.low + box.high)

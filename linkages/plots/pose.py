@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
@@ -49,6 +49,8 @@ class Pose:
         Slider → least and largest displacement that a picture allows for, in metres.
     unit
         Units of `positions` per metre.
+    size
+        Of the picture, in metres; what the joints span if not given.
     """
 
     mechanism: Mechanism
@@ -56,12 +58,13 @@ class Pose:
     angles: Mapping[str, float] = field(default_factory=dict)
     travel: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     unit: float = 1.0
+    size: float | None = None
 
     def scaled(self, factor: float) -> Pose:
         """The same in other units."""
         positions = {name: (x * factor, y * factor) for name, (x, y) in self.positions.items()}
         unit = self.unit * factor
-        return Pose(self.mechanism, positions, self.angles, self.travel, unit)
+        return replace(self, positions=positions, unit=unit)
 
     def shown(self, name: str) -> dict[str, Place]:
         """The joints of a body whose places are known, in the order of the definition."""
@@ -142,7 +145,9 @@ class Pose:
 
     @cached_property
     def extent(self) -> float:
-        """The larger of width and height of what the joints span."""
+        """The larger of width and height of the picture."""
+        if self.size is not None:
+            return self.size * self.unit
         places = np.array(list(self.positions.values()) or [(0.0, 0.0)], dtype=float)
         return float(np.ptp(places, axis=0).max()) or self.unit
 

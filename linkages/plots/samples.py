@@ -30,14 +30,19 @@ def positions_at(data: xr.Dataset, index: int) -> dict[str, tuple[float, float]]
 def pose_at(data: xr.Dataset, mechanism: Mechanism, index: int) -> Pose:
     """The position of a mechanism at one sample, in metres, as far as the data tell it."""
     angles: dict[str, float] = {}
-    travel: dict[str, tuple[float, float]] = {}
     if "bar_angle" in data and data.sizes["time"]:
         row = np.asarray(data["bar_angle"].transpose("time", "bar")[index], dtype=float)
         angles = {str(n): float(a) for n, a in zip(data["bar"].values, row, strict=True)}
+    return Pose(mechanism, positions_at(data, index), angles, travel_of(data))
+
+
+def travel_of(data: xr.Dataset) -> dict[str, tuple[float, float]]:
+    """Slider → its least and largest displacement in metres, as far as the data tell them."""
+    travel: dict[str, tuple[float, float]] = {}
     if "slider_position" in data:
         for name in data["slider"].values:
             values = np.asarray(data["slider_position"].sel(slider=name), dtype=float)
             values = values[np.isfinite(values)]
             if values.size:
                 travel[str(name)] = float(values.min()), float(values.max())
-    return Pose(mechanism, positions_at(data, index), angles, travel)
+    return travel

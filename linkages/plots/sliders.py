@@ -4,26 +4,63 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
 from linkages.components.terms import AxialDamper, AxialForce
 from linkages.plots import symbols
-from linkages.plots.arrows import straight_arrow
+from linkages.plots.arrows import STRAIGHT, straight_arrow
 from linkages.plots.bodies import THICKNESS, body_colour
 from linkages.plots.labels import Labels
 from linkages.plots.pose import Axis, Pose, along_carrier
-from linkages.plots.senses import drive_sense, load_sense
+from linkages.plots.senses import BOTH, drive_sense, load_sense
 from linkages.plots.springs import wall_dashpot
 from linkages.plots.style import DRIVEN, GREY, LOAD
+from linkages.plots.view import pixels
+
+Array = NDArray[np.float64]
+
+FAINT = 40.0
+"""Pixels between those of an axis that labels avoid: they may lie on it rather than far away."""
 
 AXIS_LINE = (0, (9, 2, 1.5, 2))
 
 
-def draw_sliders(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Draw every slider whose axis is known."""
+def draw_sliders(ax: Axes, pose: Pose, labels: Labels, *, rails: bool = True) -> None:
+    """Draw every slider whose axis is known, with the part of its guide where it is.
+
+    Without `rails`, guides on the ground are left out.
+    """
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
+        if axis is None:
+            continue
+        if not _grounded(pose, name):
+            _carried(ax, pose, name, axis, labels)
+            continue
+        place = axis.at(axis.reach)
+        if rails:
+            _guide(ax, pose, axis, np.array([place, place]), labels)
+        labels.avoid(symbols.block(ax, (float(place[0]), float(place[1])), axis.angle))
+
+
+def draw_guides(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """Draw the guides of sliders on the ground along all of their travel."""
+    for name, (low, high) in pose.travel.items():
+        axis = pose.axis(name) if _grounded(pose, name) else None
         if axis is not None:
-            _slider(ax, pose, name, axis, labels)
+            ends = np.array([axis.at(pose.unit * low), axis.at(pose.unit * high)])
+            _guide(ax, pose, axis, ends, labels)
+
+
+def _guide(ax: Axes, pose: Pose, axis: Axis, ends: Array, labels: Labels) -> None:
+    """The line of an axis, and rails where the block goes."""
+    further = axis.at(axis.reach + pose.extent), axis.at(axis.reach - pose.extent)
+    ax.axline(*(tuple(place) for place in further), color=GREY, linewidth=0.7,
+              linestyle=AXIS_LINE, zorder=1)  # fmt: skip
+    start, end = pixels(ax, further)
+    count = max(2, int(np.hypot(*(end - start)) / FAINT))
+    labels.avoid(np.linspace(start, end, count))
+    labels.avoid(symbols.rails(ax, ends, axis.angle))
 
 
 def block_place(pose: Pose, name: str) -> symbols.Place | None:
@@ -40,16 +77,10 @@ def block_place(pose: Pose, name: str) -> symbols.Place | None:
     return float(x), float(y)
 
 
-def _slider(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
-    guide = pose.mechanism.bodies[name].guide
-    assert guide is not None
+def _carried(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
+    """A block on a bar, or in a slot of what carries it."""
     place, pin = block_place(pose, name), axis.at(axis.reach)
     assert place is not None
-    if guide.body is None:
-        ax.axline(place, tuple(axis.at(axis.reach + pose.extent)), color=GREY, linewidth=0.7,
-                  linestyle=AXIS_LINE, zorder=1)  # fmt: skip
-        labels.avoid(symbols.slider_block(ax, place, axis.angle))
-        return
     if along_carrier(pose, name) is None:
         _slot(ax, pose, name, labels)
     rod = np.array([place, pin])
@@ -79,7 +110,7 @@ def _slot(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
 
 
 def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Arrows of drives and forces beside the blocks, and dampers in the guides."""
+    """Arrows of drives and forces beside the blocks."""
     mechanism = pose.mechanism
     for name in mechanism.prescribed:
         if not mechanism.bodies[name].rotates:
@@ -87,40 +118,63 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
     for load in mechanism.loads:
         if isinstance(load, AxialForce):
             _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
-        elif isinstance(load, AxialDamper) and not load.damping.absent:
-            place, angle = block_place(pose, load.body), pose.angle(load.body)
-            if place is not None and angle is not None:
-                start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
-                turned = angle + (0.0 if _busy_behind(pose, load.body, angle) else np.pi)
-                labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
 
 
-def _busy_behind(pose: Pose, name: str, angle: float) -> bool:
-    """Whether bodies at a slider's pin or forces on it lie behind rather than before it."""
-    shown = pose.shown(name)
-    along = np.array([np.cos(angle), np.sin(angle)])
+def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
+    """Dampers in the guides of sliders, on the side that was free in a first position, if given."""
+    first = first or pose
+    for load in pose.mechanism.loads:
+        if not isinstance(load, AxialDamper) or load.damping.absent:
+            continue
+        place, angle, before = (
+            block_place(pose, load.body), pose.angle(load.body), first.angle(load.body),
+        )  # fmt: skip
+        if place is not None and angle is not None and before is not None:
+            start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
+            turned = angle + (0.0 if _damper_side(first, load.body) > 0 else np.pi)
+            labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
+
+
+def force_side(pose: Pose, name: str, sense: int) -> int:
+    """On which side of a slider, along its axis, an arrow of a force stands: where no bars are.
+
+    There it pulls at the block, or pushes it, as its sense wants. 0 for a force of both senses,
+    whose arrow stands over the block.
+    """
+    if sense == BOTH:
+        return 0
+    angle, shown = pose.angle(name), pose.shown(name)
+    along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
     ways = [
-        np.subtract(other, shown[joint]) @ along
+        float(np.subtract(other, shown[joint]) @ along)
         for joint in shown
         for body in pose.mechanism.bodies
         if body != name and joint in pose.shown(body)
         for other in pose.shown(body).values()
     ]
-    forces = [load for load in pose.mechanism.loads if isinstance(load, AxialForce)]
-    senses = [load_sense(f.force, pose.mechanism) for f in forces if f.body == name]
-    if senses and senses[0] in (1, -1):
-        return senses[0] < 0
-    return float(np.sum(ways)) < 0.0
+    balance = sum(ways)
+    if abs(balance) < 1e-6 * pose.extent:
+        return sense
+    return -1 if balance > 0.0 else 1
+
+
+def _damper_side(pose: Pose, name: str) -> int:
+    """Where a damper finds room: where no bars are, unless a force stands there."""
+    forces = [f for f in pose.mechanism.loads if isinstance(f, AxialForce) and f.body == name]
+    side = force_side(pose, name, -1)
+    stands = [force_side(pose, name, load_sense(f.force, pose.mechanism)) for f in forces]
+    return -side if side in stands else side
 
 
 def _beside(ax: Axes, pose: Pose, name: str, sense: int, colour: str, labels: Labels) -> None:
-    """A drive's arrow stands over the block, a force's before it."""
+    """A drive's arrow stands over the block, a force's before or behind it."""
     place, angle = block_place(pose, name), pose.angle(name)
     if place is None or angle is None or sense == 0:
         return
     half, height = symbols.BLOCK if _grounded(pose, name) else symbols.SMALL_BLOCK
-    start = (half + 3.0, 0.0)
-    if colour == DRIVEN:
+    side = force_side(pose, name, sense)
+    start = (half + 2.0, 0.0) if side == sense else (-half - 2.0 - STRAIGHT, 0.0)
+    if colour == DRIVEN or side == 0:
         start = (-half, height + 8.0)
     labels.avoid(straight_arrow(ax, place, angle, start, sense, colour))
 

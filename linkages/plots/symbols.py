@@ -59,9 +59,9 @@ def add_path(
     width: float = 0.8,
     layer: float = LAYER - 1,
 ) -> None:
-    """Draw a path of a symbol."""
+    """Draw a path of a symbol; as a plain artist, for which no limits of data are computed."""
     style = {"facecolor": fill, "edgecolor": edge, "linewidth": width}
-    ax.add_patch(PathPatch(path, transform=transform, zorder=layer, **cast(Any, style)))
+    ax.add_artist(PathPatch(path, transform=transform, zorder=layer, **cast(Any, style)))
 
 
 def ground_pin(ax: Axes, place: Place, direction: float) -> Array:
@@ -75,22 +75,44 @@ def ground_pin(ax: Axes, place: Place, direction: float) -> Array:
     return np.asarray(transform.transform(np.column_stack((x[keep], y[keep]))))
 
 
-def slider_block(ax: Axes, place: Place, angle: float) -> Array:
-    """A block between its rails, the lower one hatched; return pixels it covers."""
-    transform = anchored(ax, place, angle)
-    a, b = BLOCK
-    add_path(ax, _rectangle(a, b), transform, fill=PALE)
-    rails = [[(-2 * a, b + 1.2), (2 * a, b + 1.2)], *hatching(-2 * a, 2 * a, -b - 1.2)]
-    add_path(ax, stroked(rails), transform)
-    x, y = np.meshgrid(np.linspace(-2 * a, 2 * a, 15), np.linspace(-b - 5, b + 1.2, 8))
+def rails(ax: Axes, ends: Array, angle: float) -> Array:
+    """The guide of a block that goes from one place to another; return pixels it covers.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    ends
+        The block's first and last place along the axis, shape (2, 2); they may be the same.
+    angle
+        Direction of the axis.
+    """
+    way = np.subtract(*pixels(ax, ends[::-1])) / per_point(ax)
+    first, last = sorted((0.0, float(way @ (np.cos(angle), np.sin(angle)))))
+    transform = anchored(ax, (float(ends[0, 0]), float(ends[0, 1])), angle)
+    left, right, height = first - 2 * BLOCK[0], last + 2 * BLOCK[0], BLOCK[1] + 1.2
+    add_path(ax, stroked([[(left, height), (right, height)]]), transform)
+    add_path(ax, stroked(hatching(left, right, -height)), transform)
+    x, y = np.meshgrid(
+        np.linspace(left, right, int(right - left) // 2 + 2), np.linspace(-height - 4, height, 9)
+    )
     return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+
+
+def block(ax: Axes, place: Place, angle: float) -> Array:
+    """A block that rails on the ground guide; return pixels it covers."""
+    return _block(ax, place, angle, BLOCK, LAYER - 1)
 
 
 def moving_block(ax: Axes, place: Place, angle: float) -> Array:
     """A block without rails, for an axis that moves; return pixels it covers."""
+    return _block(ax, place, angle, SMALL_BLOCK, LAYER - 0.5)
+
+
+def _block(ax: Axes, place: Place, angle: float, half: Place, layer: float) -> Array:
     transform = anchored(ax, place, angle)
-    a, b = SMALL_BLOCK
-    add_path(ax, _rectangle(a, b), transform, fill=PALE, layer=LAYER - 0.5)
+    a, b = half
+    add_path(ax, _rectangle(a, b), transform, fill=PALE, layer=layer)
     x, y = np.meshgrid(np.linspace(-a, a, 11), np.linspace(-b, b, 7))
     return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
 
@@ -151,7 +173,7 @@ def clearance(ax: Axes, place: Place) -> Array:
 
 
 def _ring(ax: Axes, place: Place, radius: float, fill: str, edge: str, layer: float) -> Array:
-    ax.add_patch(
+    ax.add_artist(
         Circle(
             (0, 0),
             radius,

@@ -67,13 +67,19 @@ def _of_drives(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> Figu
     """Efforts of one kind: torques and forces have no common axis."""
     if "drive_effort" not in data:
         return None
+    chosen = efforts(data, mechanism, sliding=sliding)
+    return time_figure("drive_force" if sliding else "drive_effort")(chosen, mechanism)
+
+
+def efforts(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> xr.Dataset:
+    """Data with the efforts of one kind of drives: ``drive_force``, or torques."""
     bodies = mechanism.bodies
     names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
     chosen = data.sel(drive=names)
     if sliding:
         force = chosen["drive_effort"].assign_attrs(units="N")
         chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
-    return time_figure("drive_force" if sliding else "drive_effort")(chosen, mechanism)
+    return chosen
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
@@ -86,14 +92,18 @@ def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | Non
     def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
         if variable not in data or data[variable].size == 0:
             return None
-        names = _names(data, variable)
-        rows = -(-len(names) // _columns(names))
-        legend = HEAD + rows * ROW if len(names) > 1 else 0.0
-        figure, (ax,) = panels(1, 1, HEIGHT, TOP + legend)
-        draw(ax, data, variable, mechanism.name)
-        return figure
+        ax = draw(page(data, variable), data, variable, mechanism.name)
+        return ax.get_figure(root=True)
 
     return figure_of
+
+
+def page(data: xr.Dataset, variable: str) -> Axes:
+    """Axes of a new figure, with room for the legend of a variable."""
+    names = _names(data, variable)
+    rows = -(-len(names) // _columns(names))
+    legend = HEAD + rows * ROW if len(names) > 1 else 0.0
+    return panels(1, 1, HEIGHT, TOP + legend)[1][0]
 
 
 def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:

@@ -17,7 +17,7 @@ from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH, fitted
 Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
-MARGIN = 0.5  # inches around the outermost points, for symbols and labels
+MARGIN = 0.55  # inches around the outermost points, for symbols and labels
 LOWEST, HIGHEST = 2.0, 5.6  # inches
 _ARROWS = "→↗↑↖←↙↓↘"
 

@@ -264,7 +264,7 @@ def test_map_as_text(pendulum):
 
 def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     """The pendulum of Baker and Gollub with q = 2 and g = 1.15, which is chaotic."""
-    result = pendulum("chaos", "--quick")
+    result = pendulum("chaos", "--quick", "--format", "svg")
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("Driven pendulum: chaotic\n- ")
     assert "mixed" in result.out
@@ -273,7 +273,7 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert '<span class="verdict">chaotic</span>' in page
     content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
     assert content["verdict"] == "chaotic"
-    assert "results/m/chaos_spectrum.png" in result.files
+    assert "results/m/chaos_spectrum.svg" in result.files
 
 
 def test_chaos_as_json_without_figures(pendulum, tmp_path):

@@ -13,8 +13,8 @@ from linkages.cli.terminal import console, print_notes
 from linkages.reading.locate import shipped
 
 VERBS = (
-    "simulate", "check", "equations", "phase", "poincare", "lyapunov", "bifurcation", "map",
-    "chaos", "bench", "list",
+    "simulate", "check", "equations", "animate", "phase", "poincare", "lyapunov", "bifurcation",
+    "map", "chaos", "bench", "list",
 )  # fmt: skip
 # A short run of a mechanism that nothing integrates: fast.
 SHORT = ("--set", "simulate.end=0.02", "--set", "simulate.samples=21")

@@ -212,3 +212,38 @@ def test_gears_without_axes_of_their_own_get_a_note():
     ax = drawn(f"{TEXT}gears: [{{bars: [crank, coupler], ratio: -2}}]")
     (note,) = (text.get_text() for text in ax.texts if text.get_gid() == "note")
     assert note == "gear: coupler turns -2 times as fast as crank"
+
+
+CRANK = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  rod: {joints: [A, B], length: 0.3}
+sliders:
+  ram: {joint: B, through: O}
+"""
+CRANK_PLACES = {"O": (0, 0), "A": (0.1, 0), "B": (0.4, 0)}
+
+
+@pytest.mark.parametrize("force", [5, -5])
+def test_a_force_on_a_slider_stands_where_no_bar_is(force):
+    ax = drawn(CRANK + f"loads: [{{slider: ram, force: {force}}}]", CRANK_PLACES)
+    (arrow,) = (p for p in ax.patches if isinstance(p, FancyArrowPatch))
+    line = arrow.get_transform().transform(arrow._path_original.vertices)
+    pin = ax.transData.transform((400, 0))[0]
+    assert (line[:, 0] > pin + 11 * ax.figure.dpi / 72).all()  # beyond the block
+    assert np.sign(line[-1, 0] - line[0, 0]) == np.sign(force)
+
+
+@pytest.mark.parametrize(("more", "side"), [("", 1), ("loads: [{slider: ram, force: -5}]", -1)])
+def test_a_damper_in_a_guide_leaves_room_for_bars_and_forces(more, side):
+    ax = drawn(CRANK + "dampers: [{slider: ram, damping: 5}]\n" + more, CRANK_PLACES)
+    (damper,) = springs_of(ax)
+    pin = ax.transData.transform((400, 0))[0]
+    assert (np.sign(corners(damper)[:, 0] - pin) == side).all()
+
+
+def test_plates_bear_their_names_inside():
+    ax = drawn(TEXT)
+    (name,) = (text for text in ax.texts if text.get_text() == "coupler")
+    assert name.xy == pytest.approx(1e3 * np.mean([PLACES[j] for j in "ABC"], axis=0))

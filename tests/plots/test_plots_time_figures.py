@@ -123,3 +123,18 @@ def test_nothing_to_draw():
     assert function(press_data().isel(time=slice(0)), press()) is None
     assert function(press_data().drop_vars("slider_velocity"), press()) is None
     assert function(press_data() * np.nan, press()) is not None
+
+
+@pytest.mark.parametrize(("end", "other"), [(0, -1), (-1, 0)])
+def test_the_text_of_a_peak_at_an_end_stands_inside(end, other):
+    time = np.linspace(0.0, 2.0, 201)
+    values = np.cos(np.pi * time)[:, None]
+    values[[other, 100]] *= 0.5
+    data = press_data().assign(slider_velocity=(("time", "slider"), values, {"units": "m/s"}))
+    figure = time_figure("slider_velocity")(data, press())
+    figure.draw_without_rendering()
+    (ax,) = figure.axes
+    (text,) = (t for t in ax.texts if t.get_text().startswith("peak"))
+    assert text.xy[0] == pytest.approx(time[end])
+    box, frame = text.get_window_extent(), ax.get_window_extent()
+    assert frame.x0 < box.x0 < box.x1 < frame.x1

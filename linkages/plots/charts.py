@@ -1,0 +1,270 @@
+"""Every figure by name, drawn into given axes or into a figure of its own.
+
+Each function returns the matplotlib axes that it drew into: more can be drawn there, and
+``chart.figure.savefig("name.pdf")`` writes them. Nothing uses pyplot; in a notebook, show
+``chart.figure``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from linkages.plots import bifurcations, drawing, phase, phase_pair, sections, time_figures
+from linkages.plots import exponents as exponent_histories
+from linkages.plots import maps as chaos_maps
+from linkages.plots import traces as joint_traces
+from linkages.plots.free_axes import Free, free_coordinates
+from linkages.plots.samples import pose_at
+from linkages.plots.style import panels, styled
+from linkages.plots.view import Box, picture
+from linkages.solution.series import data_series, find_series
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.solution.solution import Solution
+
+    Source = Solution | xr.Dataset
+
+__all__ = [
+    "bifurcation",
+    "clearance_force",
+    "drive_effort",
+    "drive_force",
+    "exponents",
+    "indicator_map",
+    "mechanism",
+    "pair",
+    "phase_diagram",
+    "rotation_map",
+    "section",
+    "slider_acceleration",
+    "slider_acceleration_error",
+    "slider_position",
+    "slider_position_error",
+    "slider_velocity",
+    "slider_velocity_error",
+    "traces",
+]
+
+SINGLE = 3.6  # inches: height of a picture that stands alone
+
+
+@styled
+def mechanism(solution: Solution, ax: Axes | None = None, *, time: float = 0.0) -> Axes:
+    """The mechanism at the sample nearest to a time in seconds, with all names.
+
+    Parameters
+    ----------
+    solution
+        With ``joint_position``.
+    ax
+        Where to draw; axes of a new figure if not given.
+    time
+        In seconds.
+
+    Raises
+    ------
+    ValueError
+        For data without joint positions; so do all other functions if theirs are missing.
+    """
+    data = solution.data
+    _require(data, "joint_position")
+    index = int(np.argmin(np.abs(np.asarray(data["time"], dtype=float) - time)))
+    pose = pose_at(data, solution.mechanism, index)
+    return drawing.draw_pose(ax or picture(drawing.reach(pose))[1], pose)
+
+
+@styled
+def traces(solution: Solution, ax: Axes | None = None) -> Axes:
+    """The paths of all moving joints over the mechanism where it starts."""
+    data = solution.data
+    _require(data, "joint_position")
+    if ax is None:
+        box = Box.around(np.asarray(data["joint_position"], dtype=float))
+        ax = picture(box, joint_traces.MARGIN)[1]
+    return joint_traces.draw(ax, data, solution.mechanism)
+
+
+def slider_position(source: Source, ax: Axes | None = None) -> Axes:
+    """Displacements of the sliders over time.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    return _over_time(_data(source), "slider_position", ax)
+
+
+def slider_velocity(source: Source, ax: Axes | None = None) -> Axes:
+    """Velocities of the sliders over time."""
+    return _over_time(_data(source), "slider_velocity", ax)
+
+
+def slider_acceleration(source: Source, ax: Axes | None = None) -> Axes:
+    """Accelerations of the sliders over time."""
+    return _over_time(_data(source), "slider_acceleration", ax)
+
+
+def slider_position_error(source: Source, ax: Axes | None = None) -> Axes:
+    """What clearances change of the sliders' displacements, over time."""
+    return _over_time(_data(source), "slider_position_error", ax)
+
+
+def slider_velocity_error(source: Source, ax: Axes | None = None) -> Axes:
+    """What clearances change of the sliders' velocities, over time."""
+    return _over_time(_data(source), "slider_velocity_error", ax)
+
+
+def slider_acceleration_error(source: Source, ax: Axes | None = None) -> Axes:
+    """What clearances change of the sliders' accelerations, over time."""
+    return _over_time(_data(source), "slider_acceleration_error", ax)
+
+
+def clearance_force(source: Source, ax: Axes | None = None) -> Axes:
+    """Forces in the clearances over time."""
+    return _over_time(_data(source), "clearance_force", ax)
+
+
+def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
+    """Torques of the drives on bars over time."""
+    _require(solution.data, "drive_effort")
+    chosen = time_figures.efforts(solution.data, solution.mechanism, sliding=False)
+    return _over_time(chosen, "drive_effort", ax)
+
+
+def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
+    """Forces of the drives on sliders over time."""
+    _require(solution.data, "drive_effort")
+    chosen = time_figures.efforts(solution.data, solution.mechanism, sliding=True)
+    return _over_time(chosen, "drive_force", ax)
+
+
+@styled
+def phase_diagram(solution: Solution, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Rate against value of a free coordinate: of the one named, or the first."""
+    data = solution.data
+    found = {c.name: c for c in phase.coordinates(data, solution.mechanism)}
+    chosen = found[_chosen(name, found)]
+    return phase.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, solution.mechanism.name)
+
+
+@styled
+def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool = True) -> Axes:
+    """One output against another, such as ``"r1.angle"`` and ``"slider9.velocity"``.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data.
+    x, y
+        Names of series: an element and a quantity, or an output that has no elements.
+    ax
+        Where to draw; axes of a new figure if not given.
+    wrap
+        Whether angles are taken within half a turn either way.
+    """
+    data = _data(source)
+    known = data_series(data)
+    across, up = find_series(known, x), find_series(known, y)
+    _require(data, across.variable)
+    return phase_pair.draw(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
+
+
+@styled
+def section(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """Points of `linkages.poincare`: of the free coordinate named, or the first."""
+    chosen = _free(data, name)
+    heading = str(data.attrs.get("name", ""))
+    return sections.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, heading)
+
+
+@styled
+def exponents(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """How the exponents of `linkages.lyapunov` settle over time."""
+    if ax is None:
+        ax = exponent_histories.page(data)
+    return exponent_histories.draw(ax, data, str(data.attrs.get("name", "")))
+
+
+@styled
+def bifurcation(
+    data: xr.Dataset, name: str | None = None, ax: Axes | None = None, *, rates: bool = False
+) -> Axes:
+    """Points of `linkages.bifurcation` over the parameter: of the coordinate named, or the first.
+
+    Parameters
+    ----------
+    data
+        As `linkages.bifurcation` returns it.
+    name
+        Of a free coordinate.
+    ax
+        Where to draw; axes of a new figure if not given.
+    rates
+        Whether to draw its rate instead of its value.
+    """
+    chosen = _free(data, name)
+    ax = bifurcations.draw(ax or panels(1, 1, SINGLE)[1][0], data, chosen, rates=rates)
+    bifurcations.show_parameter(ax, data)
+    ax.set_title(str(data.attrs.get("name", "")))
+    return ax
+
+
+@styled
+def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
+    """The indicator of `linkages.chaos_map`, with a colour bar."""
+    if ax is None:
+        return chaos_maps.figure(data).axes[0]
+    chaos_maps.draw(ax, data)
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.colorbar(ax.collections[0], ax=ax, label=chaos_maps.indicator_label(data))
+    return ax
+
+
+@styled
+def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first."""
+    chosen = _chosen(name, {str(n): n for n in data["coordinate"].values})
+    if ax is None:
+        return chaos_maps.class_figure(data, chosen).axes[0]
+    return chaos_maps.draw_classes(ax, data, chosen)
+
+
+@styled
+def _over_time(data: xr.Dataset, variable: str, ax: Axes | None) -> Axes:
+    _require(data, variable)
+    if ax is None:
+        ax = time_figures.page(data, variable)
+    return time_figures.draw(ax, data, variable, str(data.attrs.get("name", "")))
+
+
+def _data(source: Source) -> xr.Dataset:
+    found: Any = source
+    return found if hasattr(found, "data_vars") else found.data
+
+
+def _require(data: xr.Dataset, variable: str) -> None:
+    if variable not in data or not data[variable].size:
+        raise ValueError(f"the data have no {variable}, or no samples of it")
+
+
+def _free(data: xr.Dataset, name: str | None) -> Free:
+    found = {coordinate.name: coordinate for coordinate in free_coordinates(data)}
+    return found[_chosen(name, found)]
+
+
+def _chosen(name: str | None, found: Mapping[str, object]) -> str:
+    if not found:
+        raise ValueError("the data have no free coordinates")
+    if name is not None and name not in found:
+        raise ValueError(f"unknown coordinate {name!r}; expected one of: {', '.join(found)}")
+    return next(iter(found)) if name is None else name

@@ -1,0 +1,122 @@
+"""``animate``: what it writes and prints, and how it ends when something is wrong."""
+
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+FEW = ("--fps", "4", "--dpi", "40")
+STUCK = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm}
+  rod: {joints: [A, B], length: 35 mm, mass: 0.5}
+sliders:
+  piston: {joint: B, through: O, mass: 0.4}
+drives:
+  crank: {angle: 0, speed: 60 rpm}
+assembly: {B: [75 mm, 0]}
+"""
+
+
+def test_a_gif_of_the_whole_motion(cli):
+    result = cli("animate", "slider-crank", *FEW)
+    assert (result.code, result.err) == (0, "")
+    assert result.out == (
+        "Slider-crank: 16 frames from t = 0 s to 0.075 s, 4 per second, slowed down 50×\n"
+        "results/slider-crank/animation.gif, 4 s\n"
+    )
+    with Image.open("results/slider-crank/animation.gif") as image:
+        assert image.n_frames == 16
+    assert result.files == {
+        "results", "results/slider-crank", "results/slider-crank/animation.gif"
+    }  # fmt: skip
+
+
+def test_json_and_options(cli):
+    options = ("--start", "0.02", "--duration", "0.01", "--slow", "100", "--out", "film")
+    options += ("--size", "400x300", "--set", "bars.rod.length=0.2", "--json")
+    result = cli("animate", "slider-crank", *FEW, *options)
+    assert (result.code, result.err) == (0, "")
+    content = json.loads(result.out)
+    assert content.pop("bytes") == Path("film/animation.gif").stat().st_size
+    assert content == {
+        "mechanism": "Slider-crank",
+        "completed": True,
+        "stopped": None,
+        "start": 0.02,
+        "last": pytest.approx(0.0275),
+        "frames": 4,
+        "fps": 4.0,
+        "slow": pytest.approx(100.0),
+        "seconds": 1.0,
+        "notes": [],
+        "files": ["film/animation.gif"],
+    }
+    with Image.open("film/animation.gif") as image:
+        assert image.size == (400, 300)
+
+
+def test_a_film_may_be_longer_than_the_file_says(cli):
+    result = cli("animate", "slider-crank", *FEW, "--duration", "0.2", "--json")
+    assert json.loads(result.out)["last"] > 0.08
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--start", "1"), "start must be a time from 0 to before 0.08 s, found 1"),
+        (("--duration", "-1"), "duration must be > 0 s, found -1"),
+        (("--fps", "0"), "fps must be at least 0.01, found 0"),
+        (("--fps", "100"), "a GIF shows at most 50 frames per second, found 100"),
+        (("--slow", "-2"), "slow must be > 0, found -2"),
+        (("--size", "big"), "--size must be WIDTHxHEIGHT in pixels, such as 800x600, found 'big'"),
+        (("--size", "20x20"), "too small for this picture"),
+        (("--format", "avi"), "'avi' is not one of"),
+    ],
+)
+def test_wrong_options_write_nothing(cli, options, message):
+    result = cli("animate", "slider-crank", *FEW, *options)
+    assert result.code == 2
+    assert message in " ".join(result.err.split())
+    assert result.files == set()
+
+
+def test_mp4_without_ffmpeg(cli, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = cli("animate", "slider-crank", "--format", "mp4")
+    assert result.code == 2
+    assert "MP4 needs the program ffmpeg, which was not found" in result.err
+    assert result.files == set()
+
+
+def test_a_motion_that_stops_is_shown_up_to_there(cli, tmp_path):
+    (tmp_path / "stuck.yaml").write_text(STUCK)
+    result = cli("animate", "stuck.yaml", *FEW, "--json")
+    assert result.code == 1
+    content = json.loads(result.out)
+    assert not content["completed"]
+    assert content["last"] < content["stopped"]["time"] == pytest.approx(0.1695694)
+    with Image.open(content["files"][0]) as image:
+        assert image.n_frames == content["frames"] == 3
+
+
+def test_a_motion_that_stops_before_the_film_begins(cli, tmp_path):
+    (tmp_path / "stuck.yaml").write_text(STUCK)
+    result = cli("animate", "stuck.yaml", *FEW, "--start", "0.5")
+    assert result.code == 1
+    assert "nothing to animate: at t = 0.169569377 s" in result.err
+    assert result.files == {"stuck.yaml"}
+
+
+def test_ctrl_c_leaves_nothing(cli, monkeypatch):
+    from linkages.plots.stage import Stage
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Stage, "picture", interrupt)
+    result = cli("animate", "slider-crank", *FEW)
+    assert result.code == 130
+    assert not [name for name in result.files if "animation" in name]

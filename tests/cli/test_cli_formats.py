@@ -1,0 +1,66 @@
+"""``--format``: figures as pixels or vectors, by every verb that draws."""
+
+import re
+
+import pytest
+
+PENDULUM = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {rod: {joints: [O, P], length: 1, mass: 1}}
+free: {rod: {angle: 0.5, speed: 0}}
+loads: [{bar: rod, torque: "0.5*cos(2*t)"}]
+simulate: {end: 5, rtol: 1e-6}
+"""
+BEGINNINGS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
+RUNS = {
+    "simulate": (),
+    "check": ("--out", "results"),
+    "poincare": ("--periods", "5"),
+    "lyapunov": ("--periods", "5"),
+    "bifurcation": (
+        "--vary", "gravity[1]=-9:-10:2", "--periods", "2", "--skip", "1", "--cores", "1"
+    ),
+    "map": (
+        "--x", "free.rod.angle=0.1:0.2:2", "--y", "free.rod.speed=0:1:2",
+        "--periods", "4", "--cores", "1",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("verb", "kind"), list(zip(RUNS, ["svg", "pdf"] * 3, strict=True)))
+def test_vectors(cli, tmp_path, verb, kind):
+    (tmp_path / "pendulum.yaml").write_text(PENDULUM)
+    result = cli(verb, "pendulum.yaml", *RUNS[verb], "--format", kind)
+    assert result.code == 0
+    drawn = [tmp_path / name for name in result.files if name.endswith(("png", "svg", "pdf"))]
+    assert drawn
+    assert all(path.suffix == f".{kind}" for path in drawn)
+    assert all(path.read_bytes().startswith(BEGINNINGS[kind]) for path in drawn)
+
+
+@pytest.mark.parametrize("verb", [*RUNS, "chaos", "bench"])
+def test_an_unknown_format_is_refused_before_anything_is_done(cli, verb):
+    result = cli(verb, "pendulum", *RUNS.get(verb, ()), "--format", "bmp")
+    assert result.code == 2
+    text = " ".join(re.sub("\x1b\\[[0-9;]*m|│", "", result.err).split())
+    assert "'bmp' is not one of 'png', 'svg', 'pdf'" in text
+    assert result.files == set()
+
+
+def test_a_benchmark_draws_in_the_format(tmp_path):
+    from linkages.benchmark.work_precision import Point
+    from linkages.cli.bench import _save
+
+    class Report:
+        """A stand-in for a run of minutes."""
+
+        mechanism, end = "Pendulum", 1.0
+        points = (Point("rk4", 1e-3, False, 1e-6, 0.01, 4000, None),)
+
+        def as_dict(self):
+            return {}
+
+    written = _save(Report(), tmp_path, "svg")
+    assert [path.name for path in written] == ["bench.json", "work_precision.svg"]
+    assert [path.name for path in _save(Report(), tmp_path, None)] == ["bench.json"]

@@ -1,0 +1,279 @@
+"""Animations: what frames show, read back from the files."""
+
+import os
+import shutil
+import signal
+import subprocess
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+import linkages
+from linkages.components.definition import from_document
+from linkages.plots.animation import animate, shown_part
+from linkages.plots.film import film_of
+from linkages.plots.stage import Stage
+from linkages.reading.document import parse
+from linkages.reading.locate import shipped
+
+# All that is drawn of moving parts, carried by slots, springs, welds and gears.
+EVERYTHING = """
+joints: {O: [0, 0], D: [0.5, 0], G: [0.9, 0], S: [0.9, 0.35]}
+bars:
+  crank: {joints: [O, A], length: 0.12}
+  coupler: {points: {A: [0, 0], B: [0.4, 0], P: [0.2, 0.15]}}
+  rocker: {joints: [D, B], length: 0.3}
+  horn: {joints: [D, H], length: 0.15}
+  pinion: {joints: [G, K], length: 0.06}
+sliders:
+  block: {joint: T, on: horn}
+  ram: {joint: Q, through: [-0.3, 0.1], angle: 90 deg}
+welds: {D: {bars: [rocker, horn], angle: 60 deg}}
+gears: [{bars: [rocker, pinion], ratio: -2}]
+masses: {H: 0.5}
+springs:
+  - {between: [S, B], stiffness: 500, length: 0.3, damping: 5}
+  - {bar: rocker, stiffness: 5}
+dampers: [{slider: ram, damping: 3}, {joint: A, damping: 0.1}]
+drives:
+  crank: {angle: 0.5, speed: pi}
+  ram: {position: 0.2, speed: 0.1}
+  block: {position: 0.05, speed: 0.01}
+assembly: {B: [0.5, 0.3]}
+simulate: {end: 1, samples: 21}
+"""
+
+
+def run(name, **options):
+    """A few samples of the beginning of a shipped mechanism's motion."""
+    mechanism = linkages.load(name)
+    end = 1e-3 * mechanism.simulation.end if mechanism.initial else mechanism.simulation.end
+    outputs = ["joint_position", "bar_angle"]
+    options = {"samples": 5, "end": end, "outputs": outputs, "throw": False} | options
+    return linkages.simulate(mechanism, **options)
+
+
+def press(**options):
+    """The nine-bar with its clearance, for the time in which the clearance swings."""
+    outputs = ["joint_position", "bar_angle", "slider_position", "clearance_force"]
+    options = {"end": 0.02, "samples": 41, "rtol": 1e-6, "outputs": outputs} | options
+    return linkages.simulate(linkages.load("ninebar"), **options)
+
+
+def frames(path):
+    with Image.open(path) as image:
+        found = []
+        for index in range(image.n_frames):
+            image.seek(index)
+            found.append(np.asarray(image.convert("RGB")).astype(int))
+        return found
+
+
+def stage_of(solution, film=None, size=None, dpi=60.0):
+    film = film or film_of(float(solution.data["time"][-1]))
+    return Stage(solution.data, solution.mechanism, film, size, dpi)
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_every_shipped_mechanism_moves(name, tmp_path):
+    path = tmp_path / "a.gif"
+    solution = run(name)
+    film = animate(solution, path, fps=4, slow=1 / float(solution.data["time"][-1]), dpi=40)
+    first, *_, last = frames(path)
+    assert film.frames == 4
+    assert (first != last).any(axis=2).mean() > 1e-4
+
+
+def test_one_of_everything_moves(tmp_path):
+    solution = linkages.simulate(from_document(parse(EVERYTHING, "m.yaml")))
+    animate(solution, tmp_path / "a.gif", fps=5, slow=1, dpi=50)
+    pictures = frames(tmp_path / "a.gif")
+    assert len(pictures) == 5
+    assert all((a != b).any() for a, b in pairwise(pictures))
+
+
+def test_only_what_changed_is_drawn_and_nothing_stays_behind():
+    # A frame over the background of another must be the frame by itself.
+    solution = press()
+    stage = stage_of(solution)
+    wanted = stage_of(solution).picture(7).copy()
+    stage.picture(30)
+    np.testing.assert_array_equal(stage.picture(7), wanted)
+
+
+def test_a_gif_shows_what_was_drawn(tmp_path):
+    # Colours come from a palette of 32 shades; 40 of 255 is half the distance of neighbours there.
+    solution = press()
+    film = animate(solution, tmp_path / "a.gif", fps=5, slow=100, dpi=60)
+    samples = film.samples(solution.data["time"])
+    shown_part = replace(solution, data=solution.data.isel(time=slice(0, samples[-1] + 1)))
+    stage = stage_of(shown_part, film)
+    for index, shown in zip(samples, frames(tmp_path / "a.gif"), strict=True):
+        drawn = stage.picture(int(index))[..., :3].astype(int)
+        assert np.quantile(np.abs(shown - drawn), 0.999) < 40
+
+
+def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
+    from linkages.plots.insets import HOLE, PIN, contacts, full_length
+
+    solution = press()
+    (contact,) = contacts(solution.data, solution.mechanism)
+    assert (contact.name, contact.joint, contact.size) == ("r1", "C", 0.15e-3)
+    # pin and hole stay in contact, and the pin lies where the clearance link comes from;
+    # 0.15 mm are the difference of coordinates of a metre, which have 1e-16 m
+    np.testing.assert_allclose(np.hypot(*contact.offset.T), 1.0, rtol=1e-11)
+    assert pytest.approx(1.0) == HOLE - PIN
+    angle = linkages.simulate(solution.mechanism, end=0.02, samples=41, rtol=1e-6).data
+    alpha = angle["clearance_angle"].sel(clearance="r1").to_numpy()
+    np.testing.assert_allclose(
+        contact.offset, -np.column_stack((np.cos(alpha), np.sin(alpha))), atol=1e-6
+    )
+    stage = stage_of(solution)
+    stage.picture(20)
+    (inset,) = stage._insets
+    pin, _, _, arrow, text = inset.artists
+    np.testing.assert_allclose(pin.center, contact.offset[20])
+    tip = arrow.get_xy()[3]
+    force = contact.force[20]
+    np.testing.assert_allclose(
+        tip - HOLE * contact.offset[20],
+        contact.offset[20] * 3.9 * min(1.0, force / full_length(contact.force)),
+        atol=1e-9,
+    )
+    assert text.get_text() == f"{force:.3g} N"
+
+
+def test_lost_contact_is_said():
+    solution = press()
+    solution.data["clearance_force"] *= -1
+    stage = stage_of(solution)
+    stage.picture(0)
+    *_, text = stage._insets[0].artists
+    assert text.get_text().startswith("no contact\n−")
+
+
+def test_times_pace_and_scale_are_written():
+    stage = stage_of(press(), film_of(0.02, slow=50))
+    stage.picture(40)
+    written = {text.get_text() for ax in stage._canvas.figure.axes for text in ax.texts}
+    assert stage._clock.get_text() == "t = 0.0200 s"
+    assert {"slowed down 50×", "0.2 mm"} <= written
+    inset = stage._canvas.figure.axes[-1]
+    assert inset.get_title(loc="left").startswith("r1 at C, ")
+
+
+def test_a_failure_or_ctrl_c_leaves_nothing_behind(tmp_path):
+    path = tmp_path / "a.gif"
+    path.write_bytes(b"an older film")
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        animate(run("four-bar"), path, fps=2, watch=interrupt)
+    assert os.listdir(tmp_path) == ["a.gif"]
+    assert path.read_bytes() == b"an older film"
+
+
+def test_ctrl_c_waits_for_the_end_of_a_frame(tmp_path):
+    # In the midst of drawing, matplotlib turns it into a ValueError of its own.
+    done = []
+
+    def hit(fraction):
+        done.append(fraction)
+        signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        animate(run("four-bar"), tmp_path / "a.gif", fps=2, watch=hit)
+    assert len(done) == 1
+    assert os.listdir(tmp_path) == []
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("a.avi", {}, "unknown format 'avi'; expected one of: gif, mp4"),
+        ("a.gif", {"fps": 51}, "at most 50 frames per second, found 51"),
+        ("a.gif", {"fps": 0}, "fps must be at least 0.01, found 0"),
+        ("a.gif", {"slow": float("nan")}, "slow must be > 0"),
+        ("a.gif", {"duration": -1}, "duration must be > 0 s"),
+        ("a.gif", {"duration": 2}, "duration reaches beyond the end"),
+        ("a.gif", {"start": 1}, "start must be a time from 0 to before 1 s"),
+        ("a.gif", {"slow": 1e6}, "frames are more than 20000"),
+        ("a.gif", {"size": (90, 90)}, "too small for this picture"),
+        ("a.gif", {"size": (9000, 90)}, "size must be from 2 to 4096 pixels"),
+        ("a.gif", {"dpi": 1}, "dpi must be from 20 to 1000"),
+    ],
+)
+def test_arguments_that_make_no_film(tmp_path, name, options, message):
+    with pytest.raises(ValueError, match=message):
+        animate(run("four-bar"), tmp_path / name, **options)
+    assert os.listdir(tmp_path) == []
+
+
+def test_data_without_joints(tmp_path):
+    solution = run("slider-crank", outputs=["slider_position"])
+    with pytest.raises(ValueError, match="no samples of joint_position"):
+        animate(solution, tmp_path / "a.gif")
+
+
+def test_of_many_samples_few_are_drawn():
+    data = xr.Dataset(coords={"time": np.linspace(0.0, 1.0, 100_001)})
+    samples = film_of(1.0, start=0.1, slow=1.0).samples(data["time"])
+    window, indices = shown_part(data, samples)
+    np.testing.assert_array_equal(window["time"][indices], data["time"][samples])
+    assert 4000 <= window.sizes["time"] <= 4000 + len(samples)
+    assert np.diff(window["time"]).max() < 3e-4
+
+
+def test_the_size_is_as_wished(tmp_path):
+    animate(run("four-bar"), tmp_path / "a.gif", size=(401, 300), dpi=50, fps=1)
+    with Image.open(tmp_path / "a.gif") as image:
+        assert image.size == (400, 300)  # videos need even sides, and GIFs get the same
+
+
+def test_mp4_without_ffmpeg_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ValueError, match="needs the program ffmpeg, which was not found; install"):
+        animate(run("four-bar"), tmp_path / "a.mp4")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="needs ffmpeg")
+def test_mp4_has_all_frames(tmp_path):
+    path = tmp_path / "a.mp4"
+    film = animate(run("four-bar"), path, fps=5, dpi=40)
+    command = [
+        "ffmpeg",
+        "-loglevel",
+        "error",
+        "-i",
+        path,
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-",
+    ]
+    video = subprocess.run(command, check=True, capture_output=True).stdout
+    width, height = stage_of(run("four-bar"), dpi=40.0).size
+    pictures = np.frombuffer(video, np.uint8).reshape(-1, height, width, 3)
+    assert len(pictures) == film.frames
+    assert (np.abs(pictures[0].astype(int) - pictures[-1]) > 60).any()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a shell script as a program")
+def test_what_ffmpeg_complains_about_is_said(tmp_path, monkeypatch):
+    program = tmp_path / "bin" / "ffmpeg"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\necho 'Unknown encoder' >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{program.parent}{os.pathsep}/bin{os.pathsep}/usr/bin")
+    with pytest.raises(OSError, match="ffmpeg failed: Unknown encoder"):
+        animate(run("four-bar"), tmp_path / "out" / "a.mp4", fps=5, dpi=40)
+    assert os.listdir(tmp_path / "out") == []

@@ -54,9 +54,8 @@ def driven_motion(system: System, settings: Settings) -> Motion:
         break
     failure = None
     if stop is not None:
-        failure = block_failure(
-            system.model, stop.block, stop.time, stop.singular, settings.passing
-        )
+        where = stop.block, stop.time, stop.singular
+        failure = block_failure(system.model, *where, settings.way_on)
     if settings.work:
         pieces = with_work(pieces, fastest)
     return Motion(

@@ -15,6 +15,7 @@ from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows
 from linkages.solution.motion import (
+    STOPS_THERE,
     Motion,
     Piece,
     Settings,
@@ -110,7 +111,7 @@ class _Run:
         while True:
             trajectory = self._integrate()
             if trajectory.outcome is not Outcome.SINGULAR or not self._went_on(trajectory):
-                failure = failure_text(self._system, trajectory, self._settings.passing)
+                failure = failure_text(self._system, trajectory, self._settings.way_on)
                 stop_time = trajectory.stop_time
                 break
             if self._taken == len(self._settings.times):  # a passage led beyond the end
@@ -260,14 +261,17 @@ def _exchanged(old: tuple[str, ...], new: tuple[str, ...]) -> str:
     return f"{', '.join(gone)} was exchanged for {', '.join(come)}"
 
 
-def failure_text(system: System, trajectory: Trajectory, passing: bool = False) -> str | None:
-    """Why an integration stopped before its end, as a sentence; None if it did not."""
+def failure_text(system: System, trajectory: Trajectory, way_on: str = STOPS_THERE) -> str | None:
+    """Why an integration stopped before its end, as a sentence; None if it did not.
+
+    `way_on` is what can be said of the way on from a singular position.
+    """
     outcome = trajectory.outcome
     if outcome is Outcome.DONE:
         return None
     if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
         singular = outcome is Outcome.SINGULAR
         where = (trajectory.block, trajectory.stop_time)
-        text = block_failure(system.model, *where, singular, passing)
+        text = block_failure(system.model, *where, singular, way_on)
         return f"{text}. {outcome.remedy}"
     return f"at t = {trajectory.stop_time:.9g} s: {outcome}"

@@ -17,6 +17,12 @@ Floats = NDArray[np.float64]
 Watch = Callable[[float], None]
 
 
+COULD_PASS = "'change_points: pass' takes the smooth one"
+FOUND_NONE = "no smooth way on was found"
+STOPS_THERE = "simulations can take the smooth one, this analysis cannot"
+"""What is said of the way on from a singular position."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Settings:
     """How a motion is computed.
@@ -44,6 +50,11 @@ class Settings:
     passing: bool = False
     work: bool = False
     watch: Watch | None = None
+
+    @property
+    def way_on(self) -> str:
+        """What can be said of the way on where a motion stops at a singular position."""
+        return FOUND_NONE if self.passing else COULD_PASS
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -228,23 +239,28 @@ def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
 
 
 def block_failure(
-    model: Model, block: int, time: float, singular: bool, passing: bool = False
+    model: Model, block: int, time: float, singular: bool, way_on: str = COULD_PASS
 ) -> str:
-    """A sentence that says when, where and why a motion cannot go on."""
+    """A sentence that says when, where and why a motion cannot go on.
+
+    Parameters
+    ----------
+    model, block, time
+        What stopped it, and when.
+    singular
+        Whether there are positions beyond.
+    way_on
+        What can be said of the way on then: `COULD_PASS` or its like.
+    """
     found = next(b for b in model.topology.solved_blocks if b.index == block)
     place = block_place(model, block, time)
     aligned = block_alignment(model, block)
     if found.kind == "PP":
         return f"{place}: {aligned}, so nothing determines their positions"
     if singular:
-        wanted = (
-            "no smooth way on was found"
-            if passing
-            else "'change_points: pass' takes the smooth one"
-        )
         return (
             f"{place}: {aligned}; this position is singular, from it the mechanism can go on in "
-            f"two ways and double precision cannot tell which ({wanted})"
+            f"two ways and double precision cannot tell which ({way_on})"
         )
     if found.kind == ITERATED:
         why = "where its constraints contradict each other, or" if found.surplus else "which is"

@@ -14,7 +14,7 @@ from linkages.chaos.free_states import PAIRS, free_names
 from linkages.chaos.lyapunov import lyapunov
 from linkages.chaos.section import poincare, require_section
 from linkages.chaos.sweep import INTERRUPTED, Executor, Progress, sweep
-from linkages.chaos.varied import Axis, axis, varied
+from linkages.chaos.varied import Axis, axis, units, varied
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -233,8 +233,13 @@ def _labelled(
     reasons = np.array([reason for _, reason in found], dtype=object).reshape(shape)
     variables["reason"] = (("start", "value"), reasons)
     coordinates: dict[str, Any] = {
-        path: ("value", numbers, {"units": request.axis.unit})
-        for path, numbers in zip(request.axis.paths, request.axis.values, strict=True)
+        path: ("value", numbers, {"units": unit})
+        for path, numbers, unit in zip(
+            request.axis.paths,
+            request.axis.values,
+            units(request.mechanism, request.axis),
+            strict=True,
+        )
     }
     coordinates |= {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
     attributes: dict[str, Any] = {

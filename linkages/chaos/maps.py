@@ -16,6 +16,7 @@ from linkages.chaos.section import section_settings
 from linkages.chaos.sweep import Executor, Progress, sweep
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import Axis, varied
+from linkages.chaos.varied import units as units_of
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.system import System
 
@@ -158,8 +159,10 @@ def chaos_map(
     coordinates: dict[str, Any] = {"coordinate": np.array(angles, dtype=object)}
     for dim, axis in (("x", x), ("y", y)):
         coordinates |= {
-            path: (dim, numbers, {"units": axis.unit})
-            for path, numbers in zip(axis.paths, axis.values, strict=True)
+            path: (dim, numbers, {"units": unit})
+            for path, numbers, unit in zip(
+                axis.paths, axis.values, units_of(mechanism, axis), strict=True
+            )
         }
     return xr.Dataset(
         {

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from linkages.components.definition import from_document
 from linkages.components.mechanism import Mechanism
+from linkages.components.units import unit_at
 from linkages.reading.overrides import apply
 from linkages.spec.arithmetic import NumberError, leading_number
 
@@ -70,6 +71,14 @@ def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
     if not all(np.isfinite(array).all() for array in arrays):
         raise ValueError("the values of a range must be finite")
     return Axis(tuple(vary), np.stack(arrays))
+
+
+def units(mechanism: Mechanism, axis: Axis) -> tuple[str, ...]:
+    """Unit of the values along each path: that of the range, else the SI unit of the definition."""
+    document = mechanism.document
+    return tuple(
+        axis.unit or ("" if document is None else unit_at(document, path)) for path in axis.paths
+    )
 
 
 def parse_range(text: str) -> Axis:

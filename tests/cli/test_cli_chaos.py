@@ -245,7 +245,9 @@ def test_map(pendulum, tmp_path, indicator):
     assert sum(content["rotation"]["arm"].values()) == 6
     assert opened(tmp_path, "map.nc")["indicator"].shape == (2, 3)
     table = rows(tmp_path, "map.csv")
-    places = [(float(row["free.arm.angle"]), float(row[DAMPING])) for row in table]
+    places = [
+        (float(row["free.arm.angle (rad)"]), float(row[f"{DAMPING} (N m s/rad)"])) for row in table
+    ]
     assert places == [(x, y) for y in (0.5, 1) for x in (-1, 0, 1)]
     assert {"results/m/map.png", "results/m/map_rotation.png"} <= result.files
 

@@ -245,9 +245,8 @@ def test_map(pendulum, tmp_path, indicator):
     assert sum(content["rotation"]["arm"].values()) == 6
     assert opened(tmp_path, "map.nc")["indicator"].shape == (2, 3)
     table = rows(tmp_path, "map.csv")
-    places = [
-        (float(row["free.arm.angle (rad)"]), float(row[f"{DAMPING} (N m s/rad)"])) for row in table
-    ]
+    heads = ("free.arm.angle (rad)", f"{DAMPING} (N m s/rad)")
+    places = [tuple(float(row[head]) for head in heads) for row in table]
     assert places == [(x, y) for y in (0.5, 1) for x in (-1, 0, 1)]
     assert {"results/m/map.png", "results/m/map_rotation.png"} <= result.files
 

@@ -17,7 +17,7 @@ from linkages.chaos.free_states import PAIRS, free_names, require_free
 from linkages.chaos.indicators import Verdict, classify
 from linkages.chaos.lyapunov import characteristic_period, exponents_of, labelled_exponents
 from linkages.chaos.periods import find_period
-from linkages.chaos.rotation import Rotation, classify_angle
+from linkages.chaos.rotation import Rotation, classify_angle, refined
 from linkages.chaos.section import poincare
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.zero_one import zero_one
@@ -386,7 +386,7 @@ def _rotation(system: System, solution: Solution) -> dict[str, Rotation]:
         if dim != "slider":
             values = solution.data[PAIRS[dim][0]]
             for name in names:
-                found[name] = classify_angle(time, values.sel({dim: name}).to_numpy())
+                found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
     return found
 
 

@@ -116,7 +116,7 @@ def verdict_tables(evidence: Evidence) -> str:
 
 def _verdict_cell(row: Verdict) -> str:
     words = f"**{row.verdict}**" if row.verdict == "chaotic" else row.verdict
-    return f"{words} {row.exponent:.2f} ± {row.error:.2f}"
+    return f"{words} {row.exponent:.2f}\u00a0±\u00a0{row.error:.2f}"
 
 
 def speeds_words(evidence: Evidence) -> str:

@@ -101,6 +101,7 @@ def of_verdicts(rows: Sequence[Verdict]) -> list[Judgement]:
         any(row.verdict == "chaotic" for row in rows if row.size == size)
         for size in sorted({row.size for row in rows})
     ]
+    curved = sum(row.curves > 0 and row.verdict != "chaotic" for row in rows)
     regular = sum(row.verdict in ("periodic", "quasi-periodic") for row in rows)
     undecided = len(rows) - regular - sum(row.verdict == "chaotic" for row in rows)
     return [
@@ -108,15 +109,15 @@ def of_verdicts(rows: Sequence[Verdict]) -> list[Judgement]:
             "c",
             "The phase diagram is not closed",
             graded(open_share),
-            f"{open_words} never repeat. That is no sign of chaos: a quasi-periodic motion does "
-            "not repeat either.",
+            f"{open_words} do not repeat as long as they were followed. That is no sign of chaos: "
+            "a quasi-periodic motion does not repeat either.",
         ),
         Judgement(
             "d",
             "The points of the section are scattered",
             graded(scattered),
-            f"{scattered_words} are chaotic, {undecided} undecided. {regular} are quasi-periodic: "
-            "their points line up along closed curves.",
+            f"{scattered_words} are chaotic, {regular} quasi-periodic, {undecided} undecided. The "
+            f"points of {curved} of those not chaotic were found to lie on closed curves.",
         ),
         Judgement(
             "e",

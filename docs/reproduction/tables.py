@@ -70,8 +70,8 @@ def numbers_words(evidence: Evidence) -> str:
     return (
         f"All starts: {evidence['starts']} of them, θ1 and θ4 in steps of {evidence['steps'][0]}°, "
         f"α in steps of {evidence['steps'][1]}°, at rest in the clearance.\n\n"
-        f"- No start meets all five. The nearest one of the grid (θ1 = {first}, θ4 = {fourth}, "
-        f"α = {angle}) gives {values}: its worst number is off by a factor of "
+        f"- No start meets all five. The one of the grid whose worst number is nearest "
+        f"(θ1 = {first}, θ4 = {fourth}, α = {angle}) gives {values}: off by a factor of "
         f"{near['factor']:.2f}.\n"
         f"- In the paper the torque of crank 1 is {float(torque_ratio(PRINTED)):.2f} times that of "
         f"crank 4. Over all starts this ratio is {low:.2f} to {high:.2f}.\n"

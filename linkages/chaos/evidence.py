@@ -14,7 +14,7 @@ from linkages.chaos.contact import Contact, contact_check
 from linkages.chaos.dimension import FEWEST_POINTS, Dimension, correlation_dimension
 from linkages.chaos.free_states import PAIRS, free_names, labelled_states
 from linkages.chaos.lyapunov import characteristic_period
-from linkages.chaos.rotation import Rotation, classify_angle
+from linkages.chaos.rotation import Rotation, classify_angle, refined
 from linkages.chaos.section import NeverCrossedError, poincare
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdict import FEWEST_PERIODS
@@ -168,7 +168,7 @@ def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
         if dim != "slider":
             values = solution.data[PAIRS[dim][0]]
             for name in names:
-                found[name] = classify_angle(time, values.sel({dim: name}).to_numpy())
+                found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
     return found
 
 

@@ -111,6 +111,27 @@ def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) 
     )
 
 
+def refined(time: ArrayLike, angle: ArrayLike) -> tuple[Floats, Floats]:
+    """Points in between where neighbouring samples are half a turn apart or more.
+
+    Only for angles whose whole turns were counted on the way, as those of simulations: a link in a
+    small clearance may turn over several times between two samples, and `classify_angle` must see
+    turns one by one.
+
+    Parameters
+    ----------
+    time, angle
+        Shape (n,), n ≥ 2, as `classify_angle` takes them.
+    """
+    t, theta = np.asarray(time, dtype=float), np.asarray(angle, dtype=float)
+    parts = int(np.abs(np.diff(theta)).max() / (0.5 * np.pi)) + 1
+    if parts == 1:
+        return t, theta
+    known = np.arange(len(t))
+    places = np.linspace(0, len(t) - 1, parts * (len(t) - 1) + 1)
+    return np.interp(places, known, t), np.interp(places, known, theta)
+
+
 def _kind(t: Floats, theta: Floats, senses: NDArray[np.int64], stay: float, resting: float) -> Kind:
     if np.ptp(theta) <= resting:
         return Kind.RESTING

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.rotation import Kind, classify_angle
+from linkages.chaos.rotation import Kind, classify_angle, refined
 
 TIME = np.linspace(0.0, 100.0, 8001)
 
@@ -71,3 +71,18 @@ def test_wrapped_angles_are_refused():
         classify_angle(TIME[:7], TIME[:7])
     with pytest.raises(ValueError, match="increase"):
         classify_angle(TIME[::-1], TIME)
+
+
+def test_several_turns_between_samples_are_counted_where_turns_are_known():
+    """A link in a small clearance turns faster than its motion is sampled."""
+    turning = 2 * np.pi * 3.7 * np.arange(len(TIME)) + np.sin(TIME)
+    found = classify_angle(*refined(TIME, turning))
+    assert found.kind is Kind.ROTATION
+    assert found.forward == int(3.7 * (len(TIME) - 1) + np.sin(TIME[-1]) / (2 * np.pi))
+    assert found.rate == pytest.approx(2 * np.pi * 3.7 / (TIME[1] - TIME[0]), rel=1e-4)
+
+
+def test_slow_angles_are_not_refined():
+    time, angle = refined(TIME, np.sin(TIME))
+    assert time is TIME
+    assert len(angle) == len(TIME)

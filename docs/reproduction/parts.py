@@ -1,0 +1,208 @@
+"""The parts of the page: each measures, draws its figures and returns its evidence."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from figures import STATIC, write_small
+from matplotlib.figure import Figure
+
+from reproduction import judgements, motion_figures, number_figures, sweep_figures, tables
+from reproduction.maxima import Maxima, grid, maxima, nearest, ranks, scan, torque_ratio
+from reproduction.misprints import energy_as_printed
+from reproduction.reported import (
+    SIZE,
+    SIZE_RANGE,
+    SIZES,
+    SPEED_RANGE,
+    SPEEDS,
+    STARTS,
+    press,
+)
+from reproduction.spreads import (
+    INERTIA,
+    SLOW,
+    PowerLaw,
+    mean_law,
+    over_sizes,
+    over_speeds,
+    own_starts,
+    size_laws,
+    speed_laws,
+    spread,
+    start_angles,
+)
+from reproduction.steps import STEPS, converged, study
+from reproduction.verdicts import verdict, verdicts
+
+GRID = (15, 45)
+COARSE_GRID = (60, 60)
+VERDICT_SIZES = (1e-5, 5e-5, 1.5e-4, 2.5e-4, 5e-4)
+SWINGING = -36.7
+VERDICT_ANGLES = (SWINGING, 0.0, 90.0, 135.0, 180.0)
+VERDICT_PERIODS = 300
+POINTS = 300
+DIAGRAM = (50, 50)
+LAW, SPEED_LAW = (10, 50), (17, 40)
+"""Values and periods."""
+ALL_AROUND = 60
+
+
+def show(name: str, figure: Figure) -> None:
+    """Write a figure of this page."""
+    write_small(figure, STATIC / f"paper-{name}.png")
+
+
+def of(found: Maxima) -> dict[str, Any]:
+    """One start as plain data."""
+    return {"values": found.values.tolist(), "times": found.times.tolist()}
+
+
+def numbers() -> dict[str, Any]:
+    """The five numbers of the paper among those of all starts."""
+    starts, coarse = grid(*GRID), grid(*COARSE_GRID)
+    found, own = scan(press(), starts), {name: maxima(press(name)) for name in STARTS}
+    ratio = torque_ratio(found.values)
+    columns = np.column_stack([found.values, ratio])
+    quantiles = np.percentile(columns, np.arange(101), axis=0)
+    show("maxima", number_figures.maxima_figure(quantiles, own["swinging"].values))
+    index, factor = nearest(found)
+    changed = press(changes=energy_as_printed(press()))
+    variant = scan(changed, coarse)
+    return {
+        "starts": len(starts),
+        "steps": list(GRID),
+        "band": tables.band(found.values),
+        "ranks": ranks(found).tolist(),
+        "own": {name: of(one) for name, one in own.items()},
+        "nearest": {
+            "start": list(starts[index]),
+            "values": found.values[index].tolist(),
+            "factor": factor,
+        },
+        "ratio": [float(ratio.min()), float(ratio.max())],
+        "as_printed": {
+            "values": maxima(changed).values.tolist(),
+            "ranks": ranks(variant).tolist(),
+            "starts": len(coarse),
+        },
+        "judgements": kept(judgements.of_maxima(found)),
+    }
+
+
+def kept(found: list[judgements.Judgement]) -> list[dict[str, str]]:
+    """Judgements as plain data."""
+    return [asdict(one) for one in found]
+
+
+def motion() -> dict[str, Any]:
+    """Figures 3–11."""
+    runs = motion_figures.runs()
+    for name, data in runs.items():
+        show(f"slider-{name}", motion_figures.slider_figure(data, name))
+    show("torques", motion_figures.torque_figure(runs))
+    show("phase", motion_figures.phase_figure())
+    show("section", motion_figures.section_figure())
+    return {}
+
+
+def judged() -> dict[str, Any]:
+    """Regular or chaotic."""
+    points = [(size, angle) for size in VERDICT_SIZES for angle in VERDICT_ANGLES]
+    rows = verdicts(points, VERDICT_PERIODS)
+    return {
+        "periods": VERDICT_PERIODS,
+        "rows": [row.to_dict() for row in rows],
+        "judgements": kept(judgements.of_verdicts(rows)),
+    }
+
+
+def law_data(law: PowerLaw) -> list[float]:
+    """A power law as plain data."""
+    return [law.exponent, law.error]
+
+
+def sizes() -> dict[str, Any]:
+    """Figures 12 and 13, and the power law of the spread over r."""
+    portraits = over_sizes(SIZES, own_starts(), POINTS)
+    show(
+        "sections-size",
+        sweep_figures.portraits_figure(portraits, [f"r = {1e3 * r:g} mm" for r in SIZES]),
+    )
+    diagram = over_sizes(np.linspace(*SIZE_RANGE, DIAGRAM[0]), own_starts(), DIAGRAM[1])
+    x = 1e3 * diagram[SIZE].to_numpy()
+    show("size", sweep_figures.diagram_figure(diagram, x, "size of the clearance r [mm]"))
+    initial = start_angles(ALL_AROUND)
+    data = over_sizes(np.geomspace(*SIZE_RANGE, LAW[0]), initial, LAW[1])
+    r, found = data[SIZE].to_numpy(), spread(data)
+    law, losses = size_laws(r, found)
+    line = (mean_law(1e3 * r, found), (1e3 * r[0], 1e3 * r[-1]), "mean: r to the power")
+    show(
+        "law-size",
+        sweep_figures.law_figure(
+            1e3 * r, data, "size of the clearance r [mm]", [line], names(initial)
+        ),
+    )
+    return {
+        "law": law_data(law),
+        "losses": losses,
+        "judgements": kept(judgements.of_sizes(losses, law)),
+    }
+
+
+def speed_text(speed: float) -> str:
+    """A speed in units of π rad/s."""
+    factor = speed / np.pi
+    return "π rad/s" if factor == 1 else f"{factor:g}π rad/s"
+
+
+def names(initial: list[dict[str, object]]) -> list[str]:
+    """What the starts are called in a legend."""
+    return [str(value).replace(" deg", "°") for start in initial for value in start.values()]
+
+
+def speeds() -> dict[str, Any]:
+    """Figures 14 and 15, and the power laws of the spread over ω."""
+    portraits = over_speeds(SPEEDS, own_starts(), POINTS)
+    show(
+        "sections-speed",
+        sweep_figures.portraits_figure(portraits, [f"ω = {speed_text(w)}" for w in SPEEDS]),
+    )
+    diagram = over_speeds(np.linspace(*SPEED_RANGE, DIAGRAM[0]), own_starts(), DIAGRAM[1])
+    label = "speed of the cranks ω/π [rad/s]"
+    x = diagram["drives.crank4.speed"].to_numpy() / np.pi
+    show("speed", sweep_figures.diagram_figure(diagram, x, label))
+    initial = start_angles(ALL_AROUND)
+    data = over_speeds(np.pi * np.geomspace(0.05, 40, SPEED_LAW[0]), initial, SPEED_LAW[1])
+    w, found = data["drives.crank4.speed"].to_numpy(), spread(data)
+    slow, fast, gained = speed_laws(w, found)
+    lines = []
+    for part, name in ((w <= SLOW, "slow: ω to the power"), (w >= INERTIA, "fast: ω to the power")):
+        x = w[part] / np.pi
+        lines.append((mean_law(x, found[:, part]), (x[0], x[-1]), name))
+    show("law-speed", sweep_figures.law_figure(w / np.pi, data, label, lines, names(initial)))
+    return {
+        "slow": law_data(slow),
+        "fast": law_data(fast),
+        "gains": gained,
+        "verdicts": [
+            [speed, verdict(1.5e-4, SWINGING, VERDICT_PERIODS, speed=speed).to_dict()]
+            for speed in SPEEDS[2:]
+        ],
+        "judgements": kept(judgements.of_speeds(gained, slow, fast)),
+    }
+
+
+def steps() -> dict[str, Any]:
+    """RK4 at several steps."""
+    studies = {name: study(name) for name in STARTS}
+    show("steps", number_figures.steps_figure(studies))
+    return {
+        "studies": {
+            name: [[row.step, row.error] for row in rows] for name, rows in studies.items()
+        },
+        "converged": {name: converged(name)[1] for name in STARTS},
+        "values": [maxima(press(), method="rk4", step=step).values.tolist() for step in STEPS],
+    }

@@ -1,0 +1,138 @@
+"""Figures 12–15 of the paper: sections and their spread over the size and over the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, MultipleLocator, NullFormatter
+
+from linkages.plots.style import (
+    BLACK,
+    BOTTOM,
+    PALETTE,
+    RIGHT,
+    TOP,
+    WIDTH,
+    line_style,
+    panels,
+    styled,
+)
+from reproduction.reported import STARTS
+from reproduction.spreads import PowerLaw, spread
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GAP, LEFT = 0.1, 1.0
+"""Inches between panels that share their axes, and left of them, for labels of two lines."""
+
+DOT = 1.6
+
+
+def _shared(
+    rows: int, columns: int, height: float, between: float = GAP
+) -> tuple[Figure, list[list[Axes]]]:
+    """Panels that share their axes and stand close to each other."""
+    total = TOP + rows * height + (rows - 1) * between + BOTTOM
+    width = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
+    figure, grid = Figure(figsize=(WIDTH, total)), []
+    for row in range(rows):
+        bottom = BOTTOM + (rows - 1 - row) * (height + between)
+        line: list[Axes] = []
+        for column in range(columns):
+            left = LEFT + column * (width + GAP)
+            place = (left / WIDTH, bottom / total, width / WIDTH, height / total)
+            line.append(figure.add_axes(place))
+        grid.append(line)
+    return figure, grid
+
+
+@styled
+def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
+    """Figs. 12 and 14: a section for each value, a row for each of our starts."""
+    figure, grid = _shared(len(STARTS), len(names), 1.5, 0.3)
+    angle = np.degrees(data.clearance_angle.isel(clearance=0).to_numpy())
+    speed = data.clearance_speed.isel(clearance=0).to_numpy()
+    for row, (line, start) in enumerate(zip(grid, STARTS, strict=True)):
+        reach = 1.08 * np.abs(speed[row]).max()
+        low, high = angle[row].min() - 8, angle[row].max() + 8
+        if high - low > 180:
+            low, high = -180, 180
+        for column, ax in enumerate(line):
+            look = {"markersize": DOT, "markeredgewidth": 0, "color": PALETTE[row]}
+            ax.plot(angle[row, column], speed[row, column], "o", **look)
+            ax.set_xlim(low, high)
+            whole = high - low > 180  # labels of neighbours must not meet
+            ax.xaxis.set_major_locator(FixedLocator([-90, 0, 90]) if whole else MultipleLocator(20))
+            ax.set_ylim(-reach, reach)
+            if column:
+                ax.tick_params(labelleft=False)
+            if row == len(STARTS) - 1:
+                ax.set_xlabel("α [°]")
+            if not row:
+                ax.set_title(names[column])
+        line[0].set_ylabel(f"{start} start\ndα/dt [rad/s]")
+    return figure
+
+
+@styled
+def diagram_figure(data: xr.Dataset, x: np.ndarray, label: str) -> Figure:
+    """Figs. 13 and 15: section points of α̇ over the parameter, a panel for each of our starts."""
+    figure, grid = _shared(len(STARTS), 1, 1.9)
+    speed = data.clearance_speed.isel(clearance=0).to_numpy()
+    for row, ((ax,), start) in enumerate(zip(grid, STARTS, strict=True)):
+        places = np.repeat(x[:, None], speed.shape[2], axis=1)
+        look = {"markersize": 1.3, "markeredgewidth": 0, "color": PALETTE[row]}
+        ax.plot(places.ravel(), speed[row].ravel(), "o", **look)
+        ax.set_xlim(0, 1.01 * x.max())
+        ax.set_ylabel(f"{start} start\ndα/dt [rad/s]")
+        if row < len(STARTS) - 1:
+            ax.tick_params(labelbottom=False)
+    ax.set_xlabel(label)
+    return figure
+
+
+@styled
+def law_figure(
+    x: np.ndarray,
+    data: xr.Dataset,
+    label: str,
+    lines: Sequence[tuple[PowerLaw, tuple[float, float], str]],
+    names: Sequence[str],
+) -> Figure:
+    """Spread of α̇ against a parameter for all starts, with fitted straight lines.
+
+    Parameters
+    ----------
+    x
+        Values of the parameter as shown.
+    data
+        The sweep.
+    label
+        Of the axis.
+    lines
+        Power laws in the units of the axis, with their ranges and names.
+    names
+        Of the starts.
+    """
+    figure, (ax,) = panels(1, 1, 2.7)
+    for index, (row, name) in enumerate(zip(spread(data), names, strict=True)):
+        look = {"color": PALETTE[index % len(PALETTE)], "marker": "os^vD*P"[index % 7]}
+        ax.loglog(x, row, linestyle="", markersize=4, alpha=0.85, label=f"α = {name}", **look)
+    for index, (law, ends, name) in enumerate(lines):
+        place = np.array(ends)
+        style = line_style(index) | {"color": BLACK, "linewidth": 1.4}
+        ax.loglog(place, law.at(place), label=f"{name}\n{law}", **style)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+    ax.set_xlabel(label)
+    ax.set_ylabel("spread of dα/dt [rad/s]")
+    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
+    box = ax.get_position()
+    ax.set_position([box.x0, box.y0, box.width * 0.7, box.height])
+    return figure

@@ -1,0 +1,40 @@
+"""The page shows what was computed, all of it."""
+
+import re
+from pathlib import Path
+
+import figures_paper
+import pytest
+
+DOCS = Path(figures_paper.__file__).parent
+PAGE = (DOCS / "reproduction.md").read_text(encoding="utf-8")
+SHOWN = re.findall(r"\{(?:include|image)\} _static/(\S+)", PAGE)
+LARGEST = 150_000
+
+
+def test_tables_are_made_from_the_evidence(page):
+    """`python docs/figures_paper.py tables` makes them anew."""
+    for name, text in figures_paper.tables_of(page).items():
+        assert (DOCS / "_static" / f"paper-{name}.md").read_text(encoding="utf-8") == text
+        assert f"paper-{name}.md" in SHOWN
+
+
+def test_every_part_was_measured(page):
+    assert sorted(page) == sorted(figures_paper.PARTS)
+
+
+def test_all_claims_are_judged(grades):
+    assert "".join(sorted(grades)) == "abcdefgh"
+    assert set(grades.values()) <= {"holds", "holds for some starts", "does not hold"}
+
+
+def test_all_figures_of_the_paper_are_there():
+    found: set[int] = set()
+    for first, last in re.findall(r"^Figures? (\d+)(?:–(\d+))?", PAGE, re.MULTILINE):
+        found |= set(range(int(first), int(last or first) + 1))
+    assert found == set(range(3, 16))
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_files_are_there_and_small(name):
+    assert 0 < (DOCS / "_static" / name).stat().st_size < LARGEST

@@ -35,6 +35,17 @@ class Contact:
     smallest: float
     largest: float
 
+    @property
+    def sentence(self) -> str:
+        """What it means; empty where contact is never lost."""
+        if self.first_loss is None:
+            return ""
+        return (
+            f"The force in {self.clearance} has the wrong sign for {100 * self.share_lost:.2g} % "
+            f"of the time, first at t = {self.first_loss:.4g} s: a real pin would leave its hole "
+            "there, and move otherwise from then on."
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
         return asdict(self)

@@ -83,22 +83,28 @@ class Exponents:
         return float(total.mean()), float(mean_error(total)[0][0])
 
     @cached_property
+    def apart(self) -> float:
+        """Largest ratio of lengths that tangents come to within one interval, as a logarithm."""
+        return float((np.ptp(self.growth, axis=1) * np.diff(self.times)).max())
+
+    @cached_property
     def unsettled(self) -> str:
         """Why the values cannot be trusted yet; empty if they can."""
-        apart = np.ptp(self.growth, axis=1) * np.diff(self.times)
-        if apart.max() > np.log(FURTHEST_APART):
+        if self.apart > np.log(FURTHEST_APART):
             return (
-                f"Tangents differ by a factor of {np.exp(min(apart.max(), 700)):.0e} after an "
+                f"Tangents differ by a factor of {np.exp(min(self.apart, 700)):.0e} after an "
                 "interval, more than numbers resolve: take shorter intervals."
             )
         drifts, found = drift(self.growth), mean_error(self.growth)[1]
-        worst = int(np.argmax(drifts))
-        if drifts[worst] > DRIFTS:
+        if (drifts > DRIFTS).any():
+            worst = int(np.argmax(drifts > DRIFTS))
             quarters = [part[:, worst].mean() for part in np.array_split(self.growth, 4)]
             text = ", ".join(f"{value:.4g}" for value in quarters)
+            falls = abs(quarters[-1]) < 0.5 * abs(quarters[0])
             return (
-                f"Exponent {worst + 1} drifts: its four quarters give {text}. The motion sticks to "
-                "a region, is regular, or has not reached its attractor: skip more or run longer."
+                f"Exponent {worst + 1} drifts: the quarters of the run give {text}. The motion "
+                + ("is regular" if falls else "stays long in one region after the other")
+                + ", or has not reached its attractor: skip more or run longer."
             )
         if not found.all():
             return (
@@ -189,7 +195,7 @@ def lyapunov_spectrum(
 
 
 def _interrupted(time: float) -> ComputationError:
-    return ComputationError(f"at t = {time:.9g}: interrupted", time=time, interrupted=True)
+    return ComputationError(f"at t = {time:.9g} s: interrupted", time=time, interrupted=True)
 
 
 def _orthonormalise(system: TangentSystem, interval: float) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.exponents import (
     FEWEST_INTERVALS,
+    FURTHEST_APART,
     Exponents,
     UnfinishedExponentsError,
     lyapunov_spectrum,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 PARTS = 4
-"""Intervals within a period: tangents must not become parallel within one."""
+"""Intervals within a period, more if tangents come too far apart within one."""
 
 
 def lyapunov(
@@ -165,19 +166,25 @@ def run_exponents(
     columns = whole if count is None else count
     if not 1 <= columns <= whole:
         raise ValueError(f"count must be from 1 to {whole}, found {count}")
-    tangents = LinkageTangents(
-        system, columns, settings.method, settings.rtol, settings.atol, settings.step
-    )
-    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
     length = characteristic_period(system.mechanism) if interval is None else interval
-    return lyapunov_spectrum(
-        tangents,
-        intervals=periods * parts,
-        interval=length / parts,
-        count=columns,
-        skip=skip * parts,
-        watch=watch,
-    )
+
+    def run(parts: int) -> Exponents:
+        return lyapunov_spectrum(
+            LinkageTangents(
+                system, columns, settings.method, settings.rtol, settings.atol, settings.step
+            ),
+            intervals=periods * parts,
+            interval=length / parts,
+            count=columns,
+            skip=skip * parts,
+            watch=watch,
+        )
+
+    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
+    found = run(parts)
+    if interval is None and found.apart > math.log(FURTHEST_APART):
+        found = run(parts * math.ceil(2 * found.apart / math.log(FURTHEST_APART)))
+    return found
 
 
 def characteristic_period(mechanism: Mechanism) -> float:

@@ -123,6 +123,8 @@ def _judge(
             "Nothing dissipates: there is no attractor, and the verdict is about this initial "
             "state; others may move otherwise."
         )
+    contact = evidence.contact_of(solution)
+    reasons += [found.sentence for found in contact if found.sentence]
     return ChaosReport(
         name=run.mechanism.name,
         source=run.mechanism.source,
@@ -138,7 +140,7 @@ def _judge(
         period=period,
         curves=curves,
         horizon=solution.horizon,
-        contact=evidence.contact_of(solution),
+        contact=contact,
         tighter={
             "how": how,
             "verdict": tighter,

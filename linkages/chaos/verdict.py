@@ -43,16 +43,17 @@ def judged(
         Number of section points.
     """
     value, error = float(exponents.values[0]), float(exponents.errors[0])
+    significant, shrinking = value > SIGNIFICANT * error, value < -SIGNIFICANT * error
     growth = np.cumsum(exponents.growth[:, 0] * np.diff(exponents.times))
     law = classify(exponents.times[1:] - exponents.times[0], growth)
-    reasons = [
-        f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents grow "
-        + {
-            Verdict.CHAOTIC: "in proportion to time, as along chaotic motions.",
-            Verdict.REGULAR: "like a power of time, as along regular motions.",
-            Verdict.UNDECIDED: "neither clearly like a power of time nor exponentially.",
-        }[law]
-    ]
+    how = {
+        Verdict.CHAOTIC: "grow exponentially, as along chaotic motions.",
+        Verdict.REGULAR: "grow like a power of time, as along regular motions.",
+        Verdict.UNDECIDED: "grow neither clearly like a power of time nor exponentially.",
+    }[law]
+    if shrinking:
+        how = "shrink exponentially, as along motions that attract their neighbours."
+    reasons = [f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents {how}"]
     if points < FEWEST_PERIODS:
         reasons.append(
             f"The section has {points} points, {FEWEST_PERIODS} are needed: the motion comes to "
@@ -63,10 +64,9 @@ def judged(
     reasons.append(f"The 0–1 test gives {tested:.3f}.")
     if exponents.unsettled:
         reasons.append(exponents.unsettled)
-    significant = value > SIGNIFICANT * error
     if law is Verdict.CHAOTIC and significant and tested > CHAOTIC_GROWTH:
         return "chaotic", reasons
-    calm = law is Verdict.REGULAR or value < -SIGNIFICANT * error
+    calm = law is Verdict.REGULAR or shrinking
     if calm and period is not None:
         reasons.append(f"The section repeats after {period} point{'s' if period > 1 else ''}.")
         return "periodic", reasons

@@ -119,17 +119,17 @@ def _others(report: ChaosReport) -> list[list[str]]:
     tighter, horizon, period = report.tighter, report.horizon, report.period
     curves = 0 if report.curves is None else report.curves.count
     rows = [
-        ["section repeats after", "–" if period is None else f"{period} points"],
+        ["section repeats", "not" if period is None else f"after {period} points"],
         ["closed curves in the section", str(curves) if curves else "none"],
         [f"verdict at {tighter['how']}", str(tighter["verdict"])],
         ["correlation dimension of the section", _dimension(report)],
         ["energy dissipates", "no" if report.conservative else "yes"],
     ]
     if period == 1:
-        rows[0][1] = "1 point"
+        rows[0][1] = "after 1 point"
     if horizon is not None:
         until = f"t = {number(horizon.time)} s"
-        rows.append(["motion has correct digits until", "its end" if horizon.whole else until])
+        rows.append(["motion has correct digits until", "the end" if horizon.whole else until])
     return rows
 
 

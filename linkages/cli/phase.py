@@ -29,7 +29,7 @@ def run_phase(
 ) -> int:
     """Simulate, and draw one series against another; returns the exit code."""
     from linkages.kernel.system import System
-    from linkages.solution.series import find_series, system_series
+    from linkages.solution.series import TIME, find_series, system_series
     from linkages.solution.simulate import simulate
 
     mechanism = request.mechanism()
@@ -42,7 +42,7 @@ def run_phase(
         if not 0 <= skip < last:
             raise ValueError(f"skip must be from 0 to below {last:g} s, found {skip:g}")
         wanted = max(FEWEST_SAMPLES, mechanism.simulation.samples) if samples is None else samples
-        outputs = list(dict.fromkeys([across.variable, up.variable]))
+        outputs = list(dict.fromkeys(s.variable for s in (across, up) if s.variable != TIME))
         try:
             solution = simulate(mechanism, end=end, samples=wanted, outputs=outputs, watch=watch)
         except IncompleteError as error:
@@ -53,13 +53,17 @@ def run_phase(
     columns = {"time (s)": data["time"].to_numpy()} | {
         f"{series.name} ({data[series.variable].attrs['units']})": series.of(data).to_numpy()
         for series in (across, up)
+        if series.variable != TIME
     }
     folder = request.folder
-    written = [save_netcdf(data, folder / "phase.nc"), save_table(columns, folder / "phase.csv")]
+    written = [
+        save_netcdf(data, folder / "phase_diagram.nc"),
+        save_table(columns, folder / "phase_diagram.csv"),
+    ]
     if request.figures:
         from linkages.plots import phase_pair
 
-        drawn = {"phase": phase_pair.figure(data, x, y, wrap=wrap)}
+        drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
         written += save_figures(drawn, folder, request.format)
     rows = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}

@@ -22,6 +22,9 @@ from linkages.solvers.choice import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
+COARSE = 0.05
+"""Part of a largest value that may be missing between samples before a note says so."""
+
 SUMMARY = (
     "slider_position_error",
     "slider_velocity_error",
@@ -35,7 +38,10 @@ SUMMARY = (
     "energy_residual",
     "closure_residual",
 )
-"""What the table of maxima shows, in its order."""
+"""What the table of maxima shows, in its order, unless outputs were asked for."""
+
+WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
+"""What it shows besides where no slider tells how the mechanism moves."""
 
 
 def run_simulate(
@@ -63,17 +69,21 @@ def run_simulate(
     except ValueError as error:
         raise InputError(file, [Problem(message=str(error))]) from None
     horizon = _horizon(solution, verify)
+    rows = shown_maxima(solution, names)
+    notes = [*solution.notes, *_warnings(solution, rows)]
     written = solution.save(folder)
     if figures:
         from linkages.plots.figures import save_figures
 
         written += save_figures(solution.data, solution.mechanism, folder, format)
-    _report(solution, horizon, written, failure, json)
+    _report(solution, horizon, rows, notes, written, failure, json)
     return 0 if failure is None else 1
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     """Until when the solution holds, noted in its data for figures and files."""
+    if solution.motion.interrupted:
+        return None  # whoever presses Ctrl-C wants no second run
     if verify is None:
         cheap = solution.settings.step is None and bool(solution.motion.method)
         verify = cheap and cost_factor(solution.motion.method) < DEAREST
@@ -85,32 +95,80 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     return horizon
 
 
+def shown_maxima(
+    solution: Solution, asked: Sequence[str] | str | None = None
+) -> list[dict[str, Any]]:
+    """Rows of the table: of what was asked for, else of a choice.
+
+    Parameters
+    ----------
+    solution
+        Whose maxima.
+    asked
+        Names of outputs, if some were.
+    """
+    chosen = SUMMARY if asked in (None, "all") else tuple(asked or ())
+    kinds = {body.kind for body in solution.mechanism.bodies.values()}
+    if asked is None and "slider" not in kinds:
+        chosen = (*WITHOUT_SLIDERS, *SUMMARY)
+    return [row for name in chosen for row in solution.maxima if row["variable"] == name]
+
+
+def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """What a reader of the table must know: peaks between samples, pins out of their holes."""
+    found = [_coarse(solution, rows)]
+    data = solution.data
+    if "clearance_force" in data and data.sizes["time"] > 1:
+        from linkages.chaos.contact import contact_check
+
+        time = data["time"].to_numpy()
+        for name in data["clearance"].to_numpy():
+            force = data["clearance_force"].sel(clearance=name).to_numpy()
+            found.append(contact_check(str(name), time, force).sentence)
+    return [text for text in found if text]
+
+
+def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
+    """A note on largest values that samples may miss."""
+    missed = [r for r in rows if r["missed"] > COARSE and not r["variable"].endswith("residual")]
+    if not missed:
+        return ""
+    worst = max(missed, key=lambda row: row["missed"])
+    of = f" of {worst['element']}" if worst["element"] else ""
+    more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
+    time = solution.data["time"].to_numpy()
+    return (
+        f"samples {number(float(time[1] - time[0]))} s apart do not resolve peaks: the largest "
+        f"{worst['long_name']}{of}{more} may be well above what is shown; raise simulate.samples"
+    )
+
+
 def _report(
     solution: Solution,
     horizon: Horizon | None,
+    rows: Sequence[dict[str, Any]],
+    notes: Sequence[str],
     written: list[Path],
     failure: str | None,
     json: bool,
 ) -> None:
     if json:
-        print_json(_content(solution, horizon, written, failure))
+        print_json(_content(solution, horizon, notes, written, failure))
         return
     screen = console()
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
-    rows = [
+    cells = [
         [row["long_name"], row["element"], number(row["value"]), row["units"], number(row["time"])]
-        for name in SUMMARY
-        for row in solution.maxima
-        if row["variable"] == name
+        for row in rows
     ]
     screen.print(
-        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], rows)
+        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], cells)
     )
     if solution.settings.method == AUTO and solution.motion.reason:
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
     if horizon is not None:
         screen.print(_believable(horizon))
-    print_notes(solution.notes, screen)
+    print_notes(notes, screen)
     if written:
         screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
     if failure is not None:
@@ -143,7 +201,11 @@ def _how(solution: Solution) -> str:
 
 
 def _content(
-    solution: Solution, horizon: Horizon | None, written: list[Path], failure: str | None
+    solution: Solution,
+    horizon: Horizon | None,
+    notes: Sequence[str],
+    written: list[Path],
+    failure: str | None,
 ) -> dict[str, Any]:
     return {
         "mechanism": solution.mechanism.name,
@@ -157,6 +219,6 @@ def _content(
         "cost": solution.motion.cost,
         "horizon": None if horizon is None else asdict(horizon),
         "maxima": solution.maxima,
-        "notes": list(solution.notes),
+        "notes": list(notes),
         "files": [str(path) for path in written],
     }

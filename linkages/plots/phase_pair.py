@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from linkages.plots.phase import degree_axis, draw_curve
 from linkages.plots.phase_curve import wrapped
 from linkages.plots.prefixes import scale_of
-from linkages.plots.style import fitted, panels, styled
+from linkages.plots.style import PALETTE, fitted, panels, styled
 from linkages.solution.evaluation import ANGLES
-from linkages.solution.series import Series, data_series, find_series
+from linkages.solution.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,7 @@ def figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | N
     data
         A solution's data.
     x, y
-        What to draw, such as ``"r1.angle"`` and ``"slider9.velocity"``.
+        What to draw, such as ``"r1.angle"``, ``"slider9.velocity"`` or ``"time"``.
     wrap
         Whether angles are taken within half a turn either way.
 
@@ -52,14 +52,21 @@ def figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | N
 
 
 def draw(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) -> Axes:
-    """Draw one series against another, angles in degrees; parameters as of `figure`."""
+    """Draw one series against another, angles in degrees; parameters as of `figure`.
+
+    Over time, angles are never taken within one turn.
+    """
     across, label_x = _shown(data, x)
     up, label_y = _shown(data, y)
-    if wrap and x.variable in ANGLES:
-        across, up = wrapped(np.radians(across), up)
-    if wrap and y.variable in ANGLES:
-        up, across = wrapped(np.radians(up), across)
-    draw_curve(ax, across, up)
+    if TIME in (x.variable, y.variable):
+        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
+        ax.margins(x=0.0 if x.variable == TIME else None)
+    else:
+        if wrap and x.variable in ANGLES:
+            across, up = wrapped(np.radians(across), up)
+        if wrap and y.variable in ANGLES:
+            up, across = wrapped(np.radians(up), across)
+        draw_curve(ax, across, up)
     if x.variable in ANGLES:
         degree_axis(ax, across)
     if y.variable in ANGLES:

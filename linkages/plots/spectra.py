@@ -77,7 +77,7 @@ def draw(ax: Axes, spectrum: PowerSpectrum, heading: str = "") -> Axes:
     ax.set_xlim(0.0, high)
     ax.set_ylim(max(-10 * DECADES, float(level[frequencies <= high].min())) - 4.0, 12.0)
     ax.set_xlabel("frequency [Hz]")
-    ax.set_ylabel("power [dB below peak]")
+    ax.set_ylabel("power relative to the peak [dB]")
     ax.legend(**legend_above(fitted(heading, ax.bbox.width / ax.figure.dpi)), ncols=3)
     return ax
 

@@ -16,7 +16,7 @@ from linkages.solution.requests import ALL, available
 if TYPE_CHECKING:
     import xarray as xr
 
-EXAMPLE = "slider9.velocity"
+TIME = "time"
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Series:
     name
         ``ELEMENT.QUANTITY``, or the variable where it has no elements.
     variable
-        Entry of the outputs.
+        Entry of the outputs, or ``time``.
     place
         Dimension → label, in the order of the dimensions.
     """
@@ -39,7 +39,8 @@ class Series:
 
     def of(self, data: xr.Dataset) -> xr.DataArray:
         """The series in a solution's data."""
-        return data[self.variable].sel(dict(self.place))
+        array = data[self.variable]
+        return array.sel(dict(self.place)) if self.place else array
 
     def node(self, model: Model) -> Scalar:
         """The series as a node of a model; for variables that are evaluated from nodes."""
@@ -81,7 +82,7 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     if dot:
         near = suggestion(element, elements) or f"; expected one of: {listed(sorted(elements))}"
         raise ValueError(f"unknown element {element!r}{near}")
-    near = suggestion(name, known) or f"; expected a name such as {EXAMPLE}"
+    near = suggestion(name, known) or f"; expected a name such as {next(iter(known))}"
     raise ValueError(f"unknown output {name!r}{near}")
 
 
@@ -96,7 +97,7 @@ def _series(
         for place in places:
             name = _name(variable, place)
             found[name] = Series(name, variable, place)
-    return found
+    return {**found, TIME: Series(TIME, TIME, {})}
 
 
 def _name(variable: str, place: Mapping[str, str]) -> str:

@@ -46,7 +46,7 @@ class Outcome(IntEnum):
     INTERRUPTED = (
         6,
         "The integration was interrupted.",
-        "What was computed so far is kept; start again from the final state to go on.",
+        "What was computed so far is kept.",
     )
 
     NOT_CONVERGED = (

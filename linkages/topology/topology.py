@@ -113,8 +113,7 @@ class Topology:
     @property
     def free_ends(self) -> tuple[str, ...]:
         """Points that only one body has; a ground joint that none uses is not one."""
-        meeting = bodies_at(self.mechanism)
-        return tuple(j for j, (first, *others) in meeting.items() if not others and first != GROUND)
+        return tuple(_single(self.mechanism))
 
     def path(self, joint: str) -> tuple[list[Step], str]:
         """Way from the ground to a point along the bodies that place it, and where it starts."""
@@ -184,7 +183,8 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
 def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
     """Drives and free coordinates do not match the mobility."""
     driven, free = len(mechanism.prescribed), len(mechanism.initial)
-    found = f"mobility is {mobility}, but {driven} coordinates are driven and {free} free"
+    are = "coordinate is" if driven == 1 else "coordinates are"
+    found = f"mobility is {mobility}, but {driven} {are} driven and {free} free"
     if driven + free > mobility:
         remedy = "expected as many as the mobility: remove a drive or a free coordinate"
     else:
@@ -192,8 +192,17 @@ def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
             "expected as many as the mobility: add a drive, or name a bar under 'free' with its "
             "initial angle"
         )
+        ends = ", ".join(f"{joint} (of {body})" for joint, body in _single(mechanism).items())
+        if ends:
+            remedy += f"; or is one of the joints mistyped that a single body has: {ends}?"
     path: Path = ("drives",) if mechanism.prescribed else ("free",) if mechanism.initial else ()
     return mechanism.error([(path, f"{found}; {remedy}")])
+
+
+def _single(mechanism: Mechanism) -> dict[str, str]:
+    """Points that only one body has, with that body."""
+    meeting = bodies_at(mechanism).items()
+    return {j: first for j, (first, *others) in meeting if not others and first != GROUND}
 
 
 def _undetermined(mechanism: Mechanism, error: StructureError) -> InputError:

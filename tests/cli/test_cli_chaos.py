@@ -96,13 +96,20 @@ def test_a_section_that_ends_early_is_kept(cli, tmp_path):
 def test_phase_writes_two_series(pendulum, tmp_path):
     result = pendulum("phase", "--x", "arm.angle", "--y", "kinetic_energy", "--skip", "4")
     assert (result.code, result.err) == (0, "")
-    data = opened(tmp_path, "phase.nc")
+    data = opened(tmp_path, "phase_diagram.nc")
     assert data.sizes["time"] > 5000
     assert float(data["time"][0]) == pytest.approx(4, abs=1e-9)
-    table = rows(tmp_path, "phase.csv")
+    table = rows(tmp_path, "phase_diagram.csv")
     assert list(table[0]) == ["time (s)", "arm.angle (rad)", "kinetic_energy (J)"]
     assert float(table[-1]["kinetic_energy (J)"]) == float(data["kinetic_energy"][-1])
-    assert "results/m/phase.png" in result.files
+    assert "results/m/phase_diagram.png" in result.files
+
+
+def test_an_output_over_time(pendulum, tmp_path):
+    result = pendulum("phase", "--x", "time", "--y", "arm.angle")
+    assert (result.code, result.err) == (0, "")
+    assert list(rows(tmp_path, "phase_diagram.csv")[0]) == ["time (s)", "arm.angle (rad)"]
+    assert "results/m/phase_diagram.png" in result.files
 
 
 def test_phase_as_json(pendulum):
@@ -121,7 +128,7 @@ def test_phase_of_a_motion_that_stops(cli, tmp_path):
     result = cli("phase", "ninebar", *arguments, "--out", "o")
     assert result.code == 1
     assert result.err.startswith("stopped at t = 1.54")
-    with xr.open_dataset(tmp_path / "o/phase.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(tmp_path / "o/phase_diagram.nc", engine="h5netcdf") as data:
         assert 1.5 < float(data["time"][-1]) < 1.55
 
 

@@ -271,6 +271,33 @@ def test_equations_as_python_are_python(cli):
 # simulate
 
 
+def test_simulate_warns_of_pins_out_of_their_holes_and_of_peaks_between_samples(cli):
+    arguments = ("--set", "simulate.end=0.4", "--set", "simulate.samples=41", "--no-figures")
+    result = cli("simulate", "ninebar-rotating", *arguments)
+    assert result.code == 0
+    text = plain(result.out)
+    assert "note: samples 0.01 s apart do not resolve peaks: the largest " in text
+    assert "note: The force in r1 has the wrong sign for " in text
+    result = cli("simulate", "ninebar", "--no-figures", "--no-verify")
+    assert "note: " not in result.out
+
+
+def test_simulate_shows_bars_where_there_are_no_sliders(cli):
+    text = plain(cli("simulate", "four-bar", *SHORT, "--no-figures").out)
+    assert "angular acceleration" in text
+    assert "angular acceleration" not in plain(
+        cli("simulate", "slider-crank", *SHORT, "--no-figures").out
+    )
+
+
+def test_the_table_shows_the_outputs_that_were_asked_for(cli):
+    outputs = ("--outputs", "transmission_angle,joint_reaction", "--no-figures")
+    text = plain(cli("simulate", "four-bar", *SHORT, *outputs).out)
+    assert "transmission angle" in text
+    assert "joint reaction" in text
+    assert "driving torque" not in text
+
+
 def table_of(path):
     with path.open(newline="", encoding="utf-8") as file:
         head, *rows = csv.reader(file)
@@ -341,7 +368,7 @@ def test_change_points_are_passed_where_asked_for(cli, tmp_path, option, code):
     chosen = () if option is None else ("--change-points", option)
     result = cli("simulate", "m.yaml", "--no-figures", *chosen)
     assert result.code == code
-    lines = [line for line in result.out.splitlines() if line.startswith("note: ")]
+    lines = [line for line in result.out.splitlines() if line.startswith("note: at t")]
     if option == "pass":
         times = [float(re.search(r"at t = (\S+) s", line).group(1)) for line in lines]
         assert times == pytest.approx([(np.pi - 1) / 2, (2 * np.pi - 1) / 2], rel=1e-5)

@@ -39,6 +39,15 @@ def test_angles_are_wrapped_unless_told_otherwise(data, wrap):
         np.testing.assert_allclose(y, np.degrees(data.bar_angle.sel(bar="crank1")), rtol=1e-15)
 
 
+def test_over_time_angles_keep_their_turns(data):
+    (ax,) = figure(data, "time", "r1.angle").axes
+    x, y = ax.lines[0].get_data()
+    np.testing.assert_array_equal(x, data.time)
+    np.testing.assert_allclose(y, np.degrees(data.clearance_angle[:, 0]), rtol=1e-15)
+    assert len(ax.lines) == 1  # no mark at the start
+    assert ax.get_xlabel() == "time [s]"
+
+
 def test_without_samples_there_is_no_figure(data):
     assert figure(data.isel(time=slice(0, 0)), "r1.angle", "slider9.velocity") is None
 

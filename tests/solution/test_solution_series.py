@@ -39,7 +39,7 @@ def test_names(solution, name, variable, place):
 
 def test_every_series_of_the_data_has_a_name_of_its_own(solution):
     count = sum(array[0].size for array in solution.data.data_vars.values())
-    assert len(data_series(solution.data)) == count
+    assert len(data_series(solution.data)) == count + 1  # and time
     assert set(system_series(solution.system)) == set(data_series(solution.data))
 
 
@@ -57,7 +57,7 @@ def test_series_as_nodes_of_a_model(solution):
     [
         ("r1.angel", "r1 has no 'angel'; did you mean 'angle'"),
         ("slidr9.velocity", "unknown element 'slidr9'; did you mean 'slider9'"),
-        ("qqq", "unknown output 'qqq'; expected a name such as"),
+        ("qqq", "unknown output 'qqq'; expected a name such as crank1.angle"),
         ("nothing.angle", "expected one of: .*slider9"),
         ("r1.mass", "r1 has no 'mass'; expected angle, speed, acceleration or force"),
     ],

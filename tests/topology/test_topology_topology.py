@@ -72,6 +72,13 @@ def test_missing_drive():
     ]
 
 
+def test_a_mistyped_joint_is_named():
+    """A rocker that hangs in the air leaves two links loose."""
+    (message,) = refusal(FOUR_BAR.replace("[C, B]", "[C, X]"))
+    assert "mobility is 3" in message
+    assert "is one of the joints mistyped that a single body has: B (of coupler), X (of" in message
+
+
 INDEPENDENT = "expected the drives and free coordinates to be independent of each other"
 TWO = "\n  crank: {angle: 1, speed: 1}\n  rocker: {angle: ANGLE, speed: 1}\n"
 

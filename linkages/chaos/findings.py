@@ -55,6 +55,9 @@ class ChaosReport:
     tighter
         ``how`` and ``verdict`` of the repetition with a tenth of the error, and the largest
         ``exponent`` with its ``error``.
+    run
+        How it was computed: ``method``, ``how`` accurately, ``period`` in seconds, ``periods`` and
+        ``skip``.
     force
         Clearance forces over time (time, clearance); None without clearances.
     """
@@ -75,6 +78,7 @@ class ChaosReport:
     horizon: Horizon | None
     contact: tuple[Contact, ...]
     tighter: dict[str, Any]
+    run: dict[str, Any]
     force: xr.DataArray | None = None
     notes: tuple[str, ...] = field(default=())
 
@@ -117,5 +121,6 @@ class ChaosReport:
             else {"time": self.horizon.time, "whole": self.horizon.whole},
             "contact": [contact.to_dict() for contact in self.contact],
             "tighter": self.tighter,
+            "run": self.run,
             "notes": list(self.notes),
         }

@@ -27,6 +27,8 @@ from linkages.solution.motion import Settings
 if TYPE_CHECKING:
     import xarray as xr
 
+MOST_RUNS = 4
+
 PARTS = 4
 """Intervals within a period, more if tangents come too far apart within one."""
 
@@ -180,10 +182,14 @@ def run_exponents(
             watch=watch,
         )
 
-    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
+    parts, most = max(PARTS, math.ceil(FEWEST_INTERVALS / periods)), math.log(FURTHEST_APART)
     found = run(parts)
-    if interval is None and found.apart > math.log(FURTHEST_APART):
-        found = run(parts * math.ceil(2 * found.apart / math.log(FURTHEST_APART)))
+    for _ in range(MOST_RUNS - 1):
+        if interval is not None or found.apart <= most:
+            break
+        # round-off hides how far tangents shrink, so that one more run may not be enough
+        parts *= math.ceil(2 * found.apart / most)
+        found = run(parts)
     return found
 
 

@@ -12,7 +12,7 @@ from linkages.chaos.evidence import Run
 from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
 from linkages.chaos.findings import ChaosReport
 from linkages.chaos.free_states import require_free
-from linkages.chaos.lyapunov import labelled_exponents, run_exponents
+from linkages.chaos.lyapunov import characteristic_period, labelled_exponents, run_exponents
 from linkages.chaos.periods import find_period
 from linkages.chaos.section import section_settings
 from linkages.chaos.unfinished import UnfinishedError
@@ -146,6 +146,13 @@ def _judge(
             "verdict": tighter,
             "exponent": float(again.values[0]),
             "error": float(again.errors[0]),
+        },
+        run={
+            "method": solution.motion.method,
+            "how": _how(run.settings),
+            "period": characteristic_period(run.mechanism),
+            "periods": run.periods,
+            "skip": run.skip,
         },
         force=solution.data.get("clearance_force"),
         notes=solution.notes,

@@ -313,8 +313,9 @@ def _crossed(
     if ended and not len(piece.time):
         raise NeverCrossedError(
             f"the section {surface.series.name} = {surface.level:g} is crossed "
-            f"{len(found.time)} times within {end:.6g} s, which leaves no point after the {skip} "
-            "skipped; expected a value that the motion reaches",
+            f"{len(found.time)} times within {end:.6g} s"
+            + (f", and {skip} are skipped" if len(found.time) else "")
+            + "; expected a value that the motion reaches",
             time=float(end),
         )
     return Motion(

@@ -118,7 +118,11 @@ def _coordinates(report: ChaosReport) -> Table:
 def _others(report: ChaosReport) -> list[list[str]]:
     tighter, horizon, period = report.tighter, report.horizon, report.period
     curves = 0 if report.curves is None else report.curves.count
+    run = report.run
+    skipped = f", after {run['skip']} skipped" if run["skip"] else ""
     rows = [
+        ["length", f"{run['periods']} periods of {number(run['period'])} s{skipped}"],
+        ["integrated by", f"{run['method']}, {run['how']}"],
         ["section repeats", "not" if period is None else f"after {period} points"],
         ["closed curves in the section", str(curves) if curves else "none"],
         [f"verdict at {tighter['how']}", str(tighter["verdict"])],
@@ -126,7 +130,7 @@ def _others(report: ChaosReport) -> list[list[str]]:
         ["energy dissipates", "no" if report.conservative else "yes"],
     ]
     if period == 1:
-        rows[0][1] = "after 1 point"
+        rows[2][1] = "after 1 point"
     if horizon is not None:
         until = f"t = {number(horizon.time)} s"
         rows.append(["motion has correct digits until", "the end" if horizon.whole else until])

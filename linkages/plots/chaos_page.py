@@ -31,7 +31,7 @@ COLOURS = {
 }
 
 CAPTIONS = {
-    "chaos_section": "Section: a point per period of the drives, or per crossing.",
+    "chaos_section": "Section: {section}.",
     "chaos_exponents": "Lyapunov exponents up to each time. Bands: two standard errors.",
     "chaos_spectrum": "Power spectra of the rates. Regular motions have lines only.",
     "chaos_contact": "Forces in clearances. A pin cannot pull: below zero it would leave the hole.",
@@ -69,6 +69,7 @@ $reasons
 $tables
 $figures
 $notes
+<p class="source">linkages $version</p>
 </body>
 </html>
 """)
@@ -114,15 +115,18 @@ def chaos_page(report: ChaosReport, tables: Sequence[Table], figures: Mapping[st
     figures
         From `chaos_figures`; empty for a page without.
     """
+    from importlib.metadata import version
+
     notes = [*report.notes]
     return PAGE.substitute(
         title=escape(report.name),
+        version=version("linkages"),
         source=escape(report.source),
         colour=COLOURS.get(report.verdict, COLOURS["undecided"]),
         verdict=escape(report.verdict),
         reasons=_items(report.reasons),
         tables="\n".join(_table(*table) for table in tables),
-        figures="\n".join(_figure(name, figure) for name, figure in figures.items()),
+        figures="\n".join(_figure(f, _caption(n, report)) for n, f in figures.items()),
         notes=f"<h2>Notes</h2>\n<ul>\n{_items(notes)}\n</ul>" if notes else "",
     )
 
@@ -143,12 +147,20 @@ def _table(heading: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) ->
     return f"<h2>{escape(heading)}</h2>\n<table>\n{body}\n</table>"
 
 
-def _figure(name: str, figure: Figure) -> str:
+def _caption(name: str, report: ChaosReport) -> str:
+    taken = report.section.attrs
+    section = "a point per period of the drives"
+    if "section" in taken:
+        section = f"a point wherever {taken['section']} is crossed ({taken['direction']})"
+    return CAPTIONS[name].format(section=section)
+
+
+def _figure(figure: Figure, text: str) -> str:
     stream = BytesIO()
     with style():
         figure.savefig(stream, format="png", metadata={"Software": None})
     source = b64encode(stream.getvalue()).decode("ascii")
-    caption = escape(CAPTIONS[name])
+    caption = escape(text)
     return (
         f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
         f"<figcaption>{caption}</figcaption></figure>"

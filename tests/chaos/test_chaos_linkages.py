@@ -7,7 +7,7 @@ import pytest
 
 import linkages
 from linkages.chaos.contact import contact_check
-from linkages.chaos.exponents import hamiltonian_pairs, lyapunov_spectrum
+from linkages.chaos.exponents import FURTHEST_APART, hamiltonian_pairs, lyapunov_spectrum
 from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.report import chaos
@@ -129,6 +129,15 @@ def test_exponents_come_in_pairs_without_dissipation():
     sums, errors = hamiltonian_pairs(exponents)
     # per period tangents grow by e, and nothing is lost but round-off and tolerance
     assert np.abs(sums).max() < max(1e-3, 4 * errors.max())
+
+
+def test_intervals_are_shortened_where_tangents_come_too_far_apart():
+    """Overdamped: within a quarter of a period one tangent shrinks e³⁰ times as much."""
+    text = DAMPED_PENDULUM.replace("AMPLITUDE", "3.0").replace("damping: 0.1", "damping: 40")
+    exponents = exponents_of(from_document(parse(text, "stiff.yaml")), periods=16, skip=1)
+    assert len(exponents.growth) > 4 * 16
+    assert exponents.apart < np.log(FURTHEST_APART)
+    assert "shorter intervals" not in exponents.unsettled
 
 
 def test_sum_of_exponents_is_the_mean_divergence():
@@ -282,6 +291,7 @@ def test_verdicts_of_the_nine_bar(angle, verdict):
     exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
     total = report.exponents.attrs["sum"], report.exponents.attrs["sum_error"]
     assert abs(total[0]) < max(1e-3, 4 * total[1])
+    assert any("a real pin would leave" in r for r in report.reasons) == (verdict == "chaotic")
     if verdict == "chaotic":
         assert exponent > 4 * error
         assert 0.2 < exponent < 0.6  # reported: of the order 0.3…0.5 1/s

@@ -288,6 +288,8 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
     (tmp_path / "m.yaml").write_text(PENDULUM.replace("Driven", '"<b>'.replace('"', "")))
     result = pendulum("chaos", "--quick", "--json", "--no-figures", "--rtol", "1e-7")
     content = json.loads(result.out)
+    assert content["run"]["periods"] == 200
+    assert content["run"]["period"] == pytest.approx(PERIOD)
     assert content["tighter"]["how"] == "rtol 1e-08"
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
     assert "<b>" not in page
@@ -344,5 +346,5 @@ def test_nothing_free(cli, verb):
 def test_section_that_is_never_crossed(pendulum):
     result = pendulum("poincare", "--section", "arm.speed=99", "--periods", "2", "--end", "5")
     assert result.code == 1
-    assert "is crossed 0 times within 5 s" in result.err
+    assert "is crossed 0 times within 5 s; expected" in result.err
     assert result.files == {"m.yaml"}

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,17 @@ def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:
             part = f[index - 1] / (f[index - 1] - f[index])
             first = float(t[index - 1] + part * (t[index] - t[index - 1]))
     return Contact(clearance, share, first, float(f.min()), float(f.max()))
+
+
+def contact_of(data: xr.Dataset) -> tuple[Contact, ...]:
+    """The check of every clearance whose force a solution's data have."""
+    if "clearance_force" not in data or data.sizes["time"] < 2:
+        return ()
+    time = data["time"].to_numpy()
+    return tuple(
+        contact_check(str(name), time, data["clearance_force"].sel(clearance=name).to_numpy())
+        for name in data["clearance"].to_numpy()
+    )
 
 
 def _lost_time(t: np.ndarray, f: np.ndarray) -> float:

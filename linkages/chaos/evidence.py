@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.contact import Contact, contact_check
 from linkages.chaos.dimension import FEWEST_POINTS, Dimension, correlation_dimension
 from linkages.chaos.free_states import PAIRS, free_names, labelled_states
 from linkages.chaos.lyapunov import characteristic_period
@@ -170,18 +169,6 @@ def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
             for name in names:
                 found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
     return found
-
-
-def contact_of(solution: Solution) -> tuple[Contact, ...]:
-    """Per clearance, whether pin and hole stay in contact."""
-    data = solution.data
-    if "clearance_force" not in data:
-        return ()
-    time = data.time.to_numpy()
-    return tuple(
-        contact_check(str(name), time, data.clearance_force.sel(clearance=name).to_numpy())
-        for name in data.clearance.to_numpy()
-    )
 
 
 def conservative(mechanism: Mechanism) -> bool:

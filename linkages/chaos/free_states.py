@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.solution.evaluation import ANGLES, evaluate_variables
@@ -111,20 +109,3 @@ def labelled_states(
     elements = {d: np.array(names, dtype=object) for d, names in free_names(system).items()}
     attrs = {"name": system.mechanism.name, "source": system.mechanism.source, **attributes}
     return xr.Dataset(variables, {**coordinates, **elements}, attrs)
-
-
-def at_least_one(mechanism: Mechanism, name: str, value: int) -> int:
-    """A count that makes sense.
-
-    Raises
-    ------
-    InputError
-        If it does not.
-    """
-    if value < 1 or value != int(value):
-        raise InputError(mechanism.source, [mechanism.problem((), _count(name, value))])
-    return int(value)
-
-
-def _count(name: str, value: float) -> str:
-    return f"{name} must be a whole number > 0, found {value:g}"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MOST_RUNS = 4
+"""Runs with shorter and shorter intervals."""
 
 PARTS = 4
 """Intervals within a period, more if tangents come too far apart within one."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from linkages.chaos import evidence
 from linkages.chaos.closed_curves import closed_curves
+from linkages.chaos.contact import contact_of
 from linkages.chaos.evidence import Run
 from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
 from linkages.chaos.findings import ChaosReport
@@ -123,7 +124,7 @@ def _judge(
             "Nothing dissipates: there is no attractor, and the verdict is about this initial "
             "state; others may move otherwise."
         )
-    contact = evidence.contact_of(solution)
+    contact = contact_of(solution.data)
     reasons += [found.sentence for found in contact if found.sentence]
     return ChaosReport(
         name=run.mechanism.name,
@@ -162,7 +163,8 @@ def _judge(
 def tightened(settings: Settings) -> Settings:
     """Settings that make errors ten times smaller, as far as there are such."""
     if settings.step is None:
-        return replace(settings, rtol=max(TIGHTER * settings.rtol, LEAST_RTOL))
+        atol = None if settings.atol is None else TIGHTER * settings.atol
+        return replace(settings, rtol=max(TIGHTER * settings.rtol, LEAST_RTOL), atol=atol)
     return replace(settings, step=settings.step * TIGHTER ** (1 / METHODS[settings.method].order))
 
 

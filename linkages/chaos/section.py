@@ -203,7 +203,7 @@ def section_settings(mechanism: Mechanism, method: str | None, rtol: float | Non
         times=np.zeros(1),
         method=chosen,
         rtol=defaults.rtol if rtol is None else rtol,
-        atol=defaults.atol if rtol is None else None,
+        atol=defaults.atol,
         step=defaults.step if chosen in FIXED_STEP_METHODS else None,
         max_steps=MAX_STEPS,
     )

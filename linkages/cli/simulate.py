@@ -116,15 +116,9 @@ def shown_maxima(
 
 def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
     """What a reader of the table must know: peaks between samples, pins out of their holes."""
-    found = [_coarse(solution, rows)]
-    data = solution.data
-    if "clearance_force" in data and data.sizes["time"] > 1:
-        from linkages.chaos.contact import contact_check
+    from linkages.chaos.contact import contact_of
 
-        time = data["time"].to_numpy()
-        for name in data["clearance"].to_numpy():
-            force = data["clearance_force"].sel(clearance=name).to_numpy()
-            found.append(contact_check(str(name), time, force).sentence)
+    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution.data))]
     return [text for text in found if text]
 
 

@@ -5,7 +5,8 @@ import pytest
 
 import linkages
 from linkages.chaos.evidence import PER_PERIOD
-from linkages.chaos.report import chaos
+from linkages.chaos.report import chaos, tightened
+from linkages.chaos.section import section_settings
 from linkages.chaos.sweep import Threads, attempt
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.definition import from_document
@@ -161,7 +162,14 @@ def test_verdict_on_a_section_that_is_one_point():
     assert report.period == 1
 
 
-def test_fixed_steps_are_halved_instead_of_tolerances():
+def test_all_tolerances_are_tightened():
+    given = section_settings(pendulum(**{"simulate.atol": 1e-7}), None, 1e-6)
+    assert (given.rtol, given.atol) == (1e-6, 1e-7)  # the file's atol stays, as in `simulate`
+    tight = tightened(given)
+    assert (tight.rtol, tight.atol) == pytest.approx((1e-7, 1e-8))
+
+
+def test_fixed_steps_are_shortened_instead_of_tolerances():
     mechanism = pendulum(**{"simulate.method": "rk4", "simulate.step": 0.02})
     given = {"periods": 20, "skip": 20}
     fixed = linkages.lyapunov(mechanism, **given)

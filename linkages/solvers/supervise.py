@@ -21,6 +21,12 @@ def supervise(method: Method, job: Job, watch: Callable[[float], None] | None) -
         Called about 20 times a second, and once at the end, with the fraction of simulated time
         that is done.
 
+    Returns
+    -------
+    Outcome
+        Interrupted after Ctrl-C, even if the job had just come to its end: who called it may have
+        more to compute, and must hear of it.
+
     Notes
     -----
     A loop in the main thread could not be interrupted: Python handles signals there, between
@@ -43,13 +49,14 @@ def supervise(method: Method, job: Job, watch: Callable[[float], None] | None) -
 
     worker = threading.Thread(target=work, name="linkages-solver", daemon=True)
     worker.start()
+    interrupted = ended = False
     try:
-        ended = False
         while not ended:
             ended = done.wait(POLL)
             if watch is not None:
                 watch(job.fraction)
     except KeyboardInterrupt:
+        interrupted = True
         job.stop()
     except BaseException:
         job.stop()
@@ -58,4 +65,4 @@ def supervise(method: Method, job: Job, watch: Callable[[float], None] | None) -
     done.wait()
     if failures:
         raise failures[0]
-    return Outcome(results[0])
+    return Outcome.INTERRUPTED if interrupted else Outcome(results[0])

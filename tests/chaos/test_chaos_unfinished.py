@@ -48,12 +48,13 @@ class Interrupt:
 
 @pytest.mark.parametrize("section", [None, "arm.speed=0"], ids=["stroboscopic", "geometric"])
 def test_section_points_so_far_are_kept(section):
-    given = {"periods": 40_000, "section": section, "rtol": 1e-12}
+    # longer than any machine computes before it looks for Ctrl-C, which it does after ten periods
+    given = {"periods": 10**6, "section": section, "rtol": 1e-12}
     with pytest.raises(UnfinishedError, match="interrupted") as caught:
-        linkages.poincare(pendulum(), **given, watch=Interrupt(1e-6))
+        linkages.poincare(pendulum(), **given, watch=Interrupt(1e-5))
     kept = caught.value.kept["poincare"]
     assert caught.value.interrupted
-    assert 0 < kept.sizes["crossing"] < 40_000
+    assert 0 < kept.sizes["crossing"] < 10**6
     few = min(5, kept.sizes["crossing"])
     whole = linkages.poincare(pendulum(), **{**given, "periods": few})
     # the same steps, but for the last one of a run
@@ -89,14 +90,14 @@ def test_too_few_intervals_for_an_error_are_no_result():
     [
         (0.2, {"chaos_exponents"}),
         (0.5, {"chaos_exponents", "chaos_section"}),
-        (0.8, {"chaos_exponents", "chaos_section", "chaos_motion"}),
+        (2 / 3 + 1e-9, {"chaos_exponents", "chaos_section", "chaos_motion"}),
     ],
 )
 def test_evidence_so_far_is_kept(part, names, monkeypatch):
-    def slowly(*arguments, **given):
-        return linkages.simulate(*arguments, **{**given, "method": "tsit5", "rtol": 1e-13})
+    def for_long(*arguments, end, **given):
+        return linkages.simulate(*arguments, end=1e4 * end, max_steps=10**10, **given)
 
-    monkeypatch.setattr("linkages.chaos.evidence.simulate", slowly)
+    monkeypatch.setattr("linkages.chaos.evidence.simulate", for_long)
     with pytest.raises(UnfinishedError) as caught:
         chaos(pendulum(), periods=200, watch=Interrupt(part))
     assert caught.value.interrupted

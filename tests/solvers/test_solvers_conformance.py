@@ -211,6 +211,17 @@ def test_control_c_keeps_what_was_computed(method):
     assert result.state[1, 0] == pytest.approx(swing(2.0, 1.0)[0], abs=TOLERANCE)
 
 
+def test_control_c_at_the_end_is_heard(method):
+    def press(fraction):
+        if fraction == 1.0:
+            signal.raise_signal(signal.SIGINT)
+
+    result = integrate(pendulum(), [2.0, 0.0], [0.0, 1.0], watch=press, **method)
+    assert result.outcome is Outcome.INTERRUPTED
+    assert result.time.tolist() == [0.0, 1.0]
+    assert result.state[1, 0] == pytest.approx(swing(2.0, 1.0)[0], abs=TOLERANCE)
+
+
 def test_watch_sees_progress_and_the_end(method):
     seen = []
     # Steps of radau run in Python.

@@ -51,6 +51,13 @@ def compiled(function: Callable) -> Callable:
         return njit(_signature(function), **options)(function)
 
 
+def inlined(function: Callable) -> Callable:
+    """Compile a function into those that call it: a call would pass each word of its tuples."""
+    options = {"forceinline": True, "no_cpython_wrapper": True, **OPTIONS}
+    with _own_cache():
+        return njit(_signature(function), **options)(function)
+
+
 def callback(function: Callable) -> Any:
     """Compile a function that compiled loops call through its ``address``."""
     options = {name: OPTIONS[name] for name in ("cache", "error_model", "fastmath")}

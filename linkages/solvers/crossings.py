@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.solvers.compiled import callback, compiled, floats, integers, tuple_at
+from linkages.solvers.compiled import callback, compiled, floats, inlined, integers, tuple_at
 from linkages.solvers.locate import (
     FUNCTION,
     VALUES,
@@ -106,7 +106,7 @@ def cross_piece(
     return GO_ON
 
 
-@compiled
+@inlined
 def at_start(
     system: System, events: Events, record: Record, event: int, t: float
 ) -> tuple[float, float]:
@@ -118,7 +118,7 @@ def at_start(
     return start, slope(system, events, event, 0)
 
 
-@compiled
+@inlined
 def remember(events: Events, event: int, t: float) -> None:
     """Keep what a function has at the end of a step: the next one starts there."""
     if integers(events.functions)[FUNCTION * event] != 0:
@@ -126,7 +126,7 @@ def remember(events: Events, event: int, t: float) -> None:
         kept[2], kept[3], kept[4] = t, kept[0], kept[1]
 
 
-@compiled
+@inlined
 def watch_event(
     system: System,
     table: Table,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.solvers.compiled import call_clock, call_rates, compiled, floats, integers
+from linkages.solvers.compiled import call_clock, call_rates, compiled, floats, inlined, integers
 from linkages.solvers.sampling import interpolate
 from linkages.solvers.stages import address_of, run_stages, try_step
 from linkages.solvers.turns import TWO_PI
@@ -19,7 +19,7 @@ FUNCTION, VALUES = 4, 5  # entries per event of `Events.functions` and `Events.v
 NEAR, EXACT = 1e-9, 1e-15
 
 
-@compiled
+@inlined
 def evaluate_function(system: System, events: Events, event: int, row: int, t: float) -> None:
     """Evaluate a compiled function and its rate; where it cannot be, they are nan."""
     functions = integers(events.functions + WORD * FUNCTION * event)
@@ -32,7 +32,7 @@ def evaluate_function(system: System, events: Events, event: int, row: int, t: f
         floats(out)[0] = floats(out)[1] = math.nan
 
 
-@compiled
+@inlined
 def value(system: System, events: Events, record: Record, event: int, row: int, t: float) -> float:
     """Function of an event, less its level, at the state in a row and its time."""
     n = system.n
@@ -50,7 +50,7 @@ def value(system: System, events: Events, record: Record, event: int, row: int, 
     return total
 
 
-@compiled
+@inlined
 def slope(system: System, events: Events, event: int, row: int) -> float:
     """Rate of the function of an event; the row has been evaluated, by `value` last of all."""
     n = system.n

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 import linkages
 from linkages.plots import phase, sections, time_figures
@@ -125,18 +124,5 @@ def section_figure() -> Figure:
         (coordinate,) = sections.free_coordinates(data)
         sections.draw(ax, data, coordinate)
         ax.set_title(f"{name} start")
-        _in_degrees(ax)
     axes[1].set_ylabel("")
     return figure
-
-
-def _in_degrees(ax: Axes) -> None:
-    """Ticks of an axis in radians at round numbers of degrees, as in the other figures."""
-    low, high = np.degrees(ax.get_xlim())
-    ax.xaxis.set_major_locator(MultipleLocator(np.radians(90 if high - low > 180 else 10)))
-    ax.xaxis.set_major_formatter(FuncFormatter(_degrees))
-    ax.set_xlabel("angle α [°]")
-
-
-def _degrees(value: float, _place: int) -> str:
-    return f"{np.degrees(value):.0f}".replace("-", "−")

@@ -15,6 +15,7 @@ from linkages.kernel.modes import Assembly
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
 from linkages.solution.assumptions import assumptions
+from linkages.solution.doubts import doubts
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -127,7 +128,7 @@ def side_of(assembly: Assembly, block: Block) -> str | None:
 
 
 def _notes(system: System) -> list[str]:
-    notes = assumptions(system)
+    notes = [*assumptions(system), *doubts(system.mechanism)]
     redundant = system.topology.redundant
     if redundant:
         notes.append(

@@ -204,6 +204,10 @@ def bench(
 definitions.add_to(app)
 
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
 def main() -> None:
     """Run the command line; errors become messages and exit codes, never tracebacks."""
     from linkages.errors import LinkagesError
@@ -231,7 +235,11 @@ def main() -> None:
         sys.exit(1)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        sys.exit(130)
+        sys.exit(INTERRUPTED)
+    except SystemExit as end:
+        if end.code == INTERRUPTED:  # Typer has seen Ctrl-C first, and says nothing
+            print("interrupted", file=sys.stderr)
+        raise
 
 
 def _program_name() -> str | None:

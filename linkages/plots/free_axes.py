@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.plots.angles import show_angles
-from linkages.plots.prefixes import scale_of
+from linkages.plots.angles import show_degrees
+from linkages.plots.prefixes import Scale, scale_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-12
 """SI units; smaller values are zero, and get no prefix of their own."""
+
+DEGREES = 180.0 / np.pi
 
 
 class Output(NamedTuple):
@@ -67,10 +69,8 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     angle = output.variable.endswith("_angle")
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
     scale = scale_of(clear, str(data[output.variable].attrs.get("units", "")))
-    factor, label = (1.0, f"{output.label} [rad]") if angle else (scale.factor, "")
-    label = label or scale.label(output.label)
-    (ax.set_xlabel if along == "x" else ax.set_ylabel)(label)
     if angle:
-        inside = np.abs(values[np.isfinite(values)]) <= np.pi + 1e-9
-        show_angles(ax, along, values, wrap=bool(inside.all()))
-    return factor
+        scale = Scale(DEGREES, "°")
+        show_degrees(ax, scale.factor * values, along)
+    (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
+    return scale.factor

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
+from linkages.plots.angles import show_degrees
 from linkages.plots.curves import BUSY, show_steady, turning_points
 from linkages.plots.phase_curve import refined, spread, wrapped
 from linkages.plots.prefixes import scale_of
@@ -118,7 +118,7 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Coordinate, heading: str = "") 
         ax.set_xlabel(scale.label(kind.labels[0]))
     else:
         x, y = wrapped(motion[0], motion[1] * rate.factor)
-        degree_axis(ax, x)
+        show_degrees(ax, x)
         ax.set_xlabel(kind.labels[0])
     draw_curve(ax, x, y)
     ax.set_ylabel(rate.label(kind.labels[1]))
@@ -137,18 +137,3 @@ def draw_curve(ax: Axes, x: Array, y: Array) -> None:
     ax.plot(x[:1], y[:1], **look, markerfacecolor="white", label="start", zorder=4)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
-
-
-def degree_axis(ax: Axes, degrees: Array, along: str = "x") -> None:
-    """The full turn if the curve passes through its end or fills most of it."""
-    finite = degrees[np.isfinite(degrees)]
-    span = np.ptp(finite) if len(finite) else 0.0
-    axis, limits = (ax.xaxis, ax.set_xlim) if along == "x" else (ax.yaxis, ax.set_ylim)
-    if 240.0 < span <= 360.0:
-        limits(-180.0, 180.0)
-    length = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
-    most = length / (0.55 if along == "x" else 0.3)  # labels that fit beside each other
-    steps = (s for s in (1, 2, 5, 10, 15, 30, 45, 90) if span <= most * s)
-    turns = 360 * max(1, round(span / most / 360))
-    if span > 2.0:
-        axis.set_major_locator(MultipleLocator(next(steps, turns)))

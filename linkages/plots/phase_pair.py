@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from linkages.plots.phase import degree_axis, draw_curve
+from linkages.plots.angles import show_degrees
+from linkages.plots.phase import draw_curve
 from linkages.plots.phase_curve import wrapped
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import PALETTE, fitted, panels, styled
@@ -68,9 +69,9 @@ def draw(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) ->
             up, across = wrapped(np.radians(up), across)
         draw_curve(ax, across, up)
     if x.variable in ANGLES:
-        degree_axis(ax, across)
+        show_degrees(ax, across)
     if y.variable in ANGLES:
-        degree_axis(ax, up, "y")
+        show_degrees(ax, up, "y")
     ax.set_xlabel(label_x)
     ax.set_ylabel(label_y)
     return ax

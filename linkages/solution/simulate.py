@@ -13,6 +13,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
 from linkages.solution.assumptions import assumptions
+from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
@@ -105,7 +106,7 @@ def simulate(
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]
     values = evaluate_variables(motion, plain)
-    notes = [*assumptions(system), *motion.notes]
+    notes = [*assumptions(system), *doubts(mechanism), *motion.notes]
     if motion.failure is None or len(motion.time):
         _add_derived(system, settings, motion, names, values, notes)
     solution = Solution(

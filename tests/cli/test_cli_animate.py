@@ -118,5 +118,5 @@ def test_ctrl_c_leaves_nothing(cli, monkeypatch):
 
     monkeypatch.setattr(Stage, "picture", interrupt)
     result = cli("animate", "slider-crank", *FEW)
-    assert result.code == 130
+    assert (result.code, result.err.strip()) == (130, "interrupted")
     assert not [name for name in result.files if "animation" in name]

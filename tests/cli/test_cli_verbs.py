@@ -180,6 +180,13 @@ assembly: {B: left}
 """
 
 
+def test_check_doubts_a_clearance_as_long_as_a_link(cli):
+    result = cli("check", "ninebar", "--set", "clearances.r1.size=0.2", "--json")
+    assert result.code == 0
+    (note,) = json.loads(result.out)["notes"]
+    assert note.startswith("clearance r1 of 0.2 m is large beside link3")
+
+
 def test_check_lists_welds_gears_loads_and_masses(cli, tmp_path):
     (tmp_path / "m.yaml").write_text(EVERYTHING)
     content = json.loads(cli("check", "m.yaml", "--json").out)

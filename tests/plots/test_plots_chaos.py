@@ -12,7 +12,7 @@ from linkages.chaos.contact import contact_check
 from linkages.chaos.rotation import Kind
 from linkages.chaos.spectrum import power_spectrum
 from linkages.plots import bifurcations, contact, exponents, maps, sections, spectra
-from linkages.plots.angles import multiple_of_pi, show_angles
+from linkages.plots.angles import show_degrees
 from linkages.plots.chaos_page import chaos_figures, chaos_page, shown_forces
 from linkages.plots.free_axes import free_coordinates
 from linkages.plots.style import PALETTE
@@ -66,34 +66,25 @@ def sweep_data(exponent=False, starts=2):
 # angles
 
 
-@pytest.mark.parametrize(
-    ("angle", "text"),
-    [(0, "0"), (np.pi, "π"), (-np.pi, "−π"), (0.75 * np.pi, "3π/4"), (-np.pi / 2, "−π/2"),
-     (20 * np.pi, "20π")],
-)  # fmt: skip
-def test_multiples_of_pi_as_text(angle, text):
-    assert multiple_of_pi(angle) == text
-
-
 def ticks(ax):
     low, high = ax.get_xlim()
-    places = [v for v in ax.xaxis.get_majorticklocs() if low - 1e-9 <= v <= high + 1e-9]
-    return [ax.xaxis.get_major_formatter()(value, 0) for value in places]
+    return [place for place in ax.xaxis.get_majorticklocs() if low <= place <= high]
 
 
 def test_angles_all_around_get_the_whole_turn():
     ax = Figure().add_subplot()
-    show_angles(ax, "x", [-3.1, 3.0])
-    assert ax.get_xlim() == pytest.approx((-np.pi, np.pi))
-    assert ticks(ax) == ["−π", "−3π/4", "−π/2", "−π/4", "0", "π/4", "π/2", "3π/4", "π"]
+    show_degrees(ax, [-178, np.nan, 172])
+    assert ax.get_xlim() == (-180, 180)
+    assert ticks(ax) == list(range(-180, 181, 45))
 
 
-def test_angles_that_count_turns_are_not_cut():
+@pytest.mark.parametrize(("last", "step"), [(300, 45), (30 * 360, 4 * 360)])
+def test_angles_that_count_turns_are_not_cut(last, step):
     ax = Figure().add_subplot()
-    ax.set_xlim(0, 60 * np.pi)
-    show_angles(ax, "x", [0.0, 60 * np.pi], wrap=False)
-    assert ax.get_xlim() == pytest.approx((0, 60 * np.pi))
-    assert ticks(ax) == ["0", "10π", "20π", "30π", "40π", "50π", "60π"]
+    ax.set_xlim(0, last)
+    show_degrees(ax, [0, last])
+    assert ax.get_xlim() == (0, last)
+    assert ticks(ax) == list(range(0, last + 1, step))
 
 
 # sections
@@ -103,8 +94,9 @@ def test_section_shows_every_point():
     data = section_data([0.1, 0.3, -0.2], [1.0, 2.0, 3.0])
     figure = sections.figure(data)
     (ax,) = figure.axes
-    np.testing.assert_allclose(ax.lines[0].get_xydata(), [[0.1, 1], [0.3, 2], [-0.2, 3]])
-    assert ax.get_xlabel() == "angle θ [rad]"
+    points = np.radians(ax.lines[0].get_xdata()), ax.lines[0].get_ydata()
+    np.testing.assert_allclose(points, [[0.1, 0.3, -0.2], [1, 2, 3]])
+    assert ax.get_xlabel() == "angle θ [°]"
     assert ax.get_title(loc="right") == "3 points"
 
 
@@ -138,7 +130,8 @@ def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
     assert [line.get_color() for line in dots] == list(PALETTE[:2])
     x, y = dots[1].get_data()
     np.testing.assert_allclose(x, np.repeat(data["clearances.r1.size"], 4))
-    np.testing.assert_allclose(y, data["clearance_angle"][1, :, :, 0].to_numpy().ravel())
+    angles = data["clearance_angle"][1, :, :, 0].to_numpy().ravel()
+    np.testing.assert_allclose(np.radians(y), angles)
 
 
 def test_values_that_could_not_be_computed_are_shaded():

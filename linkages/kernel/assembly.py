@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from linkages.errors import InputError
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
+from linkages.kernel.loads import TorsionSpringNodes
 from linkages.kernel.model import Model
 from linkages.kernel.modes import Assembly, Choice, Place
 from linkages.kernel.scalars import Scalar
@@ -60,22 +61,23 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
 
 
 def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
-    """Whole turns in the deflections of torsional springs.
+    """Whole turns in the angles from which torsional springs are deflected.
 
     Angles that the definition gives count as they are given. Of others only the direction is
-    known at the start: deflections from them are then taken within half a turn.
+    known at the start: they are then within half a turn, but for the spring's own angle.
     """
     model = place.model
     topology = model.topology
     given = {*topology.driven, *topology.free}
     found: dict[int, float] = {}
-    for index, (term, load) in enumerate(zip(model.mechanism.loads, model.loads, strict=True)):
-        deflection = getattr(load, "deflection", None)
-        bodies = [getattr(term, "body", None), getattr(term, "reference", None)]
-        masters = {m for b in bodies if b is not None for m in topology.orientations[b].masters}
-        if deflection is not None and not masters <= given:
-            (value,) = place.values([deflection], assembly)
-            found[index] = float(2 * np.pi * np.round(value / (2 * np.pi)))
+    for index, load in enumerate(model.loads):
+        if not isinstance(load, TorsionSpringNodes):
+            continue
+        bodies = [body for body in (load.load.body, load.load.reference) if body is not None]
+        masters = {master for body in bodies for master in topology.orientations[body].masters}
+        if not masters <= given:
+            (difference,) = place.values([load.difference], assembly)
+            found[index] = float(2 * np.pi * np.round(difference / (2 * np.pi)))
     return found
 
 

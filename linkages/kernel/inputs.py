@@ -71,7 +71,7 @@ class Inputs:
         return self._index[*path, 0]
 
     def turns(self, load: int) -> Scalar:
-        """The multiple of 2π that a torsional spring's deflection is too large by at t = 0."""
+        """The multiple of 2π by which the difference of a spring's angles is too large at t = 0."""
         return self._numbered(("turns", load), 0.0)
 
     def iterate(self, index: int) -> Scalar:

@@ -233,7 +233,9 @@ class _Spring(_Elastic, Pull):
         return self._between.dot(opened) / self._distance
 
 
-class _TorsionSpring(_Turning, _Elastic):
+class TorsionSpringNodes(_Turning, _Elastic):
+    """A torsional spring and damper."""
+
     load: TorsionSpring
 
     def __init__(self, model: Model, load: TorsionSpring) -> None:
@@ -241,17 +243,18 @@ class _TorsionSpring(_Turning, _Elastic):
         self.stiffness, self.damping = load.stiffness, load.damping
 
     @property
-    def deflection(self) -> Scalar:
-        """Without the whole turns that are taken away at t = 0."""
+    def difference(self) -> Scalar:
+        """Angle of the body, against the other one if there is one."""
         angle = self.model.positions.angle(self.load.body)
-        if self.load.reference is not None:
-            angle = angle - self.model.positions.angle(self.load.reference)
-        return angle - self.model.inputs.parameter(self.load.angle)
+        if self.load.reference is None:
+            return angle
+        return angle - self.model.positions.angle(self.load.reference)
 
     @property
     def elongation(self) -> Scalar:
+        """Without the whole turns that are taken away at t = 0."""
         turns = self.model.inputs.turns(self.model.mechanism.loads.index(self.load))
-        return self.deflection - turns
+        return self.difference - self.model.inputs.parameter(self.load.angle) - turns
 
 
 _KINDS = {
@@ -260,7 +263,7 @@ _KINDS = {
     PointForce: _PointForce,
     Torque: _Torque,
     Spring: _Spring,
-    TorsionSpring: _TorsionSpring,
+    TorsionSpring: TorsionSpringNodes,
 }
 
 

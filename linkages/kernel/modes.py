@@ -34,7 +34,7 @@ class Assembly:
     values
         Body whose coordinate is found by iteration → its value.
     turns
-        Torsional spring → what its deflection is too large by at t = 0, a multiple of 2π.
+        Torsional spring → what the difference of its angles is too large by, a multiple of 2π.
     assumed
         Blocks whose side is not given by the definition.
     """

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.mechanism import Mechanism
 from linkages.components.terms import (
     AxialDamper,
     AxialForce,
-    Body,
     Load,
     PointForce,
     Spring,
@@ -54,27 +54,29 @@ def applied_forces(piece: Piece, add: Add) -> Floats:
     return rows
 
 
-def carrier_of(bodies: dict[str, Body], joint: str) -> str | None:
-    """The body that loads and masses at a joint belong to: the first one that has it."""
-    return next((name for name, body in bodies.items() if joint in body.points), None)
+def carrier_of(mechanism: Mechanism, joint: str) -> str | None:
+    """The body that loads and masses at a joint belong to: the first there; None is the ground."""
+    if joint in mechanism.ground:
+        return None
+    return next((name for name, body in mechanism.bodies.items() if joint in body.points), None)
 
 
 def _point_forces(piece: Piece, load: Load) -> list[tuple[str, str, Floats]]:
     """Bodies, joints and forces of a load, shape (samples, 2) each."""
-    model, bodies = piece.system.model, piece.system.mechanism.bodies
+    model, mechanism = piece.system.model, piece.system.mechanism
     nodes = load_nodes(model, load)
     if isinstance(load, PointForce | Spring):
         assert isinstance(nodes, Pull)
         force = _vectors(piece, nodes.vector)
         ends = [load.joint] if isinstance(load, PointForce) else [load.second, load.first]
         found = [
-            (carrier_of(bodies, joint), joint, sign * force)
+            (carrier_of(mechanism, joint), joint, sign * force)
             for joint, sign in zip(ends, (1.0, -1.0), strict=False)
         ]
     else:
         assert isinstance(load, AxialForce | AxialDamper)
         assert isinstance(nodes, Conjugate)
-        slider = bodies[load.body]
+        slider = mechanism.bodies[load.body]
         assert slider.guide is not None
         force = _vectors(piece, model.positions.unit(load.body) * nodes.force)
         pin = next(iter(slider.points))

@@ -2,19 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from linkages.kernel.assembly import placed_joints
+from linkages.kernel.loads import TorsionSpringNodes
 from linkages.kernel.system import System
+from linkages.reading.paths import dotted
 from linkages.topology.blocks import Block
 
 
 def assumptions(system: System) -> list[str]:
-    """A sentence for each free coordinate and each assembly mode that was chosen."""
+    """A sentence for each free coordinate, assembly mode and number of turns that was chosen."""
     found = [
         f"{name} was chosen as a free coordinate, at rest where 'assembly' puts it"
         for name in system.chosen
     ]
     blocks = system.topology.solved_blocks
-    return found + [_assumed(system, blocks[index]) for index in system.assembly.assumed]
+    found += [_assumed(system, blocks[index]) for index in system.assembly.assumed]
+    return [*found, *_wound(system)]
+
+
+def _wound(system: System) -> Iterator[str]:
+    """Torsional springs that start more than half a turn from where the file has no torque.
+
+    Whole turns of angles that the file does not give are not known.
+    """
+    for index in system.assembly.turns:
+        load = system.model.loads[index]
+        assert isinstance(load, TorsionSpringNodes)
+        turns = system.evaluate([load.elongation])[0, 0] / (2 * np.pi)
+        if abs(turns) > 0.5 and not load.stiffness.absent:
+            yield (
+                f"{dotted(load.load.path)} starts wound by {turns:.3g} turns: angles that are not "
+                "given start within half a turn"
+            )
 
 
 def _assumed(system: System, block: Block) -> str:

@@ -132,25 +132,32 @@ def _follows(topology: Topology, name: str) -> bool:
 
 def _joined(motion: Motion, parts: list[NDArray[np.float64]], name: str) -> NDArray[np.float64]:
     """Rows of all pieces in a row; angles go on from piece to piece."""
-    rows = parts[0]
+    rows, added = parts[0], np.zeros(len(parts[0]))
     for piece, part in zip(motion.pieces[1:], parts[1:], strict=True):
         if name in ANGLES and part.shape[1] and rows.shape[1]:
             moved = _moved(motion, piece, rows.shape[1], name)
             turns = np.round((moved - (part[:, 0] - rows[:, -1])) / (2 * np.pi))
-            part = part + 2 * np.pi * np.where(_counted(motion, piece, name), 0.0, turns)[:, None]
+            known, counted = _known(piece, name), _counted(motion, piece, name)
+            added = np.select([known, counted], [np.zeros_like(turns), added], turns)
+            part = part + 2 * np.pi * added[:, None]
         rows = np.concatenate([rows, part], axis=1)
     return rows
 
 
+def _known(piece: Piece, name: str) -> NDArray[np.bool_]:
+    """Which angles have all their turns in every piece."""
+    topology = piece.system.topology
+    names = labels(piece.system.model, ANGLES[name])
+    return np.array([n in topology.driven or _follows(topology, n) for n in names], dtype=bool)
+
+
 def _counted(motion: Motion, piece: Piece, name: str) -> NDArray[np.bool_]:
-    """Which angles have had their turns counted by the solver through all pieces so far."""
+    """Which angles have had their turns counted by the solver since the piece before."""
     before = [p for p in motion.pieces[: motion.pieces.index(piece)] if p.wanted.size][-1]
     names = labels(piece.system.model, ANGLES[name])
-    topology = piece.system.topology
     same = before.system is piece.system
-    counted = (*topology.coordinates, *topology.driven)
-    known = [n in topology.driven or _follows(topology, n) for n in names]
-    return np.array([k or (same and n in counted) for k, n in zip(known, names, strict=True)])
+    counted = piece.system.topology.coordinates
+    return np.array([same and n in counted for n in names], dtype=bool)
 
 
 def _moved(motion: Motion, piece: Piece, reached: int, name: str) -> NDArray[np.float64]:

@@ -37,8 +37,8 @@ def joint_reactions(motion: Motion) -> Floats:
     Returns
     -------
     Shape (samples, joints, 2). The ground comes first at a ground joint, otherwise bodies in the
-    order of the mechanism; loads and masses at a joint belong to the first body that moves. At a
-    free end the force is zero. Where constraints are redundant, reactions are not determined by
+    order of the mechanism; loads and masses at a joint belong to the first body there. At a free
+    end the force is zero. Where constraints are redundant, reactions are not determined by
     rigid bodies; these are the ones with the least sum of squares.
     """
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
@@ -199,7 +199,7 @@ class _Statics:
             rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
             rows[:, row + 2] += body.inertia.value * spin
         for mass in self._system.mechanism.point_masses:
-            carrier = carrier_of(self._system.mechanism.bodies, mass.joint)
+            carrier = carrier_of(self._system.mechanism, mass.joint)
             if carrier is not None:
                 acceleration = self._accelerations[self._joint[mass.joint]]
                 self.add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))

@@ -45,12 +45,11 @@ class Layout:
                 self.points.setdefault(joint, []).append(Point(name, pair(place)))
 
     def carrier(self, joint: str) -> Point:
-        """The point that loads and masses at a joint belong to: that of its first moving body.
+        """The point that loads and masses at a joint belong to: the ground's, or the first body's.
 
         It matters to the reaction there, and to nothing else.
         """
-        moving = (point for point in self.points[joint] if point.body is not None)
-        return next(moving, self.points[joint][0])
+        return self.points[joint][0]
 
 
 class State:

@@ -1,5 +1,7 @@
 """What acts on a grown mechanism: gravity, loads, springs, dampers, masses at joints."""
 
+import math
+
 from growing_mechanisms import Growing
 from random_laws import strength
 
@@ -49,15 +51,17 @@ def spring(g: Growing) -> None:
 
 
 def torsion_spring(g: Growing) -> None:
-    """Less than half a turn from where it is relaxed, so that whole turns do not matter."""
+    """Between bars within half a turn of each other, so that whole turns do not matter."""
     bars = list(g.definition["bars"])
     first, second = g.draw.choice(["ground", *bars]), g.draw.choice(bars)
     if first != second:
         pair = {"bar": second} if first == "ground" else {"between_bars": [first, second]}
         entry = {**pair, "stiffness": g.draw.number(0.0, 20.0)}
-        angle = g.angles[second] - g.angles.get(first, 0.0) + g.draw.number(-1.0, 1.0)
-        entry |= {"angle": angle, "damping": g.draw.number(0.0, 2.0)}
-        g.definition.setdefault("springs", []).append(entry)
+        difference = g.angles[second] - g.angles.get(first, 0.0)
+        entry |= {"angle": difference + g.draw.number(-4.0, 4.0)}
+        entry |= {"damping": g.draw.number(0.0, 2.0)}
+        if abs(difference) < math.pi:
+            g.definition.setdefault("springs", []).append(entry)
 
 
 def mass(g: Growing) -> None:

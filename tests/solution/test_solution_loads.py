@@ -250,6 +250,49 @@ def test_torsional_spring_wound_up_by_a_motion():
     assert float(np.abs(data.energy_residual).max()) < 1e-8  # of 1280 J
 
 
+PRELOADED = """\
+joints: {O: [0, 0], C: [0.1, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 0.15}
+  coupler: {joints: [A, B], length: 120 mm, mass: 0.45}
+  rocker: {joints: [C, B], length: 80 mm, mass: 0.3}
+"""
+
+
+@pytest.mark.parametrize("turns", [0.0, -0.53, 1.0, -7.0])
+@pytest.mark.parametrize("free", ["crank", "rocker"])
+def test_torsional_spring_on_a_bar_that_follows_others_can_be_wound_up(turns, free):
+    """Its angle without torque counts as given, whatever turns the rocker."""
+    spring = f"springs: [{{bar: rocker, stiffness: 0.5, angle: {turns * 2 * np.pi!r}}}]"
+    start = {"crank": np.pi / 4, "rocker": 1.0275955164581885}[free]
+    places = "assembly: {A: [0.028, 0.028], B: [0.141, 0.069]}"
+    found = mechanism(PRELOADED, places, spring, f"free: {{{free}: {{angle: {start!r}}}}}")
+    solution = linkages.simulate(found, end=1e-3, samples=2, outputs="all")
+    angle = float(solution.data.bar_angle.sel(bar="rocker")[0])
+    assert angle == pytest.approx(1.0275955164581885)
+    stored = 0.25 * (angle - turns * 2 * np.pi) ** 2
+    assert float(solution.data.potential_energy[0]) == pytest.approx(stored, rel=1e-12)
+    wound = [note for note in solution.notes if "starts wound by" in note]
+    assert len(wound) == (free == "crank" and abs(turns) > 0.4)
+
+
+def test_torsional_spring_between_bars_either_side_of_a_half_turn():
+    """However the mechanism is turned, the angle between coupler and rocker is the same."""
+    spring = "springs: [{between_bars: [coupler, rocker], stiffness: 0.5, angle: -200 deg}]"
+
+    def turned(angle):
+        pin = f"[{0.1 * np.cos(angle)}, {0.1 * np.sin(angle)}]"
+        free = f"free: {{crank: {{angle: {np.pi / 4 + angle}}}}}"
+        found = mechanism(PRELOADED.replace("[0.1, 0]", pin), "assembly: {B: left}", spring, free)
+        return linkages.simulate(found, end=1e-3, samples=2, outputs="all").data.isel(time=0)
+
+    plain, across = turned(0.0), turned(np.radians(140))
+    coupler, rocker = (float(across.bar_angle.sel(bar=bar)) for bar in ("coupler", "rocker"))
+    assert rocker < -np.pi / 2 < np.pi / 2 < coupler
+    assert float(across.potential_energy) == pytest.approx(float(plain.potential_energy))
+    assert float(plain.potential_energy) > 0.25 * np.pi**2  # wound by more than half a turn
+
+
 @pytest.mark.parametrize("driven", [True, False])
 def test_torsional_spring_between_bars_that_turn_over(driven):
     """A double pendulum whose joint is wound up: the spring sees whole turns of the difference."""

@@ -158,3 +158,25 @@ def test_pendulum_pulls_at_its_pin():
     found = components(data, "joint_reaction", "O")
     assert np.abs(found - expected).max() < 1e-8
     assert np.abs(components(data, "joint_reaction", "P")).max() == 0.0
+
+
+def test_what_hangs_on_a_ground_pin_hangs_on_the_ground():
+    """A vertical rod held at O; a spring from O to elsewhere pulls at the ground, not the rod."""
+    text = """\
+joints: {O: [0, 0], G: [0, 0], S: [0.3, 0]}
+gravity: [0, -10]
+bars:
+  rod: {joints: [O, A], length: 0.2, mass: 1}
+  other: {joints: [S, B], length: 0.2}
+drives: {rod: {angle: -90 deg, speed: 0}, other: {angle: 0, speed: 0}}
+"""
+    for anchor in "OG":
+        spring = f"springs: [{{between: [{anchor}, B], stiffness: 100, length: 0.1}}]"
+        data = linkages.simulate(mechanism(text, spring), end=1.0, samples=2, outputs="all").data
+        assert data.joint_reaction.sel(joint="O").to_numpy() == pytest.approx(
+            np.array([[0, 10], [0, 10]]), abs=1e-12
+        )
+        # the other end pulls the second rod, which its own pin holds
+        assert data.joint_reaction.sel(joint="S").to_numpy() == pytest.approx(
+            np.array([[40, 0], [40, 0]]), abs=1e-12
+        )

@@ -228,6 +228,29 @@ def test_double_rocker_thrown_over():
         assert np.diff(turned) == pytest.approx(steps, abs=0.05)  # no jump of a turn
 
 
+def test_angles_go_on_over_a_change_and_then_a_change_point():
+    """The turns of a bar before it was taken as free are not forgotten behind the next one."""
+    text = """\
+joints: {O: [0, 0], C: [0.4, 0]}
+gravity: [0, -9.81]
+bars:
+  left: {joints: [O, A], length: 0.25, mass: 1}
+  coupler: {joints: [A, B], length: 0.15, mass: 0.5}
+  right: {joints: [C, B], length: 0.3, mass: 1.5}
+free: {left: {angle: 80 deg}}
+assembly: {B: [0.2, 0.25]}
+"""
+    solution = linkages.simulate(mechanism(text), end=1.0, samples=1001, rtol=1e-10)
+    assert changes(solution)
+    assert any("change point" in note for note in solution.notes)
+    for bar in ("left", "coupler", "right"):
+        speed, angle = (
+            solution.data[v].sel(bar=bar).to_numpy() for v in ("bar_speed", "bar_angle")
+        )
+        steps = 0.5e-3 * (speed[1:] + speed[:-1])
+        assert np.diff(angle) == pytest.approx(steps, abs=0.05)
+
+
 # -- two free coordinates --------------------------------------------------------------------
 
 FIVE_BAR = """\

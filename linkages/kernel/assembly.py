@@ -34,9 +34,11 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
     Raises
     ------
     InputError
-        For blocks that cannot be assembled, and joints that could be in two places.
+        For blocks that cannot be assembled, joints that could be in two places, and drives that are
+        nowhere at the initial time.
     """
     model = place.model
+    _check_laws(place)
     if near is None and not model.topology.redundant:
         _check_hints(model)
     found = Assembly()
@@ -58,6 +60,18 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
                 assumed.append(block.index)
         found = found.with_choice(block, choice)
     return Assembly(found.sides, found.values, _turns(place, found), tuple(assumed))
+
+
+def _check_laws(place: Place) -> None:
+    model = place.model
+    for name, law in model.positions.laws.items():
+        values = place.values([law.value, law.rate, law.acceleration], Assembly())
+        if not np.isfinite(values).all():
+            drive = model.mechanism.prescribed[name]
+            message = f"expected a law with finite derivatives at t = {place.time:g} s, found "
+            raise model.mechanism.error(
+                [(drive.path, message + ", ".join(f"{value:g}" for value in values))]
+            )
 
 
 def _turns(place: Place, assembly: Assembly) -> dict[int, float]:

@@ -80,7 +80,7 @@ class Place:
 
     def __init__(self, model: Model, time: float, state: NDArray[np.float64]) -> None:
         self.model = model
-        self._time = np.array([time])
+        self.time = time
         self._state = state
 
     def state(self, assembly: Assembly) -> NDArray[np.float64]:
@@ -93,7 +93,7 @@ class Place:
     def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
         """Values of nodes."""
         evaluated = Evaluator(nodes)(
-            t=self._time,
+            t=np.array([self.time]),
             y=self.state(assembly),
             a=np.zeros(len(self._state)),
             p=parameter_values(self.model, assembly),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,20 @@ _LAW_PLACES = 20001
 Floats = NDArray[np.float64]
 
 
+class _Undefined(NamedTuple):
+    """The first sample that cannot be computed, and why not."""
+
+    sample: int
+    text: str
+
+
 def driven_motion(system: System, settings: Settings) -> Motion:
     """Follow a fully driven system along the sample times as far as it can go."""
+    undefined = _undefined(system, settings.times)
+    end = float(settings.times[-1])
+    if undefined is not None:
+        end = float(settings.times[undefined.sample])
+        settings = replace(settings, times=settings.times[: undefined.sample])
     times = settings.times
     fastest = _fastest(system, float(times[-1]))
     pieces: list[Piece] = []
@@ -56,14 +69,31 @@ def driven_motion(system: System, settings: Settings) -> Motion:
     if stop is not None:
         where = stop.block, stop.time, stop.singular
         failure = block_failure(system.model, *where, settings.way_on)
+    elif undefined is not None:
+        failure = undefined.text
     if settings.work:
         pieces = with_work(pieces, fastest)
     return Motion(
         pieces=tuple(pieces),
         failure=failure,
-        stop_time=float(times[-1]) if stop is None else stop.time,
+        stop_time=end if stop is None else stop.time,
         notes=tuple(notes),
     )
+
+
+def _undefined(system: System, times: Floats) -> _Undefined | None:
+    """Where the law of a drive first has no finite value or derivative."""
+    found = []
+    for name, law in system.model.positions.laws.items():
+        values = system.evaluate([law.value, law.rate, law.acceleration], times)
+        finite = np.isfinite(values).all(axis=0)
+        if not finite.all():
+            found.append((int(np.argmin(finite)), name))
+    if not found:
+        return None
+    index, name = min(found)
+    text = f"at t = {times[index]:.9g} s: the law of drive {name} has no finite value or derivative"
+    return _Undefined(index, f"{text}. End before, or change the law.")
 
 
 def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:

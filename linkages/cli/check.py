@@ -16,6 +16,7 @@ from linkages.kernel.system import System
 from linkages.reading.paths import dotted
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
+from linkages.solution.simulate import require_settings
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -34,6 +35,7 @@ def run_check(
     mechanism = mechanism_from(file, assignments)
     if out is not None:
         require_folder(out)
+    require_settings(mechanism)
     system = System(mechanism)
     content = _content(system)
     if kernel:

@@ -173,6 +173,18 @@ def _settings(
     )
 
 
+def require_settings(mechanism: Mechanism) -> None:
+    """Make sure that a simulation can run as the definition says.
+
+    Raises
+    ------
+    InputError
+        For a method, tolerance, step or number of samples that `simulate` would refuse.
+    """
+    nothing = dict.fromkeys(("end", "samples", "method", "rtol", "atol", "step"))
+    _settings(mechanism, **nothing, max_steps=MAX_STEPS, work=False, watch=None)
+
+
 def passes(system: System, change_points: str | None = None) -> bool:
     """Whether a motion goes on through change points, as `simulate` describes it."""
     wanted = change_points or system.mechanism.simulation.change_points

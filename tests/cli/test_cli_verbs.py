@@ -187,6 +187,15 @@ def test_check_doubts_a_clearance_as_long_as_a_link(cli):
     assert note.startswith("clearance r1 of 0.2 m is large beside link3")
 
 
+@pytest.mark.parametrize(
+    "setting", ["method=euler", "method=rk4", "rtol=5", "samples=1e12"],
+)  # fmt: skip
+def test_check_refuses_what_simulate_refuses(cli, setting):
+    both = [cli(verb, "ninebar", "--set", f"simulate.{setting}") for verb in ("check", "simulate")]
+    assert [result.code for result in both] == [2, 2]
+    assert both[0].err == both[1].err != ""
+
+
 def test_check_lists_welds_gears_loads_and_masses(cli, tmp_path):
     (tmp_path / "m.yaml").write_text(EVERYTHING)
     content = json.loads(cli("check", "m.yaml", "--json").out)

@@ -92,7 +92,7 @@ class _Run:
         A block that the last run stopped at is one of these, even if its margin does not fall now.
         """
         blocks = len(self._system.topology.solved_blocks)
-        if not self._watchful or self._settings.method == "radau":
+        if not self._watchful:
             return np.full(blocks, LEAST_MARGIN)
         state, _ = self._plain(self._state[:, None])
         flipped = {block: np.array([True]) for block in self._flipped}

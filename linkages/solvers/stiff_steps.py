@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.solvers.flow import Companion
 from linkages.solvers.foreign import caller
 from linkages.solvers.job import Job
@@ -17,6 +18,7 @@ from linkages.solvers.views import BLOCK, EVALUATIONS, NOW, SAMPLES, STEPS, STOP
 
 LARGEST = 1e150
 BISECTIONS = 60
+EARLY_BISECTIONS = 12
 DIFFERENCE = 1.5e-8
 TWO_PI = 2 * math.pi
 TWO_PI_TAIL = 2.4492935982947064e-16  # see `turns`
@@ -198,13 +200,39 @@ class StiffRun:
                     before = middle
                 else:
                     after = middle
-            if least < self.job.flow.smallest_margins[block] and before < part:
-                part = before
-                self.job.counters[BLOCK] = block
+            if least < self.job.flow.smallest_margins[block]:
+                before = self._early_fraction(int(block), dense, start, h, before)
+                if before < part:
+                    part = before
+                    self.job.counters[BLOCK] = block
         return part
 
+    def _early_fraction(
+        self, block: int, dense: Callable[[float], NDArray], start: float, h: float, after: float
+    ) -> float:
+        """Fraction of a step before a margin is the smallest allowed; it is less at `after`."""
+        flow = self.job.flow
+        if flow.smallest_margins[block] <= 2.0 * LEAST_MARGIN * flow.margin_scale[block]:
+            return after
+        before = 0.0
+        for _ in range(EARLY_BISECTIONS):
+            middle = 0.5 * (before + after)
+            time = start + middle * h
+            if self._too_small(self._margins(time, dense(time)))[block]:
+                after = middle
+            else:
+                before = middle
+        return before
+
+    def _too_small(self, margins: NDArray) -> NDArray[np.bool_]:
+        """Blocks that are singular, or closer to it than a run allows and coming closer."""
+        flow, values = self.job.flow, margins[: self.blocks]
+        falling = values * margins[self.blocks :] * (self.job.end - self.job.start) < 0.0
+        singular = ~(np.abs(values) >= LEAST_MARGIN * flow.margin_scale)
+        return singular | (falling & (np.abs(values) < flow.smallest_margins))
+
     def _close_to_singular(self) -> Outcome:
-        small = np.abs(self.margins[: self.blocks]) < self.job.flow.smallest_margins
+        small = self._too_small(self.margins)
         if not small.any():
             return Outcome.DONE
         self.job.counters[BLOCK] = int(np.argmax(small))

@@ -136,6 +136,16 @@ def test_every_explicit_method_and_gauss8(method, crank_free):
     )
 
 
+def test_radau(crank_free):
+    """Through two dead centres, with errors of its order 5."""
+    solution = linkages.simulate(free_piston(), end=0.2, samples=201, method="radau", rtol=1e-9)
+    assert changes(solution)
+    dense = crank_free.data.isel(time=slice(0, 201))
+    assert solution.data.joint_position.to_numpy() == pytest.approx(
+        dense.joint_position.to_numpy(), abs=1e-6
+    )
+
+
 def test_work_goes_on_over_a_change():
     """A load and a damper: energy = work so far, however many pieces there are."""
     more = (

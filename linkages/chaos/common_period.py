@@ -7,8 +7,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
 from fractions import Fraction
 
+import numpy as np
+from numpy.typing import NDArray
+
 from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.components.mechanism import Mechanism
+from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.laws import value_of
+from linkages.kernel.scalars import ScalarGraph
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""
@@ -73,11 +80,30 @@ def _functions(load: object) -> Iterator[Function]:
         yield from (p for p in parts if isinstance(p, Number | Time | Operation | Table))
 
 
-def _course(function: Function) -> _Course:
-    """Mean rate and periods of a function."""
+def _values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a function at some times."""
+    inputs = Inputs(ScalarGraph(), 0)
+    (found,) = Evaluator([value_of(function, inputs)])(
+        t=times[None, :], p=np.array(list(inputs.parameters.values()))
+    )
+    return np.broadcast_to(found, times.shape)
+
+
+def _constant(function: Function) -> bool:
+    """Whether time does not occur in a function."""
     match function:
         case Number():
-            return _Course(0.0, ())
+            return True
+        case Operation(_, arguments):
+            return all(_constant(argument) for argument in arguments)
+    return False
+
+
+def _course(function: Function) -> _Course:
+    """Mean rate and periods of a function."""
+    if _constant(function):
+        return _Course(0.0, ())
+    match function:
         case Time():
             return _Course(1.0, ())
         case Table():
@@ -109,14 +135,19 @@ def _course(function: Function) -> _Course:
 def _product(name: str, a: Function, b: Function) -> _Course:
     """A constant factor scales the rate; otherwise both have to repeat."""
     one, other = _course(a), _course(b)
-    if isinstance(b, Number):
-        factor = b.parameter.value if name == "mul" else 1.0 / b.parameter.value
-        return _Course(one.rate * factor, one.periods)
-    if isinstance(a, Number) and name == "mul":
-        return _Course(other.rate * a.parameter.value, other.periods)
+    if _constant(b):
+        factor = _factor(b)
+        return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
+    if _constant(a) and name == "mul":
+        return _Course(other.rate * _factor(a), other.periods)
     if one.rate or other.rate:
         return _Course(0.0, None)
     return _Course(0.0, _joined([one, other]))
+
+
+def _factor(function: Function) -> float:
+    """The value of a function in which time does not occur."""
+    return float(_values(function, np.zeros(1))[0])
 
 
 def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:

@@ -65,3 +65,21 @@ def test_no_common_period(one, two, words):
 def test_loads_count():
     load = 'loads: [{bar: one, torque: "3*cos(pi*t)"}]'
     assert period("{angle: 0, speed: 2*pi}", more=load) == pytest.approx(2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("torque", "expected"),
+    [
+        ("{harmonic: {amplitude: 1, frequency: 1 Hz}}", 1.0),
+        ("{harmonic: {amplitude: 1, frequency: 4 Hz, mean: 2, phase: 1}}", 0.25),
+        ("{harmonic: {amplitude: 1, angular_frequency: 2}}", math.pi),
+        ('"cos(pi*(1 + 3)*t/2)"', 1.0),
+        ('"cos(t*sqrt(4)*pi)"', 1.0),
+        ('"cos(2*pi*t/cos(0)) + exp(1)"', 1.0),
+        ('"cos(2**3*pi*t/(3 - 7))"', 1.0),
+    ],
+)
+def test_constants_of_laws_are_folded(torque, expected):
+    load = f"loads: [{{bar: one, torque: {torque}}}]"
+    found = period("{angle: 0, speed: 0}", more=load)
+    assert found == pytest.approx(expected, rel=1e-12)

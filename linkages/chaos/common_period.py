@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
 
@@ -16,6 +16,7 @@ from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.laws import value_of
 from linkages.kernel.scalars import ScalarGraph
+from linkages.topology.orientation import slaves
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""
@@ -47,12 +48,20 @@ class _Course:
 def common_period(mechanism: Mechanism) -> float:
     """Time after which all drives and loads repeat, in seconds.
 
+    Bodies that follow driven ones by welds and gears have then made whole turns, too.
+
+    Parameters
+    ----------
+    mechanism
+        With all its free coordinates named, since gears may be solved for other bodies otherwise.
+
     Raises
     ------
     NoPeriodError
         If nothing depends on time, something does not repeat, or periods are incommensurable.
     """
     periods: list[float] = []
+    rates: dict[str, float] = {}
     for name, drive in mechanism.prescribed.items():
         course = _course(drive.law)
         if course.periods is None:
@@ -61,7 +70,8 @@ def common_period(mechanism: Mechanism) -> float:
         if course.rate:
             if not mechanism.bodies[name].rotates:
                 raise NoPeriodError(f"drive {name!r} moves on and on: its law does not repeat")
-            periods.append(2 * math.pi / abs(course.rate))
+            rates[name] = course.rate
+    periods += [2 * math.pi / abs(rate) for rate in _turning(mechanism, rates).values()]
     for load in mechanism.loads:
         for function in _functions(load):
             course = _course(function)
@@ -71,6 +81,34 @@ def common_period(mechanism: Mechanism) -> float:
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
     return _common(periods)
+
+
+def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
+    """Mean rates of all bodies that drives turn on and on, by welds and gears as well.
+
+    Parameters
+    ----------
+    mechanism
+        The bodies.
+    rates
+        Those of driven bodies.
+    """
+    followers = slaves(mechanism, (*mechanism.prescribed, *mechanism.initial))
+    found = dict(rates)
+
+    def rate(name: str) -> float:
+        if name in followers and name not in found:
+            relation = followers[name]
+            ratios = {other: ratio.value for other, ratio in relation.parts} | {relation.body: -1.0}
+            shares = [rate(other) * ratio for other, ratio in ratios.items() if other != name]
+            total = math.fsum(shares)
+            still = abs(total) <= EQUAL * sum(map(abs, shares))
+            found[name] = 0.0 if still else -total / ratios[name]
+        return found.get(name, 0.0)
+
+    for name in followers:
+        rate(name)
+    return {name: value for name, value in found.items() if value}
 
 
 def _functions(load: object) -> Iterator[Function]:
@@ -137,6 +175,8 @@ def _product(name: str, a: Function, b: Function) -> _Course:
     one, other = _course(a), _course(b)
     if _constant(b):
         factor = _factor(b)
+        if name == "div" and not factor:
+            return _Course(0.0, None)
         return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
     if _constant(a) and name == "mul":
         return _Course(other.rate * _factor(a), other.periods)

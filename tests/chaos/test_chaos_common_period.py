@@ -83,3 +83,49 @@ def test_constants_of_laws_are_folded(torque, expected):
     load = f"loads: [{{bar: one, torque: {torque}}}]"
     found = period("{angle: 0, speed: 0}", more=load)
     assert found == pytest.approx(expected, rel=1e-12)
+
+
+TRAIN = """\
+joints: {O: [0, 0], D: [1, 0], E: [0, 1], F: [0, 2]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  slow: {joints: [D, B], length: 0.1}
+  third: {joints: [E, C], length: 0.1}
+  other: {joints: [F, G], length: 0.1}
+drives: {crank: {angle: 0, speed: 180 rpm}, other: {angle: 0, speed: SPEED}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("gears", "speed", "expected"),
+    [
+        ("{bars: [crank, slow], ratio: -1/3}", "0", 1.0),
+        ("{bars: [crank, slow], ratio: 3}", "0", 1 / 3),
+        (
+            "{bars: [crank, slow], ratio: -1/3}, {bars: [slow, third], ratio: 1/2}",
+            "0",
+            2.0,
+        ),
+        # epicyclic: (1 + 2/3) · 3 turns in a second
+        ("{bars: [other, slow], ratio: -2/3, carrier: crank}", "0", 1.0),
+        # the carrier's share and that of the wheel cancel: 2·90 rpm - 180 rpm
+        ("{bars: [other, slow], ratio: 2, carrier: crank}", "90 rpm", 2 / 3),
+        # what follows a free body alone turns with it
+        ("{bars: [third, slow], ratio: 1/7}", "0", 1 / 3),
+    ],
+)
+def test_gears_make_whole_turns(gears, speed, expected):
+    text = TRAIN.replace("SPEED", speed) + f"gears: [{gears}]\n"
+    assert common_period(from_document(parse(text, "train.yaml"))) == pytest.approx(
+        expected, rel=1e-12
+    )
+
+
+def test_welded_bodies_turn_alike():
+    weld = "welds: {A: {bars: [crank, end], angle: 1}}\n"
+    text = TRAIN.replace("SPEED", "0").replace(
+        "drives:", "  end: {joints: [A, H], length: 0.1}\ndrives:"
+    )
+    gear = "gears: [{bars: [end, slow], ratio: 2/3}]\n"
+    assert common_period(from_document(parse(text + weld, "w.yaml"))) == pytest.approx(1 / 3)
+    assert common_period(from_document(parse(text + weld + gear, "w.yaml"))) == pytest.approx(1.0)

@@ -29,6 +29,7 @@ from linkages.solvers.events import Event
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.methods import FIXED_STEP_METHODS
 from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +78,7 @@ class Surface:
         return replace(self.series, variable=f"{kind}_{RATES[quantity]}")
 
     def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
-        """What crosses zero there (an angle also half a turn away), and its rate."""
+        """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
         difference, rate = self.series.node(model) - self.level, self.rate.node(model)
         if not self.turns:
             return difference, rate
@@ -147,7 +148,7 @@ def poincare(
     attributes: dict[str, object]
     if section is None:
         motion = _stroboscopic(system, settings, periods, skip, phase)
-        attributes = {"period": common_period(mechanism), "phase": phase}
+        attributes = {"period": common_period(system.mechanism), "phase": phase}
     else:
         surface = parse_section(system, section)
         last = _limit(system, periods + skip) if end is None else end
@@ -276,45 +277,22 @@ def _crossed(
     end: float,
 ) -> Motion:
     """Integrate until enough crossings are found."""
-    flow = Flows(system).flow()
     wanted = points + skip
-    # An angle's sine vanishes half a turn away as well, going the other way.
-    capacity = 2 * wanted + 2 if surface.turns else wanted
-    event = Event(
-        function=watched(system, surface.nodes),
-        direction=0 if surface.turns else DIRECTIONS[direction],
-        terminal=capacity,
-        capacity=capacity,
-    )
-    trajectory = integrate(
-        flow,
-        system.state,
-        [end],
-        start=system.time,
-        method=settings.method,
-        rtol=settings.rtol,
-        atol=settings.atol,
-        step=settings.step,
-        events=[event],
-        watch=settings.watch,
-    )
+    capacity = wanted
+    while True:
+        trajectory = _integrated(system, settings, surface, direction, end, capacity)
+        piece = _met(system, surface, trajectory)
+        if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
+            break
+        capacity *= 2  # others used it up
     ended = trajectory.outcome in (Outcome.DONE, Outcome.EVENT)
-    found = trajectory.crossings[0]
-    piece = Piece(
-        system=system,
-        time=found.time,
-        state=found.state.T,
-        turns=found.turns.T.astype(float),
-        acceleration=np.zeros(found.turns.T.shape),
-    )
-    if surface.turns:
-        piece = piece.part(_right_way(piece, surface, DIRECTIONS[direction]))
+    count = len(piece.time)
     piece = piece.part(slice(skip, wanted))
     if ended and not len(piece.time):
         raise NeverCrossedError(
             f"the section {surface.series.name} = {surface.level:g} is crossed "
-            f"{len(found.time)} times within {end:.6g} s"
-            + (f", and {skip} are skipped" if len(found.time) else "")
+            f"{count} times within {end:.6g} s"
+            + (f", and {skip} are skipped" if count else "")
             + "; expected a value that the motion reaches",
             time=float(end),
         )
@@ -326,9 +304,42 @@ def _crossed(
     )
 
 
-def _right_way(piece: Piece, surface: Surface, direction: int) -> NDArray[np.bool_]:
-    """Crossings of the angle itself, in the direction asked for."""
-    nodes = [series.node(piece.system.model) for series in (surface.series, surface.rate)]
-    values = piece.system.evaluate(nodes, piece.time, piece.state)
-    there = np.cos(values[0] - surface.level) > 0
-    return there if direction == 0 else there & (values[1] * direction > 0)
+def _integrated(
+    system: System, settings: Settings, surface: Surface, direction: str, end: float, capacity: int
+) -> Trajectory:
+    """Integrate until a number of zeros are met, or to the end."""
+    event = Event(
+        function=watched(system, surface.nodes),
+        direction=DIRECTIONS[direction],
+        terminal=capacity,
+        capacity=capacity,
+    )
+    return integrate(
+        Flows(system).flow(),
+        system.state,
+        [end],
+        start=system.time,
+        method=settings.method,
+        rtol=settings.rtol,
+        atol=settings.atol,
+        step=settings.step,
+        events=[event],
+        watch=settings.watch,
+    )
+
+
+def _met(system: System, surface: Surface, trajectory: Trajectory) -> Piece:
+    """The crossings of a trajectory, without those of an angle half a turn away."""
+    found = trajectory.crossings[0]
+    piece = Piece(
+        system=system,
+        time=found.time,
+        state=found.state.T,
+        turns=found.turns.T.astype(float),
+        acceleration=np.zeros(found.turns.T.shape),
+    )
+    if not surface.turns:
+        return piece
+    node = surface.series.node(system.model)
+    (angle,) = system.evaluate([node], piece.time, piece.state)
+    return piece.part(np.cos(angle - surface.level) > 0)

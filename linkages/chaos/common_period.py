@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 
 import numpy as np
@@ -23,6 +23,16 @@ MOST_PERIODS = 1000
 
 EQUAL = 1e-9
 """Relative difference below which periods count as commensurable."""
+
+
+MOST_PARTS = 12
+"""Parts of a period that may be periods themselves; parts of these are tried again."""
+
+SAMPLES = 1000
+"""Times at which a law is compared with itself one part of its period later."""
+
+ROUND_OFF = 1e-12
+"""Difference, relative to the largest magnitude of a law, below which its values are the same."""
 
 
 class NoPeriodError(ValueError):
@@ -48,6 +58,7 @@ class _Course:
 def common_period(mechanism: Mechanism) -> float:
     """Time after which all drives and loads repeat, in seconds.
 
+    It is the least one of every law (as far as `MOST_PARTS` tells), and a multiple of all of them.
     Bodies that follow driven ones by welds and gears have then made whole turns, too.
 
     Parameters
@@ -63,7 +74,7 @@ def common_period(mechanism: Mechanism) -> float:
     periods: list[float] = []
     rates: dict[str, float] = {}
     for name, drive in mechanism.prescribed.items():
-        course = _course(drive.law)
+        course = _reduced(drive.law)
         if course.periods is None:
             raise NoPeriodError(f"the law of drive {name!r} does not repeat")
         periods += course.periods
@@ -74,7 +85,7 @@ def common_period(mechanism: Mechanism) -> float:
     periods += [2 * math.pi / abs(rate) for rate in _turning(mechanism, rates).values()]
     for load in mechanism.loads:
         for function in _functions(load):
-            course = _course(function)
+            course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")
             periods += course.periods
@@ -116,6 +127,34 @@ def _functions(load: object) -> Iterator[Function]:
         value = getattr(load, found.name)
         parts = value if isinstance(value, tuple) else (value,)
         yield from (p for p in parts if isinstance(p, Number | Time | Operation | Table))
+
+
+def _reduced(function: Function) -> _Course:
+    """Mean rate of a law, and the least period of what it does beyond that.
+
+    A formula says only how often its parts repeat: sin(t)**2 repeats twice as often. So values of
+    the law are compared.
+    """
+    course = _course(function)
+    if not course.periods:
+        return course
+    period = _common(list(course.periods))
+    # the golden section spreads times evenly, and no period meets them twice
+    spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
+    times = period * spread
+    values = _values(function, times)
+    least = ROUND_OFF * float(np.abs(values).max())
+    beyond = values - course.rate * times
+    if not np.isfinite(beyond).all() or np.ptp(beyond) <= least:
+        return replace(course, periods=(period,))
+
+    def repeats(part: float) -> bool:
+        later = _values(function, times + part) - course.rate * (times + part)
+        return bool((np.abs(later - beyond) <= least).all())
+
+    while parts := [k for k in range(2, MOST_PARTS + 1) if repeats(period / k)]:
+        period /= parts[-1]
+    return replace(course, periods=(period,))
 
 
 def _values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -129,3 +129,38 @@ def test_welded_bodies_turn_alike():
     gear = "gears: [{bars: [end, slow], ratio: 2/3}]\n"
     assert common_period(from_document(parse(text + weld, "w.yaml"))) == pytest.approx(1 / 3)
     assert common_period(from_document(parse(text + weld + gear, "w.yaml"))) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("torque", "expected"),
+    [
+        ("sin(t)**2", math.pi),
+        ("abs(sin(t))", math.pi),
+        ("sin(3*t)*sin(t)", math.pi),
+        ("tan(t/4)", 4 * math.pi),
+        ("9*(2*cos(t/3)**2 - 1)", 3 * math.pi),
+        ("exp(-50*sin(t/2)**2)", 2 * math.pi),
+        ("sin(t)**2*cos(t)**2", math.pi / 2),
+        ("cos(22*t) + cos(44*t)*cos(t)**2 - cos(44*t)*cos(2*t)/2", math.pi / 11),
+        # these are not to be reduced
+        ("sin(t)**2 + 1e-9*sin(t)", 2 * math.pi),
+        ("sin(t)", 2 * math.pi),
+        ("cos(t) + cos(2*t)", 2 * math.pi),
+        ("sin(t)**2 + cos(t)**2", 2 * math.pi),
+    ],
+)
+def test_laws_repeat_after_their_least_period(torque, expected):
+    load = f'loads: [{{bar: one, torque: "{torque}"}}]'
+    found = period("{angle: 0, speed: 0}", more=load)
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_least_period_of_a_law_that_turns_on_and_on():
+    """Two turns each second, and what goes with them four times."""
+    law = '{law: "4*pi*t + 0.1*sin(4*pi*t)**2"}'
+    assert period(law) == pytest.approx(0.5, rel=1e-12)
+
+
+def test_least_period_of_a_table():
+    values = "times: [0, 0.5, 1, 1.5, 2, 2.5, 3], values: [0, 1, 3, 0, 1, 3, 0], periodic: true"
+    assert period(f"{{law: {{table: {{{values}}}}}}}") == pytest.approx(1.5, rel=1e-12)

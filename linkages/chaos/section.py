@@ -110,12 +110,12 @@ def poincare(
     skip
         Points left out before.
     phase
-        Where in the period points are taken, from 0 to 1.
+        Where in the period points are taken, from 0 to 1; not with `section`.
     section
         Where points are taken instead: ``"slider9.velocity=0"``, an element, a quantity of position
         or velocity (angle, speed, position, velocity) and a value in SI.
     direction
-        ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value.
+        ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value of `section`.
     end
         Time until which crossings of a section are looked for; ``periods + skip`` times the common
         period of the drives (or the file's end time, if there is none) if not given.
@@ -143,7 +143,7 @@ def poincare(
         If the motion never crosses the section.
     """
     system = System(mechanism)
-    require_section(system, periods, skip, phase, section, direction)
+    require_section(system, periods, skip, phase, section, direction, end)
     settings = replace(section_settings(mechanism, method, rtol), watch=watch)
     attributes: dict[str, object]
     if section is None:
@@ -172,7 +172,13 @@ def poincare(
 
 
 def require_section(
-    system: System, periods: int, skip: int, phase: float, section: str | None, direction: str
+    system: System,
+    periods: int,
+    skip: int,
+    phase: float,
+    section: str | None,
+    direction: str,
+    end: float | None = None,
 ) -> None:
     """Whether arguments of `poincare` make sense, before anything is computed.
 
@@ -191,9 +197,31 @@ def require_section(
     if direction not in DIRECTIONS:
         raise ValueError(f"direction must be up, down or both, found {direction!r}")
     if section is None:
+        _require_stroboscopic(direction, end)
         stroboscopic_period(system.mechanism)
     else:
+        _require_geometric(phase, end)
         parse_section(system, section)
+
+
+def _require_stroboscopic(direction: str, end: float | None) -> None:
+    """Points at times cross nothing, and are as many as are asked for."""
+    needed = "goes with a section where a quantity has a value, and none is given"
+    if direction != "up":
+        raise ValueError(f"direction {direction!r} {needed}")
+    if end is not None:
+        raise ValueError(f"end = {end:g} s {needed}; points once a period end with their number")
+
+
+def _require_geometric(phase: float, end: float | None) -> None:
+    """Crossings have no phase, and are looked for after the start."""
+    if phase:
+        raise ValueError(
+            f"phase {phase:g} goes with points once a period; a section where a quantity has a "
+            "value has none"
+        )
+    if end is not None and not end > 0.0:
+        raise ValueError(f"end must be a time in s > 0, found {end:g}")
 
 
 def section_settings(mechanism: Mechanism, method: str | None, rtol: float | None) -> Settings:

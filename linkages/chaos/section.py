@@ -38,6 +38,8 @@ Floats = NDArray[np.float64]
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 SECTION = "slider9.velocity=0"
+ROOM = 2
+"""Periods beyond the points asked for until which crossings are looked for."""
 RATES = {
     "angle": "speed",
     "speed": "acceleration",
@@ -117,8 +119,8 @@ def poincare(
     direction
         ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value of `section`.
     end
-        Time until which crossings of a section are looked for; ``periods + skip`` times the common
-        period of the drives (or the file's end time, if there is none) if not given.
+        Time until which crossings of a section are looked for; if not given, ``periods + skip + 2``
+        times the common period of the drives (or the file's end time, if there is none).
     wrap
         Whether angles are taken within one turn.
     method, rtol
@@ -129,7 +131,8 @@ def poincare(
     Returns
     -------
     Dataset with `time` (crossing) and, for each kind of free coordinate, value and rate, such as
-    `clearance_angle` and `clearance_speed` (crossing, clearance).
+    `clearance_angle` and `clearance_speed` (crossing, clearance). The attribute ``warning`` says if
+    there are fewer points than asked for, since the time was over.
 
     Raises
     ------
@@ -148,12 +151,16 @@ def poincare(
     attributes: dict[str, object]
     if section is None:
         motion = _stroboscopic(system, settings, periods, skip, phase)
-        attributes = {"period": common_period(system.mechanism), "phase": phase}
+        attributes = {"period": common_period(system.mechanism), "phase": phase, "warning": ""}
     else:
         surface = parse_section(system, section)
         last = _limit(system, periods + skip) if end is None else end
         motion = _crossed(system, settings, surface, periods, skip, direction, last)
-        attributes = {"section": section, "direction": direction}
+        attributes = {
+            "section": section,
+            "direction": direction,
+            "warning": _shortage(motion, periods, last),
+        }
     data = labelled_states(
         system,
         free_values(system, motion, wrap),
@@ -256,10 +263,23 @@ def stroboscopic_period(mechanism: Mechanism) -> float:
 
 
 def _limit(system: System, points: int) -> float:
+    """The default end: time for all points of a section that is crossed once a period."""
     try:
-        return points * common_period(system.mechanism)
+        period = common_period(system.mechanism)
     except NoPeriodError:
-        return points * system.mechanism.simulation.end
+        period = system.mechanism.simulation.end
+    return (points + ROOM) * period
+
+
+def _shortage(motion: Motion, points: int, end: float) -> str:
+    """What to say of a motion that met too few points until the end."""
+    found = len(motion.time)
+    if motion.failure is not None or found >= points:
+        return ""
+    return (
+        f"{found} of {points} points: the section is not crossed more often within {end:.6g} s; "
+        "a later end may give more"
+    )
 
 
 def parse_section(system: System, text: str) -> Surface:

@@ -121,6 +121,15 @@ def test_crossings_half_a_turn_away_take_no_place():
         assert found.time.to_numpy() == pytest.approx(whole.time[:count].to_numpy(), abs=1e-9)
 
 
+def test_default_end_leaves_room_for_the_last_crossing():
+    """The damped arm follows its torque, and comes to rest once a period."""
+    text = DAMPED_PENDULUM.replace("AMPLITUDE", "0.5").replace("damping: 0.1", "damping: 5")
+    mechanism = from_document(parse(text, "damped.yaml"))
+    for skip in (5, 6):
+        found = linkages.poincare(mechanism, periods=4, skip=skip, section="upper.speed=0")
+        assert (found.sizes["crossing"], found.attrs["warning"]) == (4, "")
+
+
 def test_only_crossings_of_the_angle_itself_are_counted():
     with pytest.raises(ComputationError, match="is crossed 0 times within 20 s; expected"):
         linkages.poincare(arm("-60 deg"), periods=2, section="arm.angle=90 deg", end=20)

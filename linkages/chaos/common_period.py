@@ -3,18 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.components.mechanism import Mechanism
+from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.inputs import Inputs
+from linkages.kernel.laws import value_of
+from linkages.kernel.scalars import ScalarGraph
+from linkages.topology.orientation import slaves
 
 MOST_PERIODS = 1000
 """Largest number of one drive's periods within the common one."""
 
 EQUAL = 1e-9
 """Relative difference below which periods count as commensurable."""
+
+
+MOST_PARTS = 12
+"""Parts of a period that may be periods themselves; parts of these are tried again."""
+
+SAMPLES = 1000
+"""Times at which a law is compared with itself one part of its period later."""
+
+ROUND_OFF = 1e-12
+"""Difference, relative to the largest magnitude of a law, below which its values are the same."""
 
 
 class NoPeriodError(ValueError):
@@ -40,30 +58,68 @@ class _Course:
 def common_period(mechanism: Mechanism) -> float:
     """Time after which all drives and loads repeat, in seconds.
 
+    It is the least one of every law (as far as `MOST_PARTS` tells), and a multiple of all of them.
+    Bodies that follow driven ones by welds and gears have then made whole turns, too.
+
+    Parameters
+    ----------
+    mechanism
+        With all its free coordinates named, since gears may be solved for other bodies otherwise.
+
     Raises
     ------
     NoPeriodError
         If nothing depends on time, something does not repeat, or periods are incommensurable.
     """
     periods: list[float] = []
+    rates: dict[str, float] = {}
     for name, drive in mechanism.prescribed.items():
-        course = _course(drive.law)
+        course = _reduced(drive.law)
         if course.periods is None:
             raise NoPeriodError(f"the law of drive {name!r} does not repeat")
         periods += course.periods
         if course.rate:
             if not mechanism.bodies[name].rotates:
                 raise NoPeriodError(f"drive {name!r} moves on and on: its law does not repeat")
-            periods.append(2 * math.pi / abs(course.rate))
+            rates[name] = course.rate
+    periods += [2 * math.pi / abs(rate) for rate in _turning(mechanism, rates).values()]
     for load in mechanism.loads:
         for function in _functions(load):
-            course = _course(function)
+            course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")
             periods += course.periods
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
     return _common(periods)
+
+
+def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:
+    """Mean rates of all bodies that drives turn on and on, by welds and gears as well.
+
+    Parameters
+    ----------
+    mechanism
+        The bodies.
+    rates
+        Those of driven bodies.
+    """
+    followers = slaves(mechanism, (*mechanism.prescribed, *mechanism.initial))
+    found = dict(rates)
+
+    def rate(name: str) -> float:
+        if name in followers and name not in found:
+            relation = followers[name]
+            ratios = {other: ratio.value for other, ratio in relation.parts} | {relation.body: -1.0}
+            shares = [rate(other) * ratio for other, ratio in ratios.items() if other != name]
+            total = math.fsum(shares)
+            still = abs(total) <= EQUAL * sum(map(abs, shares))
+            found[name] = 0.0 if still else -total / ratios[name]
+        return found.get(name, 0.0)
+
+    for name in followers:
+        rate(name)
+    return {name: value for name, value in found.items() if value}
 
 
 def _functions(load: object) -> Iterator[Function]:
@@ -73,11 +129,58 @@ def _functions(load: object) -> Iterator[Function]:
         yield from (p for p in parts if isinstance(p, Number | Time | Operation | Table))
 
 
-def _course(function: Function) -> _Course:
-    """Mean rate and periods of a function."""
+def _reduced(function: Function) -> _Course:
+    """Mean rate of a law, and the least period of what it does beyond that.
+
+    A formula says only how often its parts repeat: sin(t)**2 repeats twice as often. So values of
+    the law are compared.
+    """
+    course = _course(function)
+    if not course.periods:
+        return course
+    period = _common(list(course.periods))
+    # the golden section spreads times evenly, and no period meets them twice
+    spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
+    times = period * spread
+    values = _values(function, times)
+    least = ROUND_OFF * float(np.abs(values).max())
+    beyond = values - course.rate * times
+    if not np.isfinite(beyond).all() or np.ptp(beyond) <= least:
+        return replace(course, periods=(period,))
+
+    def repeats(part: float) -> bool:
+        later = _values(function, times + part) - course.rate * (times + part)
+        return bool((np.abs(later - beyond) <= least).all())
+
+    while parts := [k for k in range(2, MOST_PARTS + 1) if repeats(period / k)]:
+        period /= parts[-1]
+    return replace(course, periods=(period,))
+
+
+def _values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a function at some times."""
+    inputs = Inputs(ScalarGraph(), 0)
+    (found,) = Evaluator([value_of(function, inputs)])(
+        t=times[None, :], p=np.array(list(inputs.parameters.values()))
+    )
+    return np.broadcast_to(found, times.shape)
+
+
+def _constant(function: Function) -> bool:
+    """Whether time does not occur in a function."""
     match function:
         case Number():
-            return _Course(0.0, ())
+            return True
+        case Operation(_, arguments):
+            return all(_constant(argument) for argument in arguments)
+    return False
+
+
+def _course(function: Function) -> _Course:
+    """Mean rate and periods of a function."""
+    if _constant(function):
+        return _Course(0.0, ())
+    match function:
         case Time():
             return _Course(1.0, ())
         case Table():
@@ -109,14 +212,21 @@ def _course(function: Function) -> _Course:
 def _product(name: str, a: Function, b: Function) -> _Course:
     """A constant factor scales the rate; otherwise both have to repeat."""
     one, other = _course(a), _course(b)
-    if isinstance(b, Number):
-        factor = b.parameter.value if name == "mul" else 1.0 / b.parameter.value
-        return _Course(one.rate * factor, one.periods)
-    if isinstance(a, Number) and name == "mul":
-        return _Course(other.rate * a.parameter.value, other.periods)
+    if _constant(b):
+        factor = _factor(b)
+        if name == "div" and not factor:
+            return _Course(0.0, None)
+        return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
+    if _constant(a) and name == "mul":
+        return _Course(other.rate * _factor(a), other.periods)
     if one.rate or other.rate:
         return _Course(0.0, None)
     return _Course(0.0, _joined([one, other]))
+
+
+def _factor(function: Function) -> float:
+    """The value of a function in which time does not occur."""
+    return float(_values(function, np.zeros(1))[0])
 
 
 def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:

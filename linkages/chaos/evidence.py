@@ -87,7 +87,7 @@ def _no_points(system: System, section: str) -> xr.Dataset:
         for output in PAIRS[dim]
     }
     time = ("crossing", np.empty(0), {"units": "s", "long_name": "time"})
-    attributes = {"section": section, "direction": "up"}
+    attributes = {"section": section, "direction": "up", "warning": ""}
     return labelled_states(system, values, "crossing", {"time": time}, attributes)
 
 

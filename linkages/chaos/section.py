@@ -29,6 +29,7 @@ from linkages.solvers.events import Event
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.methods import FIXED_STEP_METHODS
 from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +38,8 @@ Floats = NDArray[np.float64]
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 SECTION = "slider9.velocity=0"
+ROOM = 2
+"""Periods beyond the points asked for until which crossings are looked for."""
 RATES = {
     "angle": "speed",
     "speed": "acceleration",
@@ -77,7 +80,7 @@ class Surface:
         return replace(self.series, variable=f"{kind}_{RATES[quantity]}")
 
     def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
-        """What crosses zero there (an angle also half a turn away), and its rate."""
+        """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
         difference, rate = self.series.node(model) - self.level, self.rate.node(model)
         if not self.turns:
             return difference, rate
@@ -109,15 +112,15 @@ def poincare(
     skip
         Points left out before.
     phase
-        Where in the period points are taken, from 0 to 1.
+        Where in the period points are taken, from 0 to 1; not with `section`.
     section
         Where points are taken instead: ``"slider9.velocity=0"``, an element, a quantity of position
         or velocity (angle, speed, position, velocity) and a value in SI.
     direction
-        ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value.
+        ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value of `section`.
     end
-        Time until which crossings of a section are looked for; ``periods + skip`` times the common
-        period of the drives (or the file's end time, if there is none) if not given.
+        Time until which crossings of a section are looked for; if not given, ``periods + skip + 2``
+        times the common period of the drives (or the file's end time, if there is none).
     wrap
         Whether angles are taken within one turn.
     method, rtol
@@ -128,7 +131,8 @@ def poincare(
     Returns
     -------
     Dataset with `time` (crossing) and, for each kind of free coordinate, value and rate, such as
-    `clearance_angle` and `clearance_speed` (crossing, clearance).
+    `clearance_angle` and `clearance_speed` (crossing, clearance). The attribute ``warning`` says if
+    there are fewer points than asked for, since the time was over.
 
     Raises
     ------
@@ -142,17 +146,21 @@ def poincare(
         If the motion never crosses the section.
     """
     system = System(mechanism)
-    require_section(system, periods, skip, phase, section, direction)
+    require_section(system, periods, skip, phase, section, direction, end)
     settings = replace(section_settings(mechanism, method, rtol), watch=watch)
     attributes: dict[str, object]
     if section is None:
         motion = _stroboscopic(system, settings, periods, skip, phase)
-        attributes = {"period": common_period(mechanism), "phase": phase}
+        attributes = {"period": common_period(system.mechanism), "phase": phase, "warning": ""}
     else:
         surface = parse_section(system, section)
         last = _limit(system, periods + skip) if end is None else end
         motion = _crossed(system, settings, surface, periods, skip, direction, last)
-        attributes = {"section": section, "direction": direction}
+        attributes = {
+            "section": section,
+            "direction": direction,
+            "warning": _shortage(motion, periods, last),
+        }
     data = labelled_states(
         system,
         free_values(system, motion, wrap),
@@ -171,7 +179,13 @@ def poincare(
 
 
 def require_section(
-    system: System, periods: int, skip: int, phase: float, section: str | None, direction: str
+    system: System,
+    periods: int,
+    skip: int,
+    phase: float,
+    section: str | None,
+    direction: str,
+    end: float | None = None,
 ) -> None:
     """Whether arguments of `poincare` make sense, before anything is computed.
 
@@ -190,9 +204,31 @@ def require_section(
     if direction not in DIRECTIONS:
         raise ValueError(f"direction must be up, down or both, found {direction!r}")
     if section is None:
+        _require_stroboscopic(direction, end)
         stroboscopic_period(system.mechanism)
     else:
+        _require_geometric(phase, end)
         parse_section(system, section)
+
+
+def _require_stroboscopic(direction: str, end: float | None) -> None:
+    """Points at times cross nothing, and are as many as are asked for."""
+    needed = "goes with a section where a quantity has a value, and none is given"
+    if direction != "up":
+        raise ValueError(f"direction {direction!r} {needed}")
+    if end is not None:
+        raise ValueError(f"end = {end:g} s {needed}; points once a period end with their number")
+
+
+def _require_geometric(phase: float, end: float | None) -> None:
+    """Crossings have no phase, and are looked for after the start."""
+    if phase:
+        raise ValueError(
+            f"phase {phase:g} goes with points once a period; a section where a quantity has a "
+            "value has none"
+        )
+    if end is not None and not end > 0.0:
+        raise ValueError(f"end must be a time in s > 0, found {end:g}")
 
 
 def section_settings(mechanism: Mechanism, method: str | None, rtol: float | None) -> Settings:
@@ -227,10 +263,23 @@ def stroboscopic_period(mechanism: Mechanism) -> float:
 
 
 def _limit(system: System, points: int) -> float:
+    """The default end: time for all points of a section that is crossed once a period."""
     try:
-        return points * common_period(system.mechanism)
+        period = common_period(system.mechanism)
     except NoPeriodError:
-        return points * system.mechanism.simulation.end
+        period = system.mechanism.simulation.end
+    return (points + ROOM) * period
+
+
+def _shortage(motion: Motion, points: int, end: float) -> str:
+    """What to say of a motion that met too few points until the end."""
+    found = len(motion.time)
+    if motion.failure is not None or found >= points:
+        return ""
+    return (
+        f"{found} of {points} points: the section is not crossed more often within {end:.6g} s; "
+        "a later end may give more"
+    )
 
 
 def parse_section(system: System, text: str) -> Surface:
@@ -276,45 +325,22 @@ def _crossed(
     end: float,
 ) -> Motion:
     """Integrate until enough crossings are found."""
-    flow = Flows(system).flow()
     wanted = points + skip
-    # An angle's sine vanishes half a turn away as well, going the other way.
-    capacity = 2 * wanted + 2 if surface.turns else wanted
-    event = Event(
-        function=watched(system, surface.nodes),
-        direction=0 if surface.turns else DIRECTIONS[direction],
-        terminal=capacity,
-        capacity=capacity,
-    )
-    trajectory = integrate(
-        flow,
-        system.state,
-        [end],
-        start=system.time,
-        method=settings.method,
-        rtol=settings.rtol,
-        atol=settings.atol,
-        step=settings.step,
-        events=[event],
-        watch=settings.watch,
-    )
+    capacity = wanted
+    while True:
+        trajectory = _integrated(system, settings, surface, direction, end, capacity)
+        piece = _met(system, surface, trajectory)
+        if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
+            break
+        capacity *= 2  # others used it up
     ended = trajectory.outcome in (Outcome.DONE, Outcome.EVENT)
-    found = trajectory.crossings[0]
-    piece = Piece(
-        system=system,
-        time=found.time,
-        state=found.state.T,
-        turns=found.turns.T.astype(float),
-        acceleration=np.zeros(found.turns.T.shape),
-    )
-    if surface.turns:
-        piece = piece.part(_right_way(piece, surface, DIRECTIONS[direction]))
+    count = len(piece.time)
     piece = piece.part(slice(skip, wanted))
     if ended and not len(piece.time):
         raise NeverCrossedError(
             f"the section {surface.series.name} = {surface.level:g} is crossed "
-            f"{len(found.time)} times within {end:.6g} s"
-            + (f", and {skip} are skipped" if len(found.time) else "")
+            f"{count} times within {end:.6g} s"
+            + (f", and {skip} are skipped" if count else "")
             + "; expected a value that the motion reaches",
             time=float(end),
         )
@@ -326,9 +352,42 @@ def _crossed(
     )
 
 
-def _right_way(piece: Piece, surface: Surface, direction: int) -> NDArray[np.bool_]:
-    """Crossings of the angle itself, in the direction asked for."""
-    nodes = [series.node(piece.system.model) for series in (surface.series, surface.rate)]
-    values = piece.system.evaluate(nodes, piece.time, piece.state)
-    there = np.cos(values[0] - surface.level) > 0
-    return there if direction == 0 else there & (values[1] * direction > 0)
+def _integrated(
+    system: System, settings: Settings, surface: Surface, direction: str, end: float, capacity: int
+) -> Trajectory:
+    """Integrate until a number of zeros are met, or to the end."""
+    event = Event(
+        function=watched(system, surface.nodes),
+        direction=DIRECTIONS[direction],
+        terminal=capacity,
+        capacity=capacity,
+    )
+    return integrate(
+        Flows(system).flow(),
+        system.state,
+        [end],
+        start=system.time,
+        method=settings.method,
+        rtol=settings.rtol,
+        atol=settings.atol,
+        step=settings.step,
+        events=[event],
+        watch=settings.watch,
+    )
+
+
+def _met(system: System, surface: Surface, trajectory: Trajectory) -> Piece:
+    """The crossings of a trajectory, without those of an angle half a turn away."""
+    found = trajectory.crossings[0]
+    piece = Piece(
+        system=system,
+        time=found.time,
+        state=found.state.T,
+        turns=found.turns.T.astype(float),
+        acceleration=np.zeros(found.turns.T.shape),
+    )
+    if not surface.turns:
+        return piece
+    node = surface.series.node(system.model)
+    (angle,) = system.evaluate([node], piece.time, piece.state)
+    return piece.part(np.cos(angle - surface.level) > 0)

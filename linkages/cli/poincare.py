@@ -9,10 +9,13 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
-from linkages.cli.terminal import console, number, print_json, progress, table
+from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 
 if TYPE_CHECKING:
     import xarray as xr
+
+APART = ("name", "source", "warning")
+"""Attributes that do not say how points are taken."""
 
 
 def run_poincare(request: Request, **section: Any) -> int:
@@ -40,10 +43,11 @@ def run_poincare(request: Request, **section: Any) -> int:
             {
                 "mechanism": mechanism.name,
                 "points": data.sizes["crossing"],
-                "taken": {k: v for k, v in data.attrs.items() if k not in ("name", "source")},
+                "taken": {k: v for k, v in data.attrs.items() if k not in APART},
                 "first": float(data["time"][0]),
                 "last": float(data["time"][-1]),
                 "coordinates": rows,
+                "warning": data.attrs["warning"] or None,
                 "files": [str(path) for path in written],
             }
         )
@@ -51,6 +55,7 @@ def run_poincare(request: Request, **section: Any) -> int:
     screen = console()
     screen.print(f"[bold]{escape(mechanism.name)}[/bold]: {escape(taken(data))}")
     screen.print(section_table(rows))
+    print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
     screen.print(f"{len(written)} files in {folder}", markup=False)
     return 0
 

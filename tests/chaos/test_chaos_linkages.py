@@ -95,6 +95,46 @@ def test_section_at_an_angle_takes_whole_turns_only():
     assert (found.bar_speed.sel(bar=name) > 0).all()
 
 
+SWINGING = """\
+name: Pendulum
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1}}
+masses: {P: 1 kg}
+free: {arm: {angle: ANGLE}}
+simulate: {end: 20, rtol: 1e-10}
+"""
+
+
+def arm(angle: str) -> linkages.Mechanism:
+    return from_document(parse(SWINGING.replace("ANGLE", angle), "arm.yaml"))
+
+
+def test_crossings_half_a_turn_away_take_no_place():
+    """The upper bar swings through the bottom for 12 s before it first goes over the top."""
+    section = {"section": "upper.angle=90 deg", "direction": "both", "end": 60}
+    whole = linkages.poincare(pendulum(20.0), periods=6, **section)
+    assert whole.sizes["crossing"] == 6
+    assert np.abs(whole.bar_angle.sel(bar="upper") - np.pi / 2).max() < 1e-9
+    for count in (1, 2):
+        found = linkages.poincare(pendulum(20.0), periods=count, **section)
+        assert found.time.to_numpy() == pytest.approx(whole.time[:count].to_numpy(), abs=1e-9)
+
+
+def test_default_end_leaves_room_for_the_last_crossing():
+    """The damped arm follows its torque, and comes to rest once a period."""
+    text = DAMPED_PENDULUM.replace("AMPLITUDE", "0.5").replace("damping: 0.1", "damping: 5")
+    mechanism = from_document(parse(text, "damped.yaml"))
+    for skip in (5, 6):
+        found = linkages.poincare(mechanism, periods=4, skip=skip, section="upper.speed=0")
+        assert (found.sizes["crossing"], found.attrs["warning"]) == (4, "")
+
+
+def test_only_crossings_of_the_angle_itself_are_counted():
+    with pytest.raises(ComputationError, match="is crossed 0 times within 20 s; expected"):
+        linkages.poincare(arm("-60 deg"), periods=2, section="arm.angle=90 deg", end=20)
+
+
 @pytest.mark.parametrize(
     ("section", "words"),
     [

@@ -76,6 +76,24 @@ def test_geometric_section(pendulum, tmp_path):
     np.testing.assert_allclose(opened(tmp_path, "poincare.nc")["bar_speed"], 0, atol=1e-7)
 
 
+def test_too_few_points_are_noted(pendulum, tmp_path):
+    arguments = ("--section", "arm.speed=0", "--periods", "20", "--end", "30", "--no-figures")
+    result = pendulum("poincare", *arguments)
+    count = opened(tmp_path, "poincare.nc").sizes["crossing"]
+    assert 0 < count < 20
+    assert (result.code, result.err) == (0, "")
+    note = f"{count} of 20 points: the section is not crossed more often within 30 s"
+    assert f"note: {note}" in result.out
+    content = json.loads(pendulum("poincare", *arguments, "--json").out)
+    assert content["warning"].startswith(note)
+    assert set(content["taken"]) == {"section", "direction"}
+
+
+def test_enough_points_need_no_note(pendulum):
+    result = pendulum("poincare", "--periods", "3", "--json", "--no-figures")
+    assert json.loads(result.out)["warning"] is None
+
+
 def test_a_section_that_ends_early_is_kept(cli, tmp_path):
     """Rocker 6 and link 8 fold onto each other at t = 1.546 s."""
     result = cli(
@@ -306,6 +324,12 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
         ("phase", ["--x", "arm.angl", "--y", "arm.speed"], "did you mean 'angle'"),
         ("phase", ["--x", "arm.angle", "--y", "arm.speed", "--skip", "11"], "skip must be"),
         ("poincare", ["--phase", "1.5"], "phase must be from 0 to below 1"),
+        ("poincare", ["--end", "5"], "end = 5 s goes with a section"),
+        ("poincare", ["--direction", "both"], "direction 'both' goes with a section"),
+        ("poincare", ["--section", "arm.speed=0", "--phase", "0.5"], "phase 0.5 goes with points"),
+        ("poincare", ["--section", "arm.speed=0", "--end", "0"], "end must be a time in s > 0"),
+        ("poincare", ["--section", "arm.speed=0", "--end", "-5"], "end must be a time in s > 0"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--direction", "down"], "goes with a sect"),
         ("poincare", ["--periods", "0"], "expected periods > 0"),
         ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),
         ("poincare", ["--method", "dopr"], "dopr"),

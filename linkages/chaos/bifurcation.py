@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.common_period import NoPeriodError
 from linkages.chaos.continuation import End, crossing_points, stroboscopic_points
 from linkages.chaos.free_states import PAIRS, free_names
 from linkages.chaos.lyapunov import run_exponents
 from linkages.chaos.section import poincare, require_section, section_settings
 from linkages.chaos.sweep import INTERRUPTED, Executor, Progress, sweep
-from linkages.chaos.varied import Axis, axis, units, varied
+from linkages.chaos.varied import Axis, axis, first_possible, units, varied
 from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.motion import Settings
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 STARTS = ("same", "forward", "backward")
 EXPONENT_PERIODS = 100
+SECTION = ("periods", "skip", "phase", "section", "direction")
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +51,27 @@ class _Request:
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
         return varied(self.mechanism, {**self.axis.at(index), **overrides})
+
+    def system(self, point: Point) -> System:
+        """The mechanism at a value, assembled."""
+        return System(self.at(*point))
+
+    def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
+        """The system at the first value that has one; what is wrong everywhere shows here."""
+        points = [[(index, over) for index in range(len(self.axis))] for over in initial]
+        system = first_possible(self.system, points[0])
+        for others in points[1:]:
+            first_possible(lambda point: self.at(*point), others)
+        taken = {key: self.section[key] for key in SECTION}
+        try:
+            require_section(system, **taken)
+        except NoPeriodError:
+            first_possible(
+                lambda point: require_section(self.system(point), **taken),
+                points[0],
+                (InputError, NoPeriodError),
+            )
+        return system
 
     def compute(self, point: Point) -> dict[str, Floats]:
         """The points of a value from the state of the file."""
@@ -151,10 +175,7 @@ def bifurcation(
     taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
     request = _Request(mechanism, values, taken, exponent)
-    system = System(request.at(0, initial[0]))  # what is wrong with the request shows here
-    for other in initial[1:]:
-        request.at(0, other)
-    require_section(system, periods, skip, phase, section, direction)
+    system = request.checked(initial)
     if start == "same":
         found, interrupted = _independent(request, initial, executor, watch)
     else:

@@ -72,7 +72,8 @@ class End:
 
 def end_of(system: System, motion: Motion) -> End:
     """Where a motion of a system ended, at its last sample."""
-    piece = motion.pieces[-1].direct().part(slice(-1, None))
+    last = next(piece for piece in reversed(motion.pieces) if len(piece.wanted))
+    piece = last.direct().part(slice(-1, None))
     positions = piece.system.model.positions
     nodes = [node for place in positions.joints.values() for node in (place.x, place.y)]
     carried = system.topology.carried

@@ -10,29 +10,34 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.common_period import NoPeriodError
+from linkages.chaos.continuation import End, crossing_points, stroboscopic_points
 from linkages.chaos.free_states import PAIRS, free_names
-from linkages.chaos.lyapunov import lyapunov
-from linkages.chaos.section import poincare, require_section
+from linkages.chaos.lyapunov import run_exponents
+from linkages.chaos.section import poincare, require_section, section_settings
 from linkages.chaos.sweep import INTERRUPTED, Executor, Progress, sweep
-from linkages.chaos.varied import Axis, axis, units, varied
+from linkages.chaos.varied import Axis, axis, first_possible, units, varied
 from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.solution.motion import Settings
 
 if TYPE_CHECKING:
     import xarray as xr
 
 STARTS = ("same", "forward", "backward")
 EXPONENT_PERIODS = 100
+SECTION = ("periods", "skip", "phase", "section", "direction")
 
 Floats = NDArray[np.float64]
 
 
-State = dict[str, tuple[float, float]]
-"""Free coordinate → value and rate."""
+Point = tuple[int, Mapping[str, object]]
+"""Index of a value, and overrides of an initial state."""
 
-Point = tuple[int, Mapping[str, object], State]
-"""Index of a value, overrides of an initial state, and from where to go on instead."""
+Followed = tuple[dict[str, Floats], End | None]
+"""What was found at a value, and from where its neighbour goes on; None if the motion stopped."""
 
 
 @dataclass(frozen=True)
@@ -47,20 +52,66 @@ class _Request:
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
         return varied(self.mechanism, {**self.axis.at(index), **overrides})
 
+    def system(self, point: Point) -> System:
+        """The mechanism at a value, assembled."""
+        return System(self.at(*point))
+
+    def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
+        """The system at the first value that has one; what is wrong everywhere shows here."""
+        points = [[(index, over) for index in range(len(self.axis))] for over in initial]
+        system = first_possible(self.system, points[0])
+        for others in points[1:]:
+            first_possible(lambda point: self.at(*point), others)
+        taken = {key: self.section[key] for key in SECTION}
+        try:
+            require_section(system, **taken)
+        except NoPeriodError:
+            first_possible(
+                lambda point: require_section(self.system(point), **taken),
+                points[0],
+                (InputError, NoPeriodError),
+            )
+        return system
+
     def compute(self, point: Point) -> dict[str, Floats]:
-        index, overrides, state = point
-        mechanism = self.at(index, overrides)
-        if state:
-            mechanism = mechanism.with_state(state)
+        """The points of a value from the state of the file."""
+        mechanism = self.at(*point)
         data = poincare(mechanism, **self.section)
         found = {str(name): np.asarray(values) for name, values in data.data_vars.items()}
-        found["time"] = np.asarray(data["time"])
-        if self.exponent:
-            run = {key: self.section[key] for key in ("skip", "method", "rtol")}
-            exponents = lyapunov(mechanism, periods=EXPONENT_PERIODS, count=1, **run)
-            found["exponent"] = np.asarray(exponents["exponent"][0])
-            found["error"] = np.asarray(exponents["error"][0])
-        return found
+        return found | self._exponent(mechanism, None)
+
+    def follow(self, point: tuple[int, Mapping[str, object], End | None]) -> Followed:
+        """The points of a value from where another motion ended, and where this one ends."""
+        index, overrides, before = point
+        mechanism = self.at(index, overrides)
+        if self.section["section"] is None:
+            system = _going_on(mechanism, before)
+            taken = {key: self.section[key] for key in ("periods", "skip", "phase")}
+            found, end = stroboscopic_points(system, self._settings(mechanism), **taken)
+        else:
+            settings = self._settings(mechanism)
+            found, end = crossing_points(mechanism, before, settings, self.section)
+        return found | self._exponent(mechanism, before), end
+
+    def _settings(self, mechanism: Mechanism) -> Settings:
+        return section_settings(mechanism, self.section["method"], self.section["rtol"])
+
+    def _exponent(self, mechanism: Mechanism, before: End | None) -> dict[str, Floats]:
+        """The largest exponent and its error, if they are asked for."""
+        if not self.exponent:
+            return {}
+        exponents = run_exponents(
+            _going_on(mechanism, before),
+            self._settings(mechanism),
+            periods=EXPONENT_PERIODS,
+            skip=self.section["skip"],
+            count=1,
+        )
+        return {"exponent": exponents.values[0], "error": exponents.errors[0]}
+
+
+def _going_on(mechanism: Mechanism, before: End | None) -> System:
+    return System(mechanism) if before is None else before.system(mechanism)
 
 
 def bifurcation(
@@ -92,7 +143,8 @@ def bifurcation(
         As `linkages.poincare` takes them.
     start
         ``"same"``: each value starts from the state of the file; ``"forward"`` or ``"backward"``:
-        from the last state of the value before or behind it, which shows hysteresis.
+        from the last state of the value before or behind it, in the same assembly mode and at the
+        start of a period of the drives, which shows hysteresis.
     initial
         Overrides of the file, one for each initial state that is tried at every value, such as
         ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
@@ -123,15 +175,11 @@ def bifurcation(
     taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
     request = _Request(mechanism, values, taken, exponent)
-    system = System(request.at(0, initial[0]))  # what is wrong with the request shows here
-    for other in initial[1:]:
-        request.at(0, other)
-    require_section(system, periods, skip, phase, section, direction)
+    system = request.checked(initial)
     if start == "same":
         found, interrupted = _independent(request, initial, executor, watch)
     else:
-        names = free_names(system)
-        found, interrupted = _continued(request, names, initial, start, executor, watch)
+        found, interrupted = _continued(request, initial, start, executor, watch)
     return _labelled(system, request, found, len(initial), periods, interrupted)
 
 
@@ -146,7 +194,7 @@ def _independent(
     watch: Callable[[Progress], None] | None,
 ) -> tuple[Found, bool]:
     """Every value from the state of the file."""
-    points: list[Point] = [(i, over, {}) for over in initial for i in range(len(request.axis))]
+    points: list[Point] = [(i, over) for over in initial for i in range(len(request.axis))]
     swept = sweep(request.compute, points, executor=executor, watch=watch)
     results = [None if o is None else o.value for o in swept.outcomes]
     return list(zip(results, swept.reasons, strict=True)), swept.interrupted
@@ -154,7 +202,6 @@ def _independent(
 
 def _continued(
     request: _Request,
-    names: Mapping[str, Sequence[str]],
     initial: Sequence[Mapping[str, object]],
     start: str,
     executor: Executor | None,
@@ -163,22 +210,22 @@ def _continued(
     """Every value from the last state of its neighbour, all initial states side by side."""
     count = len(request.axis)
     order = range(count) if start == "forward" else range(count - 1, -1, -1)
-    states: list[State] = [{} for _ in initial]
+    ends: list[End | None] = [None for _ in initial]
     found: Found = [(None, INTERRUPTED)] * (len(initial) * count)
     begun = time.monotonic()
     for done, index in enumerate(order):
         swept = sweep(
-            request.compute,
-            [(index, *start) for start in zip(initial, states, strict=True)],
+            request.follow,
+            [(index, *start) for start in zip(initial, ends, strict=True)],
             executor=executor,
             watch=_onwards(watch, done * len(initial), count * len(initial), begun),
             alone=not done,  # later values find everything compiled
         )
         for row, outcome in enumerate(swept.outcomes):
             if outcome is not None:
-                found[row * count + index] = (outcome.value, outcome.reason or "")
-                if outcome.value is not None:
-                    states[row] = _last_state(names, outcome.value)
+                points, end = (None, None) if outcome.value is None else outcome.value
+                found[row * count + index] = (points, outcome.reason or "")
+                ends[row] = ends[row] if end is None else end
         if swept.interrupted:
             return found, True
     return found, False
@@ -191,14 +238,6 @@ def _onwards(
     if watch is None:
         return None
     return lambda progress: watch(Progress.after(before + progress.done, total, begun))
-
-
-def _last_state(names: Mapping[str, Sequence[str]], found: Mapping[str, Floats]) -> State:
-    state: State = {}
-    for dim, elements in names.items():
-        value, rate = (found[output][-1] for output in PAIRS[dim])
-        state |= {n: (float(value[i]), float(rate[i])) for i, n in enumerate(elements)}
-    return state
 
 
 def _labelled(

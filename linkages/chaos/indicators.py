@@ -40,7 +40,8 @@ class Indicators:
     fli
         ln of the largest stretching of any tangent so far, shape (n,).
     gali
-        Volume spanned by the k tangents of unit length, shape (n,); `ROUND_OFF` at least.
+        Volume spanned by the k tangents of unit length, shape (n,); `ROUND_OFF` once it has
+        reached that, for from then on it is that of round-off.
     """
 
     times: Floats
@@ -61,7 +62,9 @@ class Indicators:
 
         With friction tangents also align along regular motions.
         """
-        return classify(self.times, -np.log(self.gali))
+        parallel = self.gali <= ROUND_OFF
+        told = int(np.argmax(parallel)) + 1 if parallel.any() else len(parallel)
+        return classify(self.times[:told], -np.log(self.gali[:told]))
 
 
 def fast_indicators(
@@ -87,7 +90,7 @@ def fast_indicators(
 
     Returns
     -------
-    Fewer values than intervals where both indicators have become certain of chaos earlier.
+    Both at the end of every interval. FLI goes on growing where tangents have become parallel.
 
     Raises
     ------
@@ -107,7 +110,7 @@ def fast_indicators(
     start = system.time
     grown = np.zeros(count)
     times, fli, gali = np.empty(intervals), np.empty(intervals), np.empty(intervals)
-    done, highest = 0, 0.0
+    highest, volume = 0.0, np.inf
     for number in range(intervals):
         system.advance(interval)
         tangents = system.tangents
@@ -117,14 +120,12 @@ def fast_indicators(
         grown += np.log(lengths)
         highest = max(highest, float(grown.max()))
         times[number], fli[number] = system.time - start, highest
-        volume = np.prod(np.linalg.svd(tangents, compute_uv=False))
-        gali[number] = max(float(volume), ROUND_OFF)
-        done = number + 1
+        if volume > ROUND_OFF:
+            volume = max(float(np.prod(np.linalg.svd(tangents, compute_uv=False))), ROUND_OFF)
+        gali[number] = volume
         if watch is not None:
-            watch(done / intervals)
-        if volume <= ROUND_OFF and classify(times[:done], fli[:done]) is Verdict.CHAOTIC:
-            break
-    return Indicators(times=times[:done], fli=fli[:done], gali=gali[:done])
+            watch((number + 1) / intervals)
+    return Indicators(times=times, fli=fli, gali=gali)
 
 
 def classify(times: Floats, logarithm: Floats) -> Verdict:

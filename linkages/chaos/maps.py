@@ -15,7 +15,7 @@ from linkages.chaos.lyapunov import characteristic_period
 from linkages.chaos.section import section_settings
 from linkages.chaos.sweep import Executor, Progress, sweep
 from linkages.chaos.tangents import LinkageTangents
-from linkages.chaos.varied import Axis, varied
+from linkages.chaos.varied import Axis, first_possible, require_different, varied
 from linkages.chaos.varied import units as units_of
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.system import System
@@ -45,10 +45,18 @@ class _Request:
     method: str | None
     rtol: float | None
 
+    def at(self, point: tuple[int, int]) -> Mechanism:
+        """The mechanism at a column and a row."""
+        column, row = point
+        return varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
+
+    def system(self, point: tuple[int, int]) -> System:
+        """The same, assembled."""
+        return System(self.at(point))
+
     def compute(self, point: tuple[int, int]) -> tuple[float, dict[str, str]]:
         """The indicator and what every free angle does."""
-        column, row = point
-        mechanism = varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
+        mechanism = self.at(point)
         settings = section_settings(mechanism, self.method, self.rtol)
         count = 1 if self.indicator == "exponent" else 2
         system = _Followed(
@@ -145,9 +153,10 @@ def chaos_map(
     if periods < 4:
         raise ValueError(f"a map needs at least 4 periods, found {periods}")
     request = _Request(mechanism, x, y, indicator, periods, method, rtol)
-    first = System(varied(mechanism, {**x.at(0), **y.at(0)}))  # what is wrong shows here
-    require_free(first)
+    require_different((x, y))
     points = [(column, row) for row in range(len(y)) for column in range(len(x))]
+    first = first_possible(request.system, points)  # what is wrong everywhere shows here
+    require_free(first)
     swept = sweep(request.compute, points, executor=executor, watch=watch)
     found = [None if outcome is None else outcome.value for outcome in swept.outcomes]
     bodies = first.mechanism.bodies

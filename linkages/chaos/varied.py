@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +13,13 @@ from numpy.typing import NDArray
 from linkages.components.definition import from_document
 from linkages.components.mechanism import Mechanism
 from linkages.components.units import unit_at
+from linkages.errors import InputError
 from linkages.reading.overrides import apply
+from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number
+
+Point = TypeVar("Point")
+Result = TypeVar("Result")
 
 RANGE = "clearances.r1.size=0.01mm:0.5mm:200"
 
@@ -111,8 +118,47 @@ def together(axes: Sequence[Axis]) -> Axis:
     """Several ranges in lockstep."""
     if len({len(found) for found in axes}) != 1 or len({found.unit for found in axes}) != 1:
         raise ValueError("ranges that vary together need equally many values and the same unit")
+    require_different(axes)
     paths = tuple(path for found in axes for path in found.paths)
     return Axis(paths, np.concatenate([found.values for found in axes]), axes[0].unit)
+
+
+def require_different(axes: Iterable[Axis]) -> None:
+    """Whether each path is varied once.
+
+    Raises
+    ------
+    ValueError
+        If one stands in several ranges, of which only the last would count.
+    """
+    counts = Counter(split(path) or (path,) for found in axes for path in found.paths)
+    paths = {split(path) or (path,): path for found in axes for path in found.paths}
+    twice = [paths[path] for path, count in counts.items() if count > 1]
+    if twice:
+        raise ValueError(f"{twice[0]} is varied by two ranges; expected different paths")
+
+
+def first_possible(
+    task: Callable[[Point], Result],
+    points: Iterable[Point],
+    errors: type[Exception] | tuple[type[Exception], ...] = InputError,
+) -> Result:
+    """The result at the first point of a sweep that has one, for what is needed before it.
+
+    Raises
+    ------
+    Exception
+        One of `errors`, that of the first point, if none has.
+    """
+    refusal: Exception | None = None
+    for point in points:
+        try:
+            return task(point)
+        except errors as error:
+            refusal = refusal or error
+    if refusal is None:
+        raise ValueError("a sweep needs at least one point")
+    raise refusal
 
 
 def varied(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:

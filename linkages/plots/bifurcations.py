@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.free_axes import Free, free_coordinates, show_output, values_of
+from linkages.plots.parameters import cell_borders, show_path, shown_values
 from linkages.plots.sections import SMALLEST
 from linkages.plots.style import (
     BLACK,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 HEIGHT, GAP, LEGEND = 2.4, 0.28, 0.16
+HEADED = 0.42  # inches between panels, instead of GAP, where they have headings
 SIZES = ((80, 2.0), (300, 1.4))
 WIDER = 0.45  # dots of each further start: they show beneath those of the first
 BAND = 2.0
@@ -57,7 +59,8 @@ def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
         return None
     below = "exponent" in data and not rates
     entries = _entries(data)
-    result, axes = _stacked(len(found) + below, LEGEND * -(-len(entries) // _columns(entries)))
+    legend = LEGEND * -(-len(entries) // _columns(entries))
+    result, axes = _stacked(len(found) + below, legend, HEADED if len(found) > 1 else GAP)
     for ax, coordinate in zip(axes, found, strict=False):
         draw(ax, data, coordinate, rates=rates)
         if len(found) > 1:
@@ -77,23 +80,21 @@ def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
     return result
 
 
-def _stacked(rows: int, legend: float) -> tuple[Figure, list[Axes]]:
+def _stacked(rows: int, legend: float, gap: float) -> tuple[Figure, list[Axes]]:
     """Panels that stand close to each other, with room for a legend above the first."""
-    total = rows * HEIGHT + (rows - 1) * GAP + TOP + legend + BOTTOM
+    total = rows * HEIGHT + (rows - 1) * gap + TOP + legend + BOTTOM
     result = Figure(figsize=(WIDTH, total))
     width = (WIDTH - LEFT - RIGHT) / WIDTH
     axes = []
     for row in range(rows):
-        bottom = BOTTOM + (rows - 1 - row) * (HEIGHT + GAP)
+        bottom = BOTTOM + (rows - 1 - row) * (HEIGHT + gap)
         axes.append(result.add_axes((LEFT / WIDTH, bottom / total, width, HEIGHT / total)))
     return result, axes
 
 
 def parameter(data: xr.Dataset) -> tuple[Array, str]:
-    """Values of the parameter, and the label of its axis."""
-    path = str(data.attrs["varied"])
-    unit = str(data[path].attrs.get("units", ""))
-    return np.asarray(data[path], dtype=float), f"{path} [{unit}]" if unit else path
+    """Values of the parameter as they are drawn, and the label of its axis."""
+    return shown_values(data, str(data.attrs["varied"]))
 
 
 def start_names(data: xr.Dataset) -> list[str]:
@@ -147,13 +148,6 @@ def shade_missing(ax: Axes, data: xr.Dataset) -> None:
         ax.axvspan(borders[index], borders[index + 1], color=PALE, linewidth=0, zorder=0.5)
 
 
-def cell_borders(places: Array) -> Array:
-    """Borders half-way between neighbouring places, shape (n + 1,)."""
-    middle = 0.5 * (places[1:] + places[:-1])
-    first, last = places[0] - (middle[0] - places[0]), places[-1] + (places[-1] - middle[-1])
-    return np.concatenate([[first], middle, [last]])
-
-
 def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the largest exponent of each start with a band of two standard errors."""
     x, _ = parameter(data)
@@ -171,12 +165,8 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
 
 
 def show_parameter(ax: Axes, data: xr.Dataset) -> None:
-    """Limits and label of the axis of the parameter."""
-    x, label = parameter(data)
-    borders = cell_borders(x)
-    low, high = sorted((float(borders[0]), float(borders[-1])))
-    ax.set_xlim(low, high)
-    ax.set_xlabel(label)
+    """Limits, ticks and label of the axis of the parameter."""
+    show_path(ax, "x", data, str(data.attrs["varied"]))
 
 
 def _entries(data: xr.Dataset) -> dict[str, Patch]:

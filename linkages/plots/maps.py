@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from linkages.plots.bifurcations import cell_borders
+from linkages.plots.parameters import show_path
 from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
 
 if TYPE_CHECKING:
@@ -122,15 +122,10 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
 
 
 def _frame(ax: Axes, data: xr.Dataset) -> tuple[Array, Array]:
-    """Labels of both axes; borders of cells."""
-    borders = []
-    for dim, label in (("x", ax.set_xlabel), ("y", ax.set_ylabel)):
-        path = str(data.attrs[dim])
-        unit = str(data[path].attrs.get("units", ""))
-        label(f"{path} [{unit}]" if unit else path)
-        borders.append(cell_borders(np.asarray(data[path], dtype=float)))
+    """Both axes; borders of cells."""
+    x, y = (show_path(ax, dim, data, str(data.attrs[dim])) for dim in ("x", "y"))
     ax.grid(False)
-    return borders[0], borders[1]
+    return x, y
 
 
 def _colours(values: Array) -> tuple[Colormap, Normalize]:

@@ -312,6 +312,17 @@ def test_map_of_initial_states():
     assert set(data.rotation.to_numpy().ravel()) <= {"swing", "rotation", "mixed"}
 
 
+def test_fast_indicator_of_a_map_belongs_to_the_whole_run():
+    """With friction tangents become parallel soon; chaos is told by what grows afterwards."""
+    axes = parse_range("free.upper.speed=0:0.1:2"), parse_range("free.lower.speed=0:0.1:2")
+    shorter, longer = (
+        chaos_map(pendulum(25.0), *axes, indicator="fli", periods=periods) for periods in (40, 80)
+    )
+    # λT to within the fluctuations of an exponent over 40 periods
+    ratio = float(longer.indicator[0, 0]) / float(shorter.indicator[0, 0])
+    assert ratio == pytest.approx(2, rel=0.2)
+
+
 def test_contact_check_of_a_sine():
     time = np.linspace(0, 2 * np.pi, 1001)
     found = contact_check("r1", time, 0.5 + np.sin(time))

@@ -247,6 +247,34 @@ def test_sweep_without_any_result(pendulum):
     assert "no value could be computed: " in result.err
 
 
+@pytest.mark.parametrize("start", ["same", "forward", "backward"])
+@pytest.mark.parametrize("bounds", ["-0.2:0.2:3", "0.2:-0.2:3"])
+def test_values_that_make_no_sense_do_not_stop_the_others(pendulum, tmp_path, start, bounds):
+    result = pendulum(
+        "bifurcation", "--vary", f"{DAMPING}={bounds}", "--start", start, "--periods", "2",
+        "--skip", "0", "--no-figures",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    table = rows(tmp_path, "bifurcation_values.csv")
+    wrong = 0 if bounds.startswith("-") else 2
+    assert [row["points"] for row in table] == ["0" if n == wrong else "2" for n in range(3)]
+    assert "damping" in table[wrong]["reason"]
+
+
+def test_values_without_a_period_do_not_stop_the_others(cli, tmp_path):
+    """The frequency of the drive goes through zero, where nothing repeats."""
+    harmonic = "{harmonic: {amplitude: 1, angular_frequency: 1}}"
+    (tmp_path / "m.yaml").write_text(PENDULUM.replace('"1.15*cos(2*t/3)"', harmonic))
+    path = "loads[0].torque.harmonic.angular_frequency"
+    result = cli(
+        "bifurcation", "m.yaml", "--vary", f"{path}=0:2:3", "--periods", "2", "--skip", "0",
+        "--no-figures",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    points = [row["points"] for row in rows(tmp_path, "bifurcation_values.csv")]
+    assert points == ["0", "2", "2"]
+
+
 def test_initial_states_are_split_at_assignments():
     found = initial_states(["free.arm.angle=1, free.arm.speed=2", "gravity=[0, -1],masses.P=2"])
     assert found == [
@@ -283,6 +311,15 @@ def test_map_as_text(pendulum):
     )  # fmt: skip
     assert (result.code, result.err) == (0, "")
     assert "4 of 4 points, free.arm.angle and dampers[0].damping" in result.out
+
+
+def test_points_of_a_map_that_make_no_sense_do_not_stop_the_others(pendulum, tmp_path):
+    result = pendulum(
+        "map", "--x", f"{DAMPING}=-0.2:0.2:3", "--y", "masses.P=1:2:2", "--periods", "4",
+        "--no-figures",
+    )  # fmt: skip
+    assert result.code == 0, result.err
+    assert [bool(row["reason"]) for row in rows(tmp_path, "map.csv")] == 2 * [True, False, False]
 
 
 # chaos
@@ -344,6 +381,10 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--section", "arm.s=0"], "has no 's'"),
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--phase", "2"], "phase must be"),
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--vary", "masses.P=1:2:3"], "equally many"),
+        ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--vary", f"{DAMPING}=2:3:2"], "two ranges"),
+        ("bifurcation", ["--vary", f"{DAMPING}=-2:-1:2"], "-2"),
+        ("map", ["--x", f"{DAMPING}=1:2:2", "--y", f"{DAMPING}=2:3:2"], "varied by two ranges"),
+        ("map", ["--x", f"{DAMPING}=-2:-1:2", "--y", "masses.P=1:2:2"], "-2"),
         ("bifurcation", ["--vary", "loads[0].torque=1:2:2"], "nothing depends on time"),
         ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P=1:2:2", "--periods", "1"], "at least"),
         ("map", ["--x", f"{DAMPING}=1:2:2", "--y", "masses.P"], "expected a range such as"),

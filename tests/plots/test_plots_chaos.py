@@ -134,6 +134,30 @@ def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
     np.testing.assert_allclose(np.radians(y), angles)
 
 
+def test_varied_angles_are_drawn_in_degrees():
+    data = sweep_data(exponent=True)
+    angles = {"drives.crank.angle": ("value", np.radians([0.0, 90, 180, 270, 360]), units("rad"))}
+    data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
+    points, exponent = bifurcations.figure(data).axes
+    assert exponent.get_xlabel() == "drives.crank.angle [°]"
+    assert points.get_xlim() == exponent.get_xlim() == pytest.approx((-45, 405))
+    dots = [line for line in points.lines if line.get_marker() == "o"]
+    np.testing.assert_allclose(np.unique(dots[1].get_xdata()), [0, 90, 180, 270, 360])
+    assert points.patches[0].get_x() == pytest.approx(315)
+    assert {0, 90, 180, 270, 360} <= set(ticks(points))
+
+
+def test_headings_of_panels_keep_clear_of_the_tick_labels_above():
+    one, other = sweep_data(exponent=True), sweep_data(exponent=True)
+    data = xr.concat([one, other.assign_coords(clearance=["r2"])], "clearance", data_vars="minimal")
+    figure = bifurcations.figure(data)
+    figure.canvas.draw()
+    for above, below in zip(figure.axes, figure.axes[1:], strict=False):
+        heading = below._right_title.get_window_extent()
+        labels = [label.get_window_extent() for label in above.get_xticklabels()]
+        assert min(label.y0 for label in labels) > heading.y1
+
+
 def test_values_that_could_not_be_computed_are_shaded():
     (ax,) = bifurcations.figure(sweep_data()).axes
     (span,) = ax.patches
@@ -241,6 +265,17 @@ def test_map_has_a_colour_bar_and_shows_what_is_missing():
     assert image.get_array().mask.sum() == 1
     assert (image.norm.vmin, image.norm.vmax) == pytest.approx((0.1, 0.6))
     assert ax.get_legend().get_texts()[0].get_text() == "not computed (1)"
+
+
+def test_angles_of_a_map_are_drawn_in_degrees():
+    data = map_data([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+    angles = np.radians([-180.0, 0.0, 180.0])
+    data = data.assign_coords({"a.b": ("x", angles, {"units": "rad"})})
+    ax, _ = maps.figure(data).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("a.b [°]", "c.d")
+    assert ax.get_xlim() == pytest.approx((-270, 270))
+    borders = ax.collections[0].get_coordinates()[0, :, 0]
+    np.testing.assert_allclose(borders, [-270, -90, 90, 270])
 
 
 def test_zero_is_in_the_middle_of_colours_for_both_signs():

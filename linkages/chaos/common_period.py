@@ -24,7 +24,6 @@ MOST_PERIODS = 1000
 EQUAL = 1e-9
 """Relative difference below which periods count as commensurable."""
 
-
 MOST_PARTS = 12
 """Parts of a period that may be periods themselves; parts of these are tried again."""
 

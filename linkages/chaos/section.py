@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,20 +11,17 @@ from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.free_states import free_values, labelled_states, require_free
+from linkages.chaos.surface import SECTION, Surface, parse_section
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
-from linkages.kernel.model import Model
-from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.evaluation import ANGLES
 from linkages.solution.flows import Flows, watched
 from linkages.solution.integration import failure_text
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
-from linkages.solution.series import Series, find_series, system_series
 from linkages.solution.simulate import passes
 from linkages.solvers.events import Event
+from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.methods import FIXED_STEP_METHODS
 from linkages.solvers.outcome import Outcome
@@ -37,54 +33,12 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
-SECTION = "slider9.velocity=0"
 ROOM = 2
 """Periods beyond the points asked for until which crossings are looked for."""
-RATES = {
-    "angle": "speed",
-    "speed": "acceleration",
-    "position": "velocity",
-    "velocity": "acceleration",
-}
-"""Quantities in which sections are taken, and what their rates are called."""
 
 
 class NeverCrossedError(ComputationError):
     """A motion does not reach the section at which points were to be taken."""
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Where a section is taken: one series of an output has a value.
-
-    Parameters
-    ----------
-    series
-        Of position or velocity.
-    level
-        In SI.
-    """
-
-    series: Series
-    level: float
-
-    @property
-    def turns(self) -> bool:
-        """Whether it is an angle, which has a value again after every turn."""
-        return self.series.variable in ANGLES
-
-    @property
-    def rate(self) -> Series:
-        """The rate of the series."""
-        kind, _, quantity = self.series.variable.rpartition("_")
-        return replace(self.series, variable=f"{kind}_{RATES[quantity]}")
-
-    def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
-        """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
-        difference, rate = self.series.node(model) - self.level, self.rate.node(model)
-        if not self.turns:
-            return difference, rate
-        return model.graph.sin(difference), model.graph.cos(difference) * rate
 
 
 def poincare(
@@ -282,39 +236,6 @@ def _shortage(motion: Motion, points: int, end: float) -> str:
     )
 
 
-def parse_section(system: System, text: str) -> Surface:
-    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"B.y position=0.1"``.
-
-    Raises
-    ------
-    ValueError
-        If it names nothing of the mechanism; the message says what is expected.
-    """
-    from linkages.spec import dimensions
-    from linkages.spec.conversion import QuantityError, parse_quantity
-
-    measured = {
-        "rad": dimensions.ANGLE,
-        "rad/s": dimensions.ANGULAR_SPEED,
-        "m": dimensions.LENGTH,
-        "m/s": dimensions.SPEED,
-    }
-    match = re.fullmatch(r"\s*(.+?\.[^.=]+?)\s*=\s*(.+?)\s*", text)
-    if match is None:
-        raise ValueError(f"expected a section such as {SECTION!r}, found {text!r}")
-    name, level = match.groups()
-    known = {
-        other: series
-        for other, series in system_series(system).items()
-        if series.variable.rpartition("_")[2] in RATES and "dyad" not in series.place
-    }
-    try:
-        series = find_series(known, name)
-        return Surface(series, parse_quantity(level, measured[VARIABLES[series.variable].units]))
-    except (QuantityError, ValueError) as error:
-        raise ValueError(f"section {text!r}: {error}") from None
-
-
 def _crossed(
     system: System,
     settings: Settings,
@@ -325,10 +246,17 @@ def _crossed(
     end: float,
 ) -> Motion:
     """Integrate until enough crossings are found."""
+    flow, function = Flows(system).flow(), watched(system, surface.nodes)
     wanted = points + skip
     capacity = wanted
     while True:
-        trajectory = _integrated(system, settings, surface, direction, end, capacity)
+        event = Event(
+            function=function,
+            direction=DIRECTIONS[direction],
+            terminal=capacity,
+            capacity=capacity,
+        )
+        trajectory = _integrated(system, flow, settings, event, end)
         piece = _met(system, surface, trajectory)
         if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
             break
@@ -353,17 +281,11 @@ def _crossed(
 
 
 def _integrated(
-    system: System, settings: Settings, surface: Surface, direction: str, end: float, capacity: int
+    system: System, flow: Flow, settings: Settings, event: Event, end: float
 ) -> Trajectory:
-    """Integrate until a number of zeros are met, or to the end."""
-    event = Event(
-        function=watched(system, surface.nodes),
-        direction=DIRECTIONS[direction],
-        terminal=capacity,
-        capacity=capacity,
-    )
+    """Integrate until a number of crossings are met, or to the end."""
     return integrate(
-        Flows(system).flow(),
+        flow,
         system.state,
         [end],
         start=system.time,

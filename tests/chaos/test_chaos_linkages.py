@@ -11,7 +11,7 @@ from linkages.chaos.exponents import FURTHEST_APART, hamiltonian_pairs, lyapunov
 from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.report import chaos
-from linkages.chaos.section import parse_section
+from linkages.chaos.surface import parse_section
 from linkages.chaos.sweep import Threads, sweep
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import parse_range, together

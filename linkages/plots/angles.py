@@ -44,6 +44,6 @@ def show_degrees(ax: Axes, degrees: ArrayLike, along: str = "x") -> None:
     if span <= SMALL:
         return
     inches = (ax.bbox.width if along == "x" else ax.bbox.height) / ax.figure.dpi
-    most = inches / ROOM[along]  # labels that fit beside each other
+    most = inches / ROOM[along] + 1e-9  # labels that fit; panels of one height must agree
     turns = 360 * ceil(span / most / 360)
     axis.set_major_locator(MultipleLocator(next((s for s in _STEPS if span <= most * s), turns)))

@@ -87,6 +87,14 @@ def test_angles_that_count_turns_are_not_cut(last, step):
     assert ticks(ax) == list(range(0, last + 1, step))
 
 
+def test_panels_of_one_height_have_the_same_ticks():
+    data = sweep_data()
+    data["clearance_angle"] = data["clearance_angle"] * 0 + np.linspace(-3.1, 3.1, 4)[:, None]
+    both = xr.concat([data, data.assign_coords(clearance=["r2"])], "clearance", data_vars="minimal")
+    first, second = bifurcations.figure(both).axes
+    assert list(first.yaxis.get_majorticklocs()) == list(second.yaxis.get_majorticklocs())
+
+
 # sections
 
 

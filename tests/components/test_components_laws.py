@@ -4,7 +4,7 @@ import math
 
 import pytest
 from component_reading import complaints, component
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from law_values import parameters, value
 
@@ -43,7 +43,6 @@ def test_a_quantity_is_a_constant(text, expected):
     assert law(text) == Number(Parameter(PATH, pytest.approx(expected), structural=True))
 
 
-@settings(deadline=None)
 @given(st.floats(-3, 3))
 @pytest.mark.parametrize(
     ("text", "expected"),

@@ -58,7 +58,7 @@ def test_energies_of_mechanisms(name, time):
     assert found == pytest.approx(potential, rel=1e-13, abs=1e-13)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     points=st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=4, unique=True),
     centre=st.tuples(NUMBERS, NUMBERS),

@@ -127,7 +127,7 @@ def test_names_and_units(started):
     assert np.abs(small * 1e2 * [1e3, 1e3, 1] - own).max() < 1e-10 * scale
 
 
-@settings(max_examples=25, deadline=None, derandomize=True, database=None)
+@settings(max_examples=25)
 @given(mechanisms())
 def test_drawn_mechanisms_can_be_assembled(grown):
     """Hints and all: places by the generator and by Newton's method agree."""

@@ -44,7 +44,7 @@ def test_large_mechanisms_at_the_start(seed):
     check_start(seeded(seed, most=9, clearances=0.25))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40)
 @given(mechanisms())
 def test_drawn_mechanisms_at_the_start(grown):
     """The same for round numbers, where terms vanish; a failure shrinks to a small mechanism."""

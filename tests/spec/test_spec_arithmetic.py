@@ -2,7 +2,7 @@ import ast
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from linkages.spec.arithmetic import NumberError, leading_number
@@ -43,7 +43,6 @@ def by_python(text):
     return value if isinstance(value, float) and math.isfinite(value) else None
 
 
-@settings(deadline=None)
 @given(EXPRESSIONS)
 def test_same_double_as_python(text):
     expected = by_python(text)
@@ -59,7 +58,6 @@ def test_same_double_as_python(text):
         assert outcome == (expected, "")
 
 
-@settings(deadline=None)
 @given(st.text(max_size=300))
 def test_any_text_gives_a_finite_number_or_the_one_error(text):
     try:

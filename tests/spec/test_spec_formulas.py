@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from linkages.spec.formulas import Call, Clock, Constant, formula
@@ -73,7 +73,6 @@ def test_texts_that_are_no_formula(text, reason):
     assert reason in str(caught.value)
 
 
-@settings(deadline=None)
 @given(st.text("t1.+-*/() ,sinmaxp", max_size=60))
 def test_any_text_gives_a_formula_or_the_one_error(text):
     try:

@@ -5,12 +5,13 @@ import sys
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from linkages.spec import dimensions as d
 from linkages.spec import quantities as q
+from linkages.spec import units
 from linkages.spec.quantities import QuantityError, parse_quantity
 
 
@@ -57,7 +58,6 @@ def test_values_in_si(value, dimension, expected):
     assert parse_quantity(value, dimension) == pytest.approx(expected, rel=4e-16, abs=0)
 
 
-@settings(deadline=None)  # the first call loads pint
 @given(st.integers(-(10**6), 10**6))
 def test_whole_millimetres_are_the_nearest_double(count):
     assert parse_quantity(f"{count} mm", d.LENGTH) == count / 1000
@@ -243,3 +243,17 @@ def test_plain_numbers_do_not_import_pint():
         "sys.exit(bool({'pint', 'numpy', 'numba', 'networkx'} & set(sys.modules)))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.5, 0.99], ids=str)
+def test_units_that_another_process_is_writing(rest, tmp_path, monkeypatch):
+    """Pint writes its cache in place: who reads meanwhile, or after a crash, finds a part of it."""
+    monkeypatch.setattr("platformdirs.user_cache_path", lambda *_, **__: tmp_path)
+    fresh = units._registry.__wrapped__
+    assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
+    kept = [*tmp_path.glob("*.pickle")]
+    assert kept
+    for path in kept:
+        content = path.read_bytes()
+        path.write_bytes(content[: int(rest * len(content))])
+    assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254

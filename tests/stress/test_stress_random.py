@@ -29,7 +29,7 @@ REASONS += ("could not be solved",)
 OUTPUTS = "all"
 ADVANTAGES = ("mechanical_advantage", "slider_mechanical_advantage")
 """Infinite where a drive does not move a body."""
-drawn = settings(max_examples=30, deadline=None, derandomize=True, database=None)
+drawn = settings(max_examples=30)
 
 
 def decades(low, high):

@@ -46,7 +46,7 @@ def test_blocks_do_not_depend_on_the_order_of_the_file(name):
 def test_blocks_of_larger_linkages_do_not_depend_on_the_order_of_the_file(name):
     expected = blocks(linkage(name))
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=40)
     @given(st.permutations(range(bar_count(name))))
     def check(places):
         topology = build_topology(reordered(linkage(name), places))

@@ -1,5 +1,7 @@
 """What holds for all tests: none depends on how busy the machine is, or on what ran before it."""
 
+import signal
+
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -15,10 +17,14 @@ settings.load_profile("any machine")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let matplotlib find its fonts before workers start.
+    """Let Ctrl-C be heard, and matplotlib find its fonts before workers start.
 
-    It does so once for each user, and says so on standard error where that takes longer than five
-    seconds: programs that tests start must have nothing to say there.
+    A shell has its background jobs ignore Ctrl-C: tests that press it would run for ever.
+
+    Fonts are looked for once for each user. Where that takes longer than five seconds matplotlib
+    says so on standard error, where programs that tests start must have nothing to say.
     """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):
         import matplotlib.font_manager  # noqa: F401

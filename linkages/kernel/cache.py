@@ -19,6 +19,8 @@ from types import ModuleType
 LOGGER = logging.getLogger(__name__)
 ENVIRONMENT_VARIABLE = "LINKAGES_CACHE_DIR"
 
+_STAMP = 1e9  # seconds since 1970
+
 # A module is entered before it has been executed: no other thread may find it in between.
 _LOADING = threading.RLock()
 
@@ -104,6 +106,9 @@ def _write(path: Path, text: str) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
         file.write(text)
+    # Older versions of Numba outdate machine code when the time stamp of its source changes: writers of
+    # one text, who replace each other's file, must not outdate what has been compiled meanwhile.
+    os.utime(temporary, (_STAMP, _STAMP))
     Path(temporary).replace(path)
 
 

@@ -101,6 +101,20 @@ def test_a_right_file_is_left_alone():
 
 
 @pytest.mark.usefixtures("folder")
+def test_a_second_writer_does_not_outdate_what_the_first_has_compiled():
+    """Two processes find nothing and write the same file, one after the other.
+
+    Older versions of Numba take the time stamp of a file for its content.
+    """
+    module = cached_module(TEXT)
+    first = os.stat(module.__file__).st_mtime_ns
+    Path(module.__file__).unlink()
+    forget(module)
+    module = cached_module(TEXT)
+    assert os.stat(module.__file__).st_mtime_ns == first
+
+
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("content", ["ANSWER = 'tampered'\n", "", "not Python", TEXT + "\n"])
 def test_a_changed_file_is_written_anew(content):
     module = cached_module(TEXT)
@@ -202,7 +216,7 @@ def test_processes_share_an_empty_cache(folder):
     ]
     results = []
     for process in started:
-        output, errors = process.communicate(timeout=120)
+        output, errors = process.communicate()
         assert process.returncode == 0, errors
         results.append(json.loads(output))
     assert len({tuple(result[:3]) for result in results}) == 1

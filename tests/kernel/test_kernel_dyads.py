@@ -8,7 +8,7 @@ from kernel_motion import places_at
 from linkage_models import LOOPED, system, text_of
 
 from linkages.components.definition import from_document
-from linkages.kernel.dyads import LinkAndSlider, TwoLinks, TwoSliders
+from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.model import Model
 from linkages.kernel.modes import parameter_values
@@ -229,6 +229,26 @@ def test_link_reaches_the_axis_or_not(length, reachable):
     assert 0.05 < abs((GAP / AXIS).imag) < 0.1
     (radicand,) = evaluated([dyad.radicand], *slider_numbers(1, length))
     assert (radicand > 0) == reachable
+
+
+# --- link in a turning guide -----------------------------------------------------------------
+
+
+@SIDES
+@pytest.mark.parametrize("size", [1.0, 1e-3])
+def test_link_in_a_guide_reaches_along_its_axis(side, size):
+    """The guide's axis passes the gap at the distance of its base; margins scale with the gap."""
+    gx, gy, bx, by, ex, ey, s = inputs(7)
+    dyad = LinkInGuide.solve(Vector(gx, gy), Vector(bx, by), Vector(ex, ey), 1.0, s)
+    gap, base = size * GAP, size * (0.2 + 0.1j)
+    nodes = [dyad.unit.x, dyad.unit.y, dyad.position, dyad.margin, dyad.margin_scale]
+    numbers = [v for z in (gap, base, AXIS) for v in (z.real, z.imag)]
+    x, y, position, margin, scale = evaluated(nodes, *numbers, side)
+    # numbers around `size` and a handful of operations
+    assert (x + 1j * y) * (base + position * AXIS) == pytest.approx(gap, abs=1e-15 * size)
+    across = (base / AXIS).imag
+    assert margin == pytest.approx(side * np.sqrt(abs(gap) ** 2 - across**2), rel=1e-14)
+    assert scale == pytest.approx(abs(gap), rel=1e-15)
 
 
 # --- two sliders --------------------------------------------------------------------------------

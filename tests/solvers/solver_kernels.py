@@ -23,6 +23,27 @@ def no_clock(t, p, timed):
     return 0
 
 
+@cfunc(CLOCK)
+def logging_clock(t, p, timed):
+    """Writes every time that it is asked for behind p1, which counts them."""
+    p[1] += 1.0
+    p[int(p[1]) + 1] = t
+    return 0
+
+
+@cfunc(RATES)
+def harmonic_rates(y, p, timed, out):
+    out[0] = -p[0] * y[0]
+    return 0
+
+
+@cfunc(RATES)
+def uniform_rates(y, p, timed, out):
+    """A constant acceleration."""
+    out[0] = p[0]
+    return 0
+
+
 @cfunc(RATES)
 def pendulum_rates(y, p, timed, out):
     out[0] = -p[0] * math.sin(y[0])
@@ -170,6 +191,11 @@ def flow(rates, parameters=(), *, clock=no_clock, rotates=(False,), blocks=0, ti
 def pendulum():
     """A pendulum with unit natural frequency."""
     return flow(pendulum_rates, [1.0], rotates=[True])
+
+
+def harmonic():
+    """An oscillator with a frequency of 2 rad/s."""
+    return flow(harmonic_rates, [4.0])
 
 
 def arenstorf():

@@ -1,5 +1,6 @@
 """Crossings of levels are found, located to round-off, and change nothing."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -124,6 +125,36 @@ def test_run_from_a_crossing_does_not_meet_it_again(method):
         pendulum(), [2.0, 0.0], [0.0, 20.0], events=[Event(weights=[1, 0], level=0.7)], **method
     )
     assert seen == pytest.approx(whole.crossings[0].time[:4], abs=TOLERANCE)
+
+
+@pytest.mark.parametrize("rotates", [False, True])
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+def test_start_that_round_off_puts_before_a_level_is_on_it(method, rotates, speed):
+    """As a located crossing leaves it: the last digit may be on either side."""
+    level = 0.7
+    before = math.nextafter(level, level - speed)
+    event = Event(weights=[1, 0], level=level)
+    moving = flow(free_rates, rotates=[rotates])
+    result = integrate(moving, [before, speed], [0.0, 6.0], events=[event], **method)
+    assert result.crossings[0].count == 0
+    farther = [level - 1e-9 * speed, speed]  # a thousand times what counts as on the level
+    result = integrate(moving, farther, [0.0, 6.0], events=[event], **method)
+    assert result.crossings[0].count == 1
+
+
+@pytest.mark.parametrize("name", ["rk4", "gauss8"])
+@pytest.mark.parametrize("forward", [1.0, -1.0])
+def test_crossings_after_the_end_of_a_run_are_not_recorded(name, forward):
+    """Within one step: what is found before the event that ends the run may lie behind it."""
+    levels = [0.6, 0.2, 0.4]
+    events = [Event(weights=[1, 0], level=forward * level) for level in levels]
+    events[2] = dataclasses.replace(events[2], terminal=1)
+    events.append(Event(weights=[1, 0], level=forward * 0.8))
+    result = integrate(
+        flow(free_rates), [0.0, 1.0], [0.0, forward], method=name, step=1.0, events=events
+    )
+    assert result.stop_time == pytest.approx(forward * 0.4, abs=1e-15)
+    assert [crossing.count for crossing in result.crossings] == [0, 1, 1, 0]
 
 
 def test_memory_is_bounded(method):

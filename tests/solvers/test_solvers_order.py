@@ -1,11 +1,24 @@
 """Order, tolerance and cost of each method."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from solver_kernels import decay_rates, driven, driven_motion, flow, pendulum, swing
+from solver_kernels import (
+    ORBIT,
+    PERIOD,
+    arenstorf,
+    decay_rates,
+    driven,
+    driven_motion,
+    flow,
+    harmonic,
+    logging_clock,
+    pendulum,
+    swing,
+)
 
 from linkages.solvers import METHODS, Outcome, integrate
 
@@ -59,6 +72,20 @@ def test_samples_at_step_ends_are_not_interpolated():
     alone = integrate(pendulum(), [1.0, 0.0], [0.0, 0.1], method="rk4", step=0.1)
     assert sampled.state[1] == pytest.approx(alone.final_state, abs=1e-16)
     assert sampled.evaluations == 41
+
+
+@pytest.mark.parametrize("name", ["rk4", "gauss8"])
+def test_sample_times_off_by_round_off_are_step_ends(name):
+    """Times that are added up, as a user may give them; each costs no evaluation of its own."""
+    steps = 100
+    times = np.concatenate([[0.0], np.cumsum(np.full(steps, 0.1))])
+    times[-1] = 10.0
+    assert (times != 0.1 * np.arange(steps + 1)).sum() > steps / 2
+    sampled = integrate(pendulum(), [1.0, 0.0], times, method=name, step=0.1)
+    alone = integrate(pendulum(), [1.0, 0.0], [0.0, 10.0], method=name, step=0.1)
+    assert sampled.evaluations == alone.evaluations
+    exact = integrate(pendulum(), [1.0, 0.0], np.linspace(0, 10, 101), method=name, step=0.1)
+    assert (sampled.state == exact.state).all()
 
 
 def test_samples_of_fixed_steps_are_of_order_four():
@@ -118,3 +145,40 @@ def test_long_time_does_not_drift():
     # A hundred thousand steps of 0.1 s that are added up miss the end by 1e-8 s.
     result = integrate(pendulum(), [0.1, 0.0], [0.0, 1e4], method="rk4", step=0.1)
     assert (result.steps, result.stop_time) == (100_000, 1e4)
+
+
+def test_time_of_adaptive_steps_does_not_drift():
+    """Far from t = 0 every sum of time is rounded by up to 6e-8 s, ever the same way."""
+    far, end = 1e9, 50.0
+    near = integrate(harmonic(), [1.0, 0.0], [0.0, end], method="tsit5", rtol=1e-11)
+    assert near.steps > 2000
+    late = integrate(harmonic(), [1.0, 0.0], [far, far + end], method="tsit5", rtol=1e-11)
+    # The last digit of the time is worth 1.2e-7 s, and speeds are 2 at most.
+    assert late.final_state == pytest.approx(near.final_state, abs=5e-7)
+
+
+def test_step_after_a_rejected_one_does_not_grow():
+    """Where steps have just been too long they are made no longer at once (Hairer I, II.4)."""
+    lengths, accepted = attempts("tsit5", rtol=1e-4)
+    after = [k for k in range(1, len(lengths) - 1) if accepted[k] and not accepted[k - 1]]
+    assert len(after) > 3
+    following = np.array([lengths[k + 1] / lengths[k] for k in after])
+    assert following.max() <= 1.0 + 1e-9  # lengths are differences of times
+
+
+def attempts(name, **settings):
+    """Lengths of all steps that were tried around the orbit, and which were accepted."""
+    table = METHODS[name].tableau
+    calls = np.count_nonzero(np.diff(np.append(table.c[: table.stages], 1.0)) != 0)
+    orbit = arenstorf()
+    logged = dataclasses.replace(
+        orbit, clock=logging_clock.address, parameters=np.append(orbit.parameters, np.zeros(9999))
+    )
+    result = integrate(logged, ORBIT, [0.0, PERIOD], method=name, **settings)
+    count = int(logged.parameters[1])
+    # the start, and the trial that finds the first step
+    ends = logged.parameters[2 : 2 + count][2:].reshape(-1, calls)[:, -1]
+    assert len(ends) == result.steps + result.rejected
+    accepted = np.append(ends[1:] > ends[:-1], True)
+    starts = np.concatenate([[0.0], np.maximum.accumulate(np.where(accepted, ends, 0.0))[:-1]])
+    return ends - starts, accepted

@@ -1,10 +1,10 @@
-"""A mechanism with other numbers: values along the paths of its definition file."""
+"""A mechanism with other numbers: values along the paths of its definition."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -26,12 +26,12 @@ RANGE = "clearances.r1.size=0.01mm:0.5mm:200"
 
 @dataclass(frozen=True)
 class Axis:
-    """Numbers that some paths of a definition file take one after the other, in lockstep.
+    """Numbers that some paths of a definition take one after the other, in lockstep.
 
     Parameters
     ----------
     paths
-        Dotted paths.
+        Dotted paths of the definition.
     values
         For each path its numbers, in `unit`, shape (paths, points).
     unit
@@ -82,10 +82,7 @@ def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
 
 def units(mechanism: Mechanism, axis: Axis) -> tuple[str, ...]:
     """Unit of the values along each path: that of the range, else the SI unit of the definition."""
-    document = mechanism.document
-    return tuple(
-        axis.unit or ("" if document is None else unit_at(document, path)) for path in axis.paths
-    )
+    return tuple(axis.unit or unit_at(mechanism.definition, path) for path in axis.paths)
 
 
 def parse_range(text: str) -> Axis:
@@ -162,18 +159,19 @@ def first_possible(
 
 
 def varied(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:
-    """The mechanism with other values at some paths of its definition file.
+    """The mechanism with other values at some paths of its definition.
+
+    A mechanism that was made or changed in Python has the definition that a file would need, so
+    that everything else about it stays as it is.
 
     Raises
     ------
     InputError
         If a path names nothing.
-    ValueError
-        If the mechanism does not come from a definition file.
     """
-    if mechanism.document is None:
-        raise ValueError(
-            f"{mechanism.name} was not read from a definition file, so it has no paths to vary; "
-            "expected a mechanism from linkages.load"
-        )
-    return from_document(apply(mechanism.document, overrides))
+    found = from_document(apply(mechanism.definition, overrides))
+    if mechanism.definition is mechanism.document:
+        return found
+    places = {component.path: place for place, component in enumerate(mechanism.components)}
+    ordered = sorted(found.components, key=lambda entry: places.get(entry.path, len(places)))
+    return replace(found, components=tuple(ordered), name=mechanism.name)

@@ -65,6 +65,7 @@ def from_document(document: Document) -> Mechanism:
         raise InputError(document.source, gathered.problems)
     return Mechanism(
         components=tuple(gathered.components),
+        defined=tuple(gathered.components),
         name=str(document.content.get("name") or FilePath(document.source).stem),
         source=document.source,
         document=document,

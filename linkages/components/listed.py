@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
 from linkages.components.component import Component
 from linkages.components.revolute import GROUND
 from linkages.components.terms import Path
@@ -20,6 +24,21 @@ class ListedComponent(Component):
     def path(self) -> Path:
         """The section and the place in its list."""
         return (self.section, self.index)
+
+
+def numbered(components: Iterable[Component]) -> tuple[Component, ...]:
+    """The same components; indices of lists count from 0 without gaps."""
+    found = list(components)
+    places: dict[str, list[int]] = {}
+    for entry in found:
+        if isinstance(entry, ListedComponent):
+            places.setdefault(entry.section, []).append(entry.index)
+    for number, entry in enumerate(found):
+        if isinstance(entry, ListedComponent):
+            place = sorted(places[entry.section]).index(entry.index)
+            made: Any = entry
+            found[number] = entry if entry.index == place else replace(made, index=place)
+    return tuple(found)
 
 
 def turning(path: Path, names: tuple[str, ...]) -> tuple[BodyReference, ...]:

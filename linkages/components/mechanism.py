@@ -11,6 +11,7 @@ from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.friction import resolved
+from linkages.components.listed import numbered
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
     ZERO,
@@ -31,8 +32,9 @@ from linkages.components.terms import (
     axis_label,
 )
 from linkages.components.torsional_damper import ClearanceDamper
+from linkages.components.written import document_of
 from linkages.errors import InputError, Problem
-from linkages.reading.document import Document, dotted
+from linkages.reading.document import Document
 
 Place = tuple[Parameter, Parameter]
 
@@ -44,13 +46,16 @@ class Mechanism:
     Parameters
     ----------
     components
-        Bars, joints, sliders, … in the order that reports and results keep.
+        Bars, joints, sliders, … in the order that reports and results keep. The indices of loads,
+        springs and whatever else has no name are closed up where some are missing.
     name
         For titles.
     source
         What messages call the place that it comes from.
     document
-        The definition file, if there is one: gives problems their line.
+        The definition file that it was read from, if there is one; `definition` is what it is now.
+    defined
+        What `document` defines.
 
     Raises
     ------
@@ -62,18 +67,28 @@ class Mechanism:
     name: str = "mechanism"
     source: str = "mechanism"
     document: Document | None = field(default=None, repr=False, compare=False)
+    defined: tuple[Component, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
         found = findings(self.components, Declared(self.components))
         if found:
             raise self.error(found)
+        object.__setattr__(self, "components", numbered(self.components))
+
+    @cached_property
+    def definition(self) -> Document:
+        """The definition of this very mechanism: its file, or what would stand in one.
+
+        What was changed in Python stands there as it is now, everything else as it was read.
+        """
+        if self.document is not None and self.components == self.defined:
+            return self.document
+        return document_of(self.components, self.source, self.document, self.defined)
 
     def problem(self, path: Path, message: str) -> Problem:
         """A problem at a place of the definition, with its line where there is a file."""
-        if self.document is not None:
-            return self.document.problem(path, message)
-        return Problem(message=message, path=dotted(path))
+        return self.definition.problem(path, message)
 
     def error(self, found: Iterable[tuple[Path, str]]) -> InputError:
         """An error that lists problems at their places."""

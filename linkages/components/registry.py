@@ -57,6 +57,11 @@ class Section:
     for_sliders: type[Component] | None = None
 
     @property
+    def given(self) -> tuple[str, ...]:
+        """Fields of a component that do not stand in its entry."""
+        return {"mapping": ("name",), "list": ("index",), "value": ()}[self.form]
+
+    @property
     def models(self) -> tuple[type[Component], ...]:
         """All components that an entry may be."""
         choose = self.choose

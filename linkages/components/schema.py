@@ -17,9 +17,6 @@ FILE_NAME = "linkages.schema.json"
 
 TITLE = "Definition of a planar linkage"
 
-GIVEN = {"mapping": ("name",), "list": ("index",), "value": ()}
-"""Fields of a component that do not stand in its entry, by the form of the section."""
-
 
 def definition_schema() -> Schema:
     """Return the JSON Schema (draft 7) of a definition file."""
@@ -43,7 +40,7 @@ def definition_schema() -> Schema:
 
 
 def _without(model: type[Component]) -> tuple[str, ...]:
-    return GIVEN[SECTIONS[model.section].form]
+    return SECTIONS[model.section].given
 
 
 def _section(section: Section) -> Schema:
@@ -64,5 +61,5 @@ def _entry(section: Section) -> Schema:
     """An entry: a mapping that a component describes, or the one field that is written alone."""
     if section.field is None:
         return any_of([{"$ref": f"#/definitions/{m.__name__}"} for m in section.models])
-    models = [model_schema(model, _without(model)) for model in section.models]
+    models = [model_schema(model, section.given) for model in section.models]
     return any_of([model["properties"][section.field] for model in models])

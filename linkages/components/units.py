@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from linkages.components.registry import SECTIONS, Section
 from linkages.reading.document import Document
 from linkages.reading.paths import Path, split, value_at
-from linkages.spec.annotations import alternatives, entries_of, fields, rule_of
+from linkages.spec.annotations import LISTS, alternatives, fields, infos_of, open_ended, rule_of
+from linkages.spec.laws import LawRule
 from linkages.spec.quantities import Quantity
 
 
@@ -23,7 +24,8 @@ def unit_at(document: Document, path: str) -> str:
 
     Returns
     -------
-    Empty for a pure number, where a law of time may stand, and where the path leads nowhere.
+    Empty for a pure number, and where the path leads nowhere. A law of time is in the unit of what
+    it gives; a formula has no paths within it.
     """
     steps = split(path) or ()
     section = SECTIONS.get(str(steps[0])) if steps else None
@@ -54,16 +56,24 @@ def _of(annotation: Any, rest: Path) -> set[str]:
     found: set[str] = set()
     for arm in alternatives(annotation):
         rule = rule_of(arm)
-        if isinstance(rule, Quantity) and not rest:
-            found.add(rule.dimension.unit)
-        elif rest and isinstance(rest[0], int) and rule is None:
-            entries = _entries(arm)
-            found |= _of(entries[rest[0]], rest[1:]) if rest[0] < len(entries) else set()
+        if rule is not None:
+            if isinstance(rule, Quantity | LawRule) and not rest:
+                found.add(rule.dimension.unit)
+        elif rest:
+            below = _below(arm, rest[0])
+            found |= set() if below is None else _of(below, rest[1:])
     return found
 
 
-def _entries(annotation: Any) -> list[Any]:
-    try:
-        return entries_of(annotation)
-    except (IndexError, TypeError):
-        return []
+def _below(annotation: Any, step: Any) -> Any:
+    """What stands behind a step into a named law, a mapping of names or a list, if anything."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is dict:
+        return arguments[1]
+    if origin not in LISTS:
+        return fields(annotation).get(step) if infos_of(annotation) else None
+    if not isinstance(step, int):
+        return None
+    if open_ended(annotation):
+        return arguments[0]
+    return arguments[step] if step < len(arguments) else None

@@ -32,6 +32,19 @@ def infos_of(model: Any) -> dict[str, Any]:
     return {info.alias or name: info for name, info in infos.items()}
 
 
+def written_fields(instance: object) -> dict[str, Any] | None:
+    """Return the values of a pydantic dataclass by key, without defaults; None for others."""
+    infos = getattr(type(instance), _FIELDS, None)
+    if infos is None:
+        return None
+    values = {name: (info, getattr(instance, name)) for name, info in infos.items()}
+    return {
+        info.alias or name: value
+        for name, (info, value) in values.items()
+        if value != info.get_default(call_default_factory=True)
+    }
+
+
 def alternatives(annotation: Any) -> list[Any]:
     """Return the alternatives of a union, without None; the annotation itself if it is none."""
     rule = rule_of(annotation)

@@ -103,17 +103,15 @@ def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, floa
     rates
         Those of driven bodies.
     """
-    followers = slaves(mechanism, (*mechanism.prescribed, *mechanism.initial))
+    followers = slaves(mechanism)
     found = dict(rates)
 
     def rate(name: str) -> float:
         if name in followers and name not in found:
-            relation = followers[name]
-            ratios = {other: ratio.value for other, ratio in relation.parts} | {relation.body: -1.0}
-            shares = [rate(other) * ratio for other, ratio in ratios.items() if other != name]
+            shares = [rate(other) * ratio.value for other, ratio in followers[name].parts]
             total = math.fsum(shares)
             still = abs(total) <= EQUAL * sum(map(abs, shares))
-            found[name] = 0.0 if still else -total / ratios[name]
+            found[name] = 0.0 if still else total
         return found.get(name, 0.0)
 
     for name in followers:

@@ -67,16 +67,13 @@ class Places:
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
-        """Solve θ_body = offset + Σ ratio·θ_other for the angle of one of the bodies."""
+        """The angle is offset + Σ ratio·θ_other."""
         relation = self._topology.slaves[name]
-        rest, own = self._angle(relation.offset), sp.S.Zero
+        total = self._angle(relation.offset)
         for other, ratio in relation.parts:
             factor = sp.S.One if ratio.value == 1.0 else self._symbols.parameter(ratio)
-            if other == name:
-                own = factor
-            else:
-                rest += factor * self.orientation(other)
-        return rest if relation.body == name else (self.orientation(relation.body) - rest) / own
+            total += factor * self.orientation(other)
+        return total
 
     def _angle(self, angle: Parameter, whole_turns: bool = True) -> sp.Expr:
         """A constant angle; exact multiples of 90° are structure, as a zero is elsewhere."""

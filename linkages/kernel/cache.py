@@ -106,8 +106,8 @@ def _write(path: Path, text: str) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
     with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
         file.write(text)
-    # Older versions of Numba outdate machine code when the time stamp of its source changes: writers of
-    # one text, who replace each other's file, must not outdate what has been compiled meanwhile.
+    # Older versions of Numba outdate machine code when the time stamp of its source changes.
+    # Writers of one text, who replace each other's file, must not outdate what was compiled meanwhile.
     os.utime(temporary, (_STAMP, _STAMP))
     Path(temporary).replace(path)
 

@@ -52,13 +52,9 @@ class Frames:
         if relation is None or not self._topology.orientations[name].rigid:
             return name, self._one
         offset = self.direction(relation.offset)
-        if relation.body != name:
-            offset, other = Vector(offset.x, -offset.y), relation.body
-        elif relation.parts:
-            other = relation.parts[0][0]
-        else:
+        if not relation.parts:
             return None, offset
-        master, own = self.rotation(other)
+        master, own = self.rotation(relation.parts[0][0])
         return master, own.times(offset)
 
     def fixed(self, name: str, start: str, end: str) -> Vector:
@@ -84,24 +80,17 @@ class Frames:
             return {} if guide.body is None else self.ratios(guide.body)
         if name not in self._topology.slaves:
             return {name: self._inputs.graph.one}
-        parts, scale = self.follows(name)
         total: dict[str, Scalar] = {}
-        for other, factor in parts:
+        for other, factor in self.follows(name):
             for master, value in self.ratios(other).items():
-                added = factor * value * scale
+                added = factor * value
                 total[master] = total[master] + added if master in total else added
         return total
 
-    def follows(self, name: str) -> tuple[list[tuple[str, Scalar]], Scalar]:
-        """Angles that a follower's angle consists of, before an offset and a common factor."""
-        relation = self._topology.slaves[name]
-        graph = self._inputs.graph
-        parts = [(other, self._ratio(ratio)) for other, ratio in relation.parts]
-        if relation.body == name:
-            return parts, graph.one
-        own = next(ratio for other, ratio in parts if other == name)
-        others = [(other, -ratio) for other, ratio in parts if other != name]
-        return [(relation.body, graph.one), *others], 1.0 / own
+    def follows(self, name: str) -> list[tuple[str, Scalar]]:
+        """Bodies that a follower turns with, and in which ratios."""
+        parts = self._topology.slaves[name].parts
+        return [(other, self._ratio(ratio)) for other, ratio in parts]
 
     def _ratio(self, ratio: Parameter) -> Scalar:
         graph = self._inputs.graph

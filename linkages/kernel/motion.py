@@ -54,8 +54,8 @@ class _Field(ABC):
             return self.graph.zero if guide.body is None else self.turning(guide.body)
         if name not in self.topology.slaves:
             return self.bodies[name]
-        parts, scale = self.positions.frames.follows(name)
-        return self.graph.total(factor * self.turning(other) for other, factor in parts) * scale
+        parts = self.positions.frames.follows(name)
+        return self.graph.total(factor * self.turning(other) for other, factor in parts)
 
     def _add(self, block: Block) -> None:
         if block.unknowns:

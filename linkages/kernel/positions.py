@@ -169,11 +169,10 @@ class Positions:
             turned = self.inputs.parameter(guide.angle)
             return turned if guide.body is None else self.angle(guide.body) + turned
         if name in self.topology.slaves:
-            relation = self.topology.slaves[name]
-            parts, scale = self.frames.follows(name)
-            offset = self.inputs.parameter(relation.offset)
+            parts = self.frames.follows(name)
+            offset = self.inputs.parameter(self.topology.slaves[name].offset)
             total = self.graph.total(factor * self.angle(other) for other, factor in parts)
-            return (total + offset if relation.body == name else total - offset) * scale
+            return total + offset
         if name in self._angles:
             return self._angles[name]
         unit = self.unit(name)

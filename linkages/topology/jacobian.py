@@ -85,15 +85,10 @@ def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
         return found[name]
 
     def follower(name: str) -> dict[str, float]:
-        relation = topology.slaves[name]
-        parts = {relation.body: -1.0}
-        for other, ratio in relation.parts:
-            parts[other] = parts.get(other, 0.0) + ratio.value
-        scale = -1.0 / parts.pop(name)
         total: dict[str, float] = {}
-        for other, factor in parts.items():
+        for other, ratio in topology.slaves[name].parts:
             for master, value in gradient(other).items():
-                total[master] = total.get(master, 0.0) + scale * factor * value
+                total[master] = total.get(master, 0.0) + ratio.value * value
         return total
 
     return {name: gradient(name) for name in mechanism.bodies}

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
 from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Relation
-
-
-class ContestedRelationError(Exception):
-    """All bodies of a weld or gear have their angle from elsewhere."""
-
-    def __init__(self, relation: Relation) -> None:
-        super().__init__(relation)
-        self.relation = relation
 
 
 @dataclass(frozen=True)
@@ -33,25 +24,12 @@ class Orientation:
     rigid: bool
 
 
-def slaves(mechanism: Mechanism, known: Collection[str]) -> dict[str, Relation]:
+def slaves(mechanism: Mechanism) -> dict[str, Relation]:
     """Bodies whose angle follows from those of others, with the relation that says how.
 
-    A relation is solved for the body that it is written for, or for the first of the others if
-    that one is driven, free, or the slave of another relation already.
-
-    Raises
-    ------
-    ContestedRelationError
-        If no body of a relation is left to follow.
+    None of them is driven or free, or follows twice: `Mechanism` refuses that.
     """
-    found: dict[str, Relation] = {}
-    for relation in mechanism.relations:
-        members = (relation.body, *(name for name, _ in relation.parts))
-        open_members = [m for m in members if m not in known and m not in found]
-        if not open_members:
-            raise ContestedRelationError(relation)
-        found[open_members[0]] = relation
-    return found
+    return {relation.body: relation for relation in mechanism.relations}
 
 
 def is_unit(value: float) -> bool:
@@ -75,7 +53,7 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
         if name not in found:
             guide = mechanism.bodies[name].guide
             if name in followers:
-                found[name] = combined(name, followers[name])
+                found[name] = combined(followers[name])
             elif guide is None:
                 found[name] = Orientation((name,), rigid=True)
             elif guide.body is None:
@@ -84,9 +62,8 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
                 found[name] = orientation(guide.body)
         return found[name]
 
-    def combined(name: str, relation: Relation) -> Orientation:
-        members = (relation.body, *(other for other, _ in relation.parts))
-        others = [orientation(m) for m in members if m != name]
+    def combined(relation: Relation) -> Orientation:
+        others = [orientation(other) for other, _ in relation.parts]
         masters = tuple(dict.fromkeys(m for other in others for m in other.masters))
         unit = all(is_unit(ratio.value) for _, ratio in relation.parts)
         rigid = unit and len(others) <= 1 and all(other.rigid for other in others)

@@ -20,7 +20,6 @@ from linkages.topology.graph import (
     unreachable_bodies,
 )
 from linkages.topology.orientation import (
-    ContestedRelationError,
     Orientation,
     orientations,
     slaves,
@@ -150,11 +149,7 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
         raise wrong_mobility(mechanism, mobility)
-    try:
-        followers = slaves(mechanism, known)
-    except ContestedRelationError as error:
-        message = "the angles of all its bodies are given already; expected one of them to follow"
-        raise mechanism.error([(error.relation.path, message)]) from None
+    followers = slaves(mechanism)
     found = orientations(mechanism, followers)
     try:
         order = solution_order(mechanism, (*known, *followers), found, whole)

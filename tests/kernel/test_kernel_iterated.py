@@ -173,6 +173,19 @@ def test_what_cannot_be_assembled_is_a_status():
         assert np.isnan(of.evaluate(of.model.settled, 0.0, state[:, None])).any()
 
 
+@pytest.mark.parametrize("name", ["leg1", "leg2", "leg3", "plate"])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_correction_that_turns_a_body_far_is_no_position(name, side):
+    """Beyond half a radian it need not be the same mode any more, although it converges."""
+    of, _, program = kernels(free(TRIAD))
+    kernel = compile_kernel(program, parameter_values(of.model, of.assembly))
+    size, place = len(of.state) // 2, of.topology.coordinates.index(name)
+    for turned, status in ((0.49, 0), (0.51, 1)):
+        away = of.state.copy()
+        away[place] += side * turned
+        assert call(kernel, 0.0, away, size)[:2] == (0, status)
+
+
 @MODEL
 def test_exact_jacobians_of_a_free_crank(text):
     """Evaluated and compiled, against differences of the accelerations."""

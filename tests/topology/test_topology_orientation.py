@@ -1,15 +1,11 @@
 """What orientations follow from: bodies of their own, guides, welds and gears."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from linkage_files import linkage, mechanism
 
-from linkages.components.terms import Parameter, Relation
 from linkages.topology.jacobian import turning_gradients
 from linkages.topology.orientation import (
-    ContestedRelationError,
     Orientation,
     orientations,
     slaves,
@@ -50,7 +46,7 @@ def arms(springs=""):
 def test_everything_follows_from_its_masters():
     """Rigid is what keeps a constant angle against one master."""
     of = arms()
-    found = orientations(of, slaves(of, {*of.prescribed, *of.initial}))
+    found = orientations(of, slaves(of))
     assert found["one"] == found["two"] == found["ram"] == found["tail"]
     assert found["one"] == Orientation(("one",), rigid=True)
     assert found["wheel"] == Orientation(("one",), rigid=False)
@@ -76,21 +72,6 @@ def test_whole_turns_count_where_gears_and_springs_see_them():
     damped = arms("springs: [{bar: k, stiffness: 0, damping: 2}]")
     assert "k" not in turned_bodies(damped)
     assert turned_bodies(linkage("ninebar")) == set()
-
-
-def relation(body, *others, ratio=1.0):
-    parts = tuple((other, Parameter(("gears", 0, "ratio"), ratio)) for other in others)
-    return Relation(body, parts, Parameter((), 0.0), ("gears", 0))
-
-
-def test_a_relation_is_solved_for_its_own_body_or_the_next():
-    one, other = relation("b", "a"), relation("c", "b")
-    both = SimpleNamespace(relations=(one, other))
-    assert slaves(both, {"a"}) == {"b": one, "c": other}
-    assert slaves(both, {"b"}) == {"a": one, "c": other}
-    with pytest.raises(ContestedRelationError) as caught:
-        slaves(both, {"a", "b"})
-    assert caught.value.relation is one
 
 
 def test_mobility_loses_one_for_each_relation():

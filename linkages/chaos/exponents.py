@@ -1,4 +1,4 @@
-"""Lyapunov exponents: spectrum, convergence, standard errors, and what must hold between them."""
+"""Lyapunov exponents: spectrum, convergence, standard errors."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.averages import drift, mean_error
 from linkages.chaos.directions import start_tangents
+from linkages.chaos.invariants import Invariant
 from linkages.chaos.systems import TangentSystem
 from linkages.errors import ComputationError
 
@@ -54,11 +55,14 @@ class Exponents:
         States at the ends of intervals, the start included, shape (intervals + 1, d).
     times
         Their times, shape (intervals + 1,), in seconds or steps.
+    certificate
+        What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
     """
 
     growth: Floats
     states: Floats
     times: Floats
+    certificate: tuple[Invariant, ...] = ()
 
     @cached_property
     def values(self) -> Floats:
@@ -67,7 +71,7 @@ class Exponents:
 
     @cached_property
     def errors(self) -> Floats:
-        """Standard errors by batch means (`mean_error`), shape (count,)."""
+        """Standard errors (`mean_error`), shape (count,): of order 1/T along regular motions."""
         return mean_error(self.growth)[0]
 
     @cached_property
@@ -211,53 +215,3 @@ def _orthonormalise(system: TangentSystem, interval: float) -> Floats:
         )
     system.tangents = q
     return np.log(lengths) / interval
-
-
-def hamiltonian_pairs(exponents: Exponents) -> tuple[Floats, Floats]:
-    """Sums λ_i + λ_{d+1-i} and their standard errors, shape (d/2,) each.
-
-    They vanish for motions that conserve energy and have no friction or drives that take it away.
-
-    Raises
-    ------
-    ValueError
-        If the spectrum is not whole, or of an odd number.
-    """
-    whole, size = exponents.growth.shape[1], exponents.states.shape[1]
-    if whole != size or whole % 2:
-        raise ValueError(f"pairs need the whole spectrum of an even number, not {whole} of {size}")
-    half = whole // 2
-    sums = exponents.growth[:, :half] + exponents.growth[:, : -half - 1 : -1]
-    return sums.mean(axis=0), mean_error(sums)[0]
-
-
-def divergence_gap(
-    exponents: Exponents,
-    divergence: Callable[[float, Floats], float],
-    *,
-    steps: bool = False,
-) -> tuple[float, float]:
-    """Sum of the spectrum less the mean divergence along the motion, and its standard error.
-
-    Parameters
-    ----------
-    exponents
-        The whole spectrum.
-    divergence
-        Of (time, state): the trace of the Jacobian in 1/s; for a map ln|det| of it.
-    steps
-        Whether the system is a map, taken with an interval of one step. For a flow the divergence
-        is averaged by the trapezoidal rule over the ends of intervals.
-
-    Raises
-    ------
-    ValueError
-        If the spectrum is not whole.
-    """
-    if exponents.growth.shape[1] != exponents.states.shape[1]:
-        raise ValueError("the divergence is the sum of the whole spectrum")
-    visited = zip(exponents.times, exponents.states, strict=True)
-    values = np.array([divergence(float(time), state) for time, state in visited])
-    means = values[:-1] if steps else 0.5 * (values[:-1] + values[1:])
-    gaps = exponents.growth.sum(axis=1) - means
-    return float(gaps.mean()), float(mean_error(gaps)[0][0])

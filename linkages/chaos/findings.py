@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from linkages.chaos.closed_curves import ClosedCurves
 from linkages.chaos.contact import Contact
 from linkages.chaos.dimension import Dimension
+from linkages.chaos.invariants import Invariant
 from linkages.chaos.rotation import Rotation
 from linkages.chaos.spectrum import PowerSpectrum
 from linkages.solution.horizon import Horizon
@@ -60,6 +61,8 @@ class ChaosReport:
         ``skip``.
     force
         Clearance forces over time (time, clearance); None without clearances.
+    certificate
+        What is known of the exponents otherwise, and whether it holds.
     """
 
     name: str
@@ -81,6 +84,7 @@ class ChaosReport:
     run: dict[str, Any]
     force: xr.DataArray | None = None
     notes: tuple[str, ...] = field(default=())
+    certificate: tuple[Invariant, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data for JSON."""
@@ -95,6 +99,7 @@ class ChaosReport:
             "errors": [float(v) for v in exponents["error"]],
             "settled": bool(exponents.attrs["settled"]),
             "sum": exponents.attrs["sum"],
+            "certificate": [invariant.to_dict() for invariant in self.certificate],
             "zero_one": {n: {"growth": k, "spread": s} for n, (k, s) in self.zero_one.items()},
             "lines": {
                 name: {

@@ -33,6 +33,10 @@ class Verdict(StrEnum):
 class Indicators:
     """Fast Lyapunov indicator and generalised alignment index over time.
 
+    FLI says of every kind of system whether tangents grow exponentially, GALI only of those that
+    conserve energy: with friction tangents also become parallel along regular motions. `classify`
+    judges FLI, or minus the logarithm of GALI down to `ROUND_OFF`.
+
     Parameters
     ----------
     times
@@ -41,30 +45,12 @@ class Indicators:
         ln of the largest stretching of any tangent so far, shape (n,).
     gali
         Volume spanned by the k tangents of unit length, shape (n,); `ROUND_OFF` once it has
-        reached that, for from then on it is that of round-off.
+        reached that, for from then on it is that of round-off. 1 for a single tangent.
     """
 
     times: Floats
     fli: Floats
     gali: Floats
-
-    @property
-    def fli_verdict(self) -> Verdict:
-        """Regular or chaotic by the growth of tangents; for every kind of system.
-
-        A motion on an unstable equilibrium or cycle counts as chaotic.
-        """
-        return classify(self.times, self.fli)
-
-    @property
-    def gali_verdict(self) -> Verdict:
-        """Regular or chaotic by alignment; for motions that conserve energy only.
-
-        With friction tangents also align along regular motions.
-        """
-        parallel = self.gali <= ROUND_OFF
-        told = int(np.argmax(parallel)) + 1 if parallel.any() else len(parallel)
-        return classify(self.times[:told], -np.log(self.gali[:told]))
 
 
 def fast_indicators(
@@ -84,7 +70,8 @@ def fast_indicators(
     intervals, interval
         How often, and after which time in seconds or steps, values are taken.
     count
-        Number k ≥ 2 of tangents. On an N-dimensional torus GALI_k stays constant for k ≤ N.
+        Number k of tangents: one is enough for FLI, GALI needs two. On an N-dimensional torus
+        GALI_k stays constant for k ≤ N.
     watch
         Called with the fraction done.
 
@@ -104,8 +91,8 @@ def fast_indicators(
     .. [1] C. Froeschlé, E. Lega, R. Gonczi, Celest. Mech. Dyn. Astron. 67 (1997) 41.
     .. [2] Ch. Skokos, T. C. Bountis, Ch. Antonopoulos, Physica D 231 (2007) 30.
     """
-    if intervals < 4 or not interval > 0 or count < 2:
-        raise ValueError("intervals must be at least 4, interval > 0 and count at least 2")
+    if intervals < 4 or not interval > 0 or count < 1:
+        raise ValueError("intervals must be at least 4, interval > 0 and count at least 1")
     start_tangents(system, count)
     start = system.time
     grown = np.zeros(count)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from linkages.chaos.certificate import certificate, samples_within
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.exponents import (
     FEWEST_INTERVALS,
@@ -17,6 +19,7 @@ from linkages.chaos.exponents import (
     lyapunov_spectrum,
 )
 from linkages.chaos.free_states import require_free
+from linkages.chaos.invariants import Invariant
 from linkages.chaos.section import section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
@@ -68,8 +71,9 @@ def lyapunov(
     Returns
     -------
     Dataset with `exponent` and `error` (index) in 1/s, the largest first, and their `history`
-    (time, index). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history has not
-    settled, ``sum`` and ``sum_error`` of the exponents.
+    (time, index). For the whole spectrum also what is known of it otherwise: `found`, `expected`
+    and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
+    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents.
 
     Raises
     ------
@@ -107,25 +111,41 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
     units = {"units": "1/s"}
     total, total_error = exponents.sum
     index = np.arange(1, len(exponents.values) + 1)
+    violations = [found.violation for found in exponents.certificate if not found.holds]
     return xr.Dataset(
         {
             "exponent": ("index", exponents.values, {**units, "long_name": "Lyapunov exponent"}),
             "error": ("index", exponents.errors, {**units, "long_name": "standard error"}),
             "history": (("time", "index"), exponents.history, {**units, "long_name": "exponent"}),
+            **_invariants(exponents.certificate),
         },
         {
             "time": ("time", exponents.times[1:], {"units": "s", "long_name": "time"}),
             "index": index,
+            "invariant": np.array([found.name for found in exponents.certificate], dtype=object),
         },
         {
             "name": mechanism.name,
             "source": mechanism.source,
             "settled": int(exponents.settled),
-            "warning": exponents.unsettled,
+            "warning": " ".join([*violations, *filter(None, [exponents.unsettled])]),
             "sum": total,
             "sum_error": total_error,
         },
     )
+
+
+def _invariants(certificate: Sequence[Invariant]) -> dict[str, Any]:
+    """What is known of the exponents, as variables over `invariant`."""
+    columns = {
+        "found": ([found.found for found in certificate], "from the exponents"),
+        "expected": ([found.expected for found in certificate], "what is known"),
+        "tolerance": ([found.tolerance for found in certificate], "allowed difference"),
+    }
+    return {
+        name: ("invariant", np.array(values, dtype=float), {"units": "1/s", "long_name": text})
+        for name, (values, text) in columns.items()
+    }
 
 
 def exponents_of(
@@ -172,16 +192,27 @@ def run_exponents(
     length = characteristic_period(system.mechanism) if interval is None else interval
 
     def run(parts: int) -> Exponents:
-        return lyapunov_spectrum(
-            LinkageTangents(
-                system, columns, settings.method, settings.rtol, settings.atol, settings.step
-            ),
+        tangents = LinkageTangents(
+            system,
+            columns,
+            settings.method,
+            settings.rtol,
+            settings.atol,
+            settings.step,
+            settings.max_steps,
+            samples_within(periods * parts) if columns == whole else 0,
+        )
+        exponents = lyapunov_spectrum(
+            tangents,
             intervals=periods * parts,
             interval=length / parts,
             count=columns,
             skip=skip * parts,
             watch=watch,
         )
+        if columns < whole:
+            return exponents
+        return replace(exponents, certificate=certificate(tangents, exponents, skip * parts))
 
     parts, most = max(PARTS, math.ceil(FEWEST_INTERVALS / periods)), math.log(FURTHEST_APART)
     found = run(parts)

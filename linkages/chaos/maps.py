@@ -58,7 +58,7 @@ class _Request:
         """The indicator and what every free angle does."""
         mechanism = self.at(point)
         settings = section_settings(mechanism, self.method, self.rtol)
-        count = 1 if self.indicator == "exponent" else 2
+        count = 2 if self.indicator == "gali" else 1
         system = _Followed(
             System(mechanism),
             count,

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from linkages.chaos import evidence
+from linkages.chaos.certificate import certified
 from linkages.chaos.closed_curves import closed_curves
 from linkages.chaos.contact import contact_of
 from linkages.chaos.evidence import Run
@@ -118,6 +119,7 @@ def _judge(
         verdict = "undecided"
     else:
         reasons.append(f"The verdict is the same at {how}.")
+    verdict, reasons = certified(verdict, reasons, exponents.certificate)
     conservative = evidence.conservative(run.mechanism)
     if conservative:
         reasons.append(
@@ -157,6 +159,7 @@ def _judge(
         },
         force=solution.data.get("clearance_force"),
         notes=solution.notes,
+        certificate=exponents.certificate,
     )
 
 

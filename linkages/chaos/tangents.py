@@ -9,7 +9,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows
 from linkages.solution.integration import failure_text
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
@@ -27,8 +27,17 @@ class LinkageTangents:
         A system with free coordinates.
     tangents
         Number of tangents, at most 2n.
-    method, rtol, atol, step
-        As `linkages.simulate` takes them; `atol` is that of the motion.
+    method, rtol, atol, step, max_steps
+        As `linkages.simulate` takes them; `atol` is that of the motion, and `max_steps` are those
+        of all advances together.
+    parts
+        Equal parts of every advance after which `passed` keeps where the motion is; none if 0.
+
+    Attributes
+    ----------
+    passed
+        Times and states of all integrated coordinates, shape (k,) and (2m, k): at the start, then
+        at the ends of parts of each advance.
     """
 
     def __init__(
@@ -39,6 +48,8 @@ class LinkageTangents:
         rtol: float = 1e-10,
         atol: float | None = None,
         step: float | None = None,
+        max_steps: int = MAX_STEPS,
+        parts: int = 0,
     ) -> None:
         self.system = system
         self.time = system.time
@@ -53,7 +64,13 @@ class LinkageTangents:
         self._vector = np.zeros(2 * self._total)
         self.evaluations = 0
         self._turns = np.zeros(self._count)
+        self._max_steps, self._steps = max_steps, 0
+        self._ends = np.arange(1, max(parts, 1) + 1) / max(parts, 1)
+        self._keeps = bool(parts)
+        self.passed: list[tuple[Floats, Floats]] = []
         self.restart(self._own(system.state), np.eye(2 * self._count)[:, :tangents])
+        if parts:
+            self._keep(np.array([self.time]), self._vector[:, None])
 
     def _rows(self) -> NDArray[np.int64]:
         """Places of the tangents in the integrated vector, shape (2n, k)."""
@@ -65,6 +82,11 @@ class LinkageTangents:
         """Free coordinates and rates of a state of the system."""
         half = len(state) // 2
         return np.concatenate([state[: self._count], state[half : half + self._count]])
+
+    @property
+    def tolerance(self) -> float:
+        """Error of a step in tangents of length one."""
+        return max(TANGENT_ATOL, self._rtol)
 
     @property
     def angles(self) -> NDArray[np.bool_]:
@@ -120,21 +142,30 @@ class LinkageTangents:
         ComputationError
             If the motion cannot go on.
         """
-        end = self.time + interval
+        times = self.time + interval * self._ends
         trajectory = integrate(
             self._flow,
             self._vector,
-            [end],
+            times,
             start=self.time,
             method=self._method,
             rtol=self._rtol,
             atol=self._atol,
             step=self._step,
+            max_steps=max(1, self._max_steps - self._steps),
         )
+        self._steps += trajectory.steps + trajectory.rejected
         self.evaluations += trajectory.evaluations
         if trajectory.outcome is not Outcome.DONE:
             text = failure_text(self.system, trajectory)
             interrupted = trajectory.outcome is Outcome.INTERRUPTED
             raise ComputationError(str(text), time=trajectory.stop_time, interrupted=interrupted)
-        self._vector, self.time = trajectory.final_state.copy(), end
+        self._vector, self.time = trajectory.final_state.copy(), float(times[-1])
         self._turns += trajectory.final_turns[: self._count]
+        if self._keeps:
+            self._keep(trajectory.time, trajectory.state.T)
+
+    def _keep(self, time: Floats, vectors: Floats) -> None:
+        count = len(self.system.topology.coordinates)
+        rates = vectors[self._total : self._total + count]
+        self.passed.append((time, np.concatenate([vectors[:count], rates])))

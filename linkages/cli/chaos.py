@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.lyapunov import exponent_rows
+from linkages.cli.lyapunov import certificate_rows, certificate_table, exponent_rows
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf
 from linkages.cli.terminal import (
@@ -78,8 +78,10 @@ def _tables(report: ChaosReport) -> list[Table]:
     ]
     found: list[Table] = [
         ("Lyapunov exponents", ["exponent", "value (1/s)", "standard error"], exponents),
-        _coordinates(report),
     ]
+    if report.certificate:
+        found.append(certificate_table(certificate_rows(report.exponents)))
+    found.append(_coordinates(report))
     if report.contact:
         heads = ["clearance", "least (N)", "greatest (N)", "without contact", "first at t (s)"]
         rows = [

@@ -47,6 +47,7 @@ def run_lyapunov(request: Request, **run: Any) -> int:
                 "end": end,
                 "exponents": rows,
                 "sum": {"value": data.attrs["sum"], "error": data.attrs["sum_error"]},
+                "certificate": certificate_rows(data),
                 "settled": bool(data.attrs["settled"]),
                 "warning": data.attrs["warning"] or None,
                 "files": [str(path) for path in written],
@@ -58,6 +59,9 @@ def run_lyapunov(request: Request, **run: Any) -> int:
     screen.print(exponent_table(rows))
     total = f"{number(data.attrs['sum'])} ± {data.attrs['sum_error']:.2g} 1/s"
     screen.print(f"sum of these: {total}")
+    if data.sizes["invariant"]:
+        heading, heads, cells = certificate_table(certificate_rows(data))
+        screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
     print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
     screen.print(f"{len(written)} files in {folder}", markup=False)
     return 0
@@ -74,6 +78,31 @@ def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
             sign = "positive" if value > 0 else "negative"
         rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
     return rows
+
+
+def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """What is known of the exponents, and whether it holds."""
+    rows = []
+    for place, name in enumerate(data["invariant"].to_numpy()):
+        row = {key: float(data[key][place]) for key in ("found", "expected", "tolerance")}
+        holds = abs(row["found"] - row["expected"]) <= row["tolerance"]
+        rows.append({"name": str(name), **row, "holds": holds})
+    return rows
+
+
+def certificate_table(rows: list[dict[str, Any]]) -> tuple[str, list[str], list[list[str]]]:
+    """Heading, heads and cells of the same."""
+    cells = [
+        [
+            row["name"] + ("" if row["holds"] else ": VIOLATED"),
+            number(row["found"]),
+            number(row["expected"]),
+            f"{row['tolerance']:.2g}",
+        ]
+        for row in rows
+    ]
+    heads = ["invariant", "found (1/s)", "known (1/s)", "tolerance"]
+    return "Certificate of the exponents", heads, cells
 
 
 def exponent_table(rows: list[dict[str, Any]]) -> Any:

@@ -26,6 +26,7 @@ from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.solution.motion import Settings
+from linkages.solvers.integrate import MAX_STEPS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,6 +47,7 @@ def lyapunov(
     interval: float | None = None,
     method: str | None = None,
     rtol: float | None = None,
+    max_steps: int = MAX_STEPS,
     watch: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Lyapunov exponents from the variational equations, with exact derivatives.
@@ -63,7 +65,7 @@ def lyapunov(
     interval
         What counts as a period, in seconds; the common period of the drives, or the file's end
         time where drives have none.
-    method, rtol
+    method, rtol, max_steps
         As `linkages.simulate` takes them; those of the file if not given.
     watch
         Called now and then with the fraction done.
@@ -94,6 +96,7 @@ def lyapunov(
             interval=interval,
             method=method,
             rtol=rtol,
+            max_steps=max_steps,
             watch=watch,
         )
     except UnfinishedExponentsError as error:
@@ -157,12 +160,13 @@ def exponents_of(
     interval: float | None = None,
     method: str | None = None,
     rtol: float | None = None,
+    max_steps: int = MAX_STEPS,
     watch: Callable[[float], None] | None = None,
 ) -> Exponents:
     """The same as `lyapunov`, with the growth in every interval."""
     return run_exponents(
         System(mechanism),
-        section_settings(mechanism, method, rtol),
+        section_settings(mechanism, method, rtol, max_steps),
         periods=periods,
         skip=skip,
         count=count,

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.free_states import free_values, labelled_states, require_free
+from linkages.chaos.stops import stop_text
 from linkages.chaos.surface import SECTION, Surface, parse_section
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows, watched
-from linkages.solution.integration import failure_text
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.simulate import passes
 from linkages.solvers.events import Event
@@ -53,6 +53,7 @@ def poincare(
     wrap: bool = True,
     method: str | None = None,
     rtol: float | None = None,
+    max_steps: int = MAX_STEPS,
     watch: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Points of a Poincaré section.
@@ -77,7 +78,7 @@ def poincare(
         times the common period of the drives (or the file's end time, if there is none).
     wrap
         Whether angles are taken within one turn.
-    method, rtol
+    method, rtol, max_steps
         As `linkages.simulate` takes them; those of the file if not given.
     watch
         Called about 20 times a second with the fraction of simulated time done.
@@ -101,7 +102,7 @@ def poincare(
     """
     system = System(mechanism)
     require_section(system, periods, skip, phase, section, direction, end)
-    settings = replace(section_settings(mechanism, method, rtol), watch=watch)
+    settings = replace(section_settings(mechanism, method, rtol, max_steps), watch=watch)
     attributes: dict[str, object]
     if section is None:
         motion = _stroboscopic(system, settings, periods, skip, phase)
@@ -185,8 +186,12 @@ def _require_geometric(phase: float, end: float | None) -> None:
         raise ValueError(f"end must be a time in s > 0, found {end:g}")
 
 
-def section_settings(mechanism: Mechanism, method: str | None, rtol: float | None) -> Settings:
+def section_settings(
+    mechanism: Mechanism, method: str | None, rtol: float | None, max_steps: int = MAX_STEPS
+) -> Settings:
     """How a motion is integrated whose samples are chosen later."""
+    if max_steps < 1:
+        raise ValueError(f"max_steps must be at least 1, found {max_steps}")
     defaults = mechanism.simulation
     chosen = defaults.method if method is None else method
     return Settings(
@@ -195,7 +200,7 @@ def section_settings(mechanism: Mechanism, method: str | None, rtol: float | Non
         rtol=defaults.rtol if rtol is None else rtol,
         atol=defaults.atol,
         step=defaults.step if chosen in FIXED_STEP_METHODS else None,
-        max_steps=MAX_STEPS,
+        max_steps=max_steps,
     )
 
 
@@ -274,7 +279,7 @@ def _crossed(
         )
     return Motion(
         pieces=(piece,),
-        failure=None if ended else failure_text(system, trajectory),
+        failure=None if ended else stop_text(system, trajectory, trajectory.final_state),
         stop_time=trajectory.stop_time,
         interrupted=trajectory.outcome is Outcome.INTERRUPTED,
     )
@@ -293,6 +298,7 @@ def _integrated(
         rtol=settings.rtol,
         atol=settings.atol,
         step=settings.step,
+        max_steps=settings.max_steps,
         events=[event],
         watch=settings.watch,
     )

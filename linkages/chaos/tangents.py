@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.stops import stop_text
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows
-from linkages.solution.integration import failure_text
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.outcome import Outcome
 
@@ -157,15 +157,18 @@ class LinkageTangents:
         self._steps += trajectory.steps + trajectory.rejected
         self.evaluations += trajectory.evaluations
         if trajectory.outcome is not Outcome.DONE:
-            text = failure_text(self.system, trajectory)
+            text = stop_text(self.system, trajectory, self._plain(trajectory.final_state))
             interrupted = trajectory.outcome is Outcome.INTERRUPTED
-            raise ComputationError(str(text), time=trajectory.stop_time, interrupted=interrupted)
+            raise ComputationError(text, time=trajectory.stop_time, interrupted=interrupted)
         self._vector, self.time = trajectory.final_state.copy(), float(times[-1])
         self._turns += trajectory.final_turns[: self._count]
         if self._keeps:
             self._keep(trajectory.time, trajectory.state.T)
 
     def _keep(self, time: Floats, vectors: Floats) -> None:
+        self.passed.append((time, self._plain(vectors)))
+
+    def _plain(self, vectors: Floats) -> Floats:
+        """Integrated coordinates and rates without the tangents."""
         count = len(self.system.topology.coordinates)
-        rates = vectors[self._total : self._total + count]
-        self.passed.append((time, np.concatenate([vectors[:count], rates])))
+        return np.concatenate([vectors[:count], vectors[self._total : self._total + count]])

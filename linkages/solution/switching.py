@@ -25,6 +25,9 @@ from linkages.topology.jacobian import closure_jacobian, owners
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
 
+WELL = 0.01
+"""How far from singular coordinates must be to be worth a recommendation."""
+
 SAME_PLACE = 1e-6
 """Part of the size of a mechanism by which round-off close to a singular position moves points."""
 
@@ -62,6 +65,33 @@ def better_system(
         return None
     here.wind(found)
     return found if here.is_place_of(found) else None
+
+
+def serving(
+    system: System, time: float, state: NDArray[np.float64]
+) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """What could be free instead of the present coordinates at a place where they are singular.
+
+    Parameters
+    ----------
+    system, time, state
+        As `better_system` takes them.
+
+    Returns
+    -------
+    Pairs of names, those given up and those that take their place, the best conditioned first.
+    Empty at a change point, where every choice is singular.
+    """
+    here = _Configuration(system, time, state, ())
+    if not here.finite:
+        return []
+    good = {choice: here.distance(choice) for choice in here.choices()}
+    best = sorted((c for c in good if good[c] >= WELL), key=good.__getitem__, reverse=True)
+    free = system.topology.free
+    return [
+        (tuple(n for n in free if n not in choice), tuple(n for n in choice if n not in free))
+        for choice in best
+    ]
 
 
 class _Configuration:

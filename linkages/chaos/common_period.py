@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.components.mechanism import Mechanism
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.inputs import Inputs
-from linkages.kernel.laws import value_of
-from linkages.kernel.scalars import ScalarGraph
+from linkages.kernel.laws import law_values
 from linkages.topology.orientation import slaves
 
 MOST_PERIODS = 1000
@@ -83,7 +79,7 @@ def common_period(mechanism: Mechanism) -> float:
             rates[name] = course.rate
     periods += [2 * math.pi / abs(rate) for rate in _turning(mechanism, rates).values()]
     for load in mechanism.loads:
-        for function in _functions(load):
+        for function in load.laws:
             course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")
@@ -119,13 +115,6 @@ def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, floa
     return {name: value for name, value in found.items() if value}
 
 
-def _functions(load: object) -> Iterator[Function]:
-    for found in fields(load):  # type: ignore[arg-type]
-        value = getattr(load, found.name)
-        parts = value if isinstance(value, tuple) else (value,)
-        yield from (p for p in parts if isinstance(p, Number | Time | Operation | Table))
-
-
 def _reduced(function: Function) -> _Course:
     """Mean rate of a law, and the least period of what it does beyond that.
 
@@ -139,28 +128,19 @@ def _reduced(function: Function) -> _Course:
     # the golden section spreads times evenly, and no period meets them twice
     spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
     times = period * spread
-    values = _values(function, times)
+    values = law_values(function, times)
     least = ROUND_OFF * float(np.abs(values).max())
     beyond = values - course.rate * times
     if not np.isfinite(beyond).all() or np.ptp(beyond) <= least:
         return replace(course, periods=(period,))
 
     def repeats(part: float) -> bool:
-        later = _values(function, times + part) - course.rate * (times + part)
+        later = law_values(function, times + part) - course.rate * (times + part)
         return bool((np.abs(later - beyond) <= least).all())
 
     while parts := [k for k in range(2, MOST_PARTS + 1) if repeats(period / k)]:
         period /= parts[-1]
     return replace(course, periods=(period,))
-
-
-def _values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values of a function at some times."""
-    inputs = Inputs(ScalarGraph(), 0)
-    (found,) = Evaluator([value_of(function, inputs)])(
-        t=times[None, :], p=np.array(list(inputs.parameters.values()))
-    )
-    return np.broadcast_to(found, times.shape)
 
 
 def _constant(function: Function) -> bool:
@@ -223,7 +203,7 @@ def _product(name: str, a: Function, b: Function) -> _Course:
 
 def _factor(function: Function) -> float:
     """The value of a function in which time does not occur."""
-    return float(_values(function, np.zeros(1))[0])
+    return float(law_values(function, np.zeros(1))[0])
 
 
 def _joined(courses: Iterable[_Course]) -> tuple[float, ...] | None:

@@ -172,9 +172,8 @@ def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
 
 
 def conservative(mechanism: Mechanism) -> bool:
-    """Whether no load dissipates."""
-    return all(
-        damping is None or damping.absent
-        for load in mechanism.loads
-        for damping in (getattr(load, "damping", None),)
-    )
+    """Whether nothing dissipates: the flow then keeps volumes of states, and has no attractor.
+
+    Drives and given forces may still put energy in and take it out.
+    """
+    return not any(load.dissipates for load in mechanism.loads)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from linkages.cli.check_report import print_report
-from linkages.cli.contributions import loads, relations
+from linkages.cli.contributions import drives, loads, relations
 from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.terminal import console, print_json
 from linkages.components.terms import Body, axis_label
@@ -77,6 +77,7 @@ def _content(system: System) -> dict[str, Any]:
         ],
         "redundant": list(topology.redundant),
         "relations": relations(mechanism),
+        "drives": drives(mechanism),
         "loads": loads(mechanism),
         "notes": _notes(system),
     }

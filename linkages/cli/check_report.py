@@ -50,8 +50,13 @@ def _print_bodies(content: dict[str, Any], screen: Console) -> None:
 
 
 def _print_contributions(content: dict[str, Any], screen: Console) -> None:
-    """Welds and gears; loads, springs, dampers and masses at joints."""
-    for key, heading in (("relations", "Welds and gears"), ("loads", "Loads, springs and masses")):
+    """Welds and gears; drives; loads, springs, dampers and masses at joints."""
+    headings = {
+        "relations": "Welds and gears",
+        "drives": "Drives",
+        "loads": "Loads, springs and masses",
+    }
+    for key, heading in headings.items():
         rows = [[r["kind"], r["on"], r["value"], r["path"]] for r in content[key]]
         if rows:
             heads = ["kind", "on", "value", "in the file"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import assert_never
 
 from linkages.cli.terminal import number
-from linkages.components.functions import Function, Number
+from linkages.components.functions import Function, Number, Operation, Time
 from linkages.components.gear import Gear
 from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
@@ -22,6 +23,7 @@ from linkages.components.terms import (
 )
 from linkages.components.weld import Weld
 from linkages.reading.paths import dotted
+from linkages.solution.law_ranges import law_range
 
 Row = dict[str, str]
 
@@ -41,12 +43,27 @@ def relations(mechanism: Mechanism) -> list[Row]:
     return found
 
 
+def drives(mechanism: Mechanism) -> list[Row]:
+    """Drives: ``kind, path, on, value``, with the range of what they prescribe."""
+    found = []
+    for name, drive in mechanism.prescribed.items():
+        unit = "rad" if mechanism.bodies[name].rotates else "m"
+        match drive.law:
+            case Operation("add", (Number(start), Operation("mul", (Number(speed), Time())))):
+                value = f"{number(start.value)} {unit} at t = 0, {number(speed.value)} {unit}/s"
+            case _:
+                value = _law(drive.law, unit, mechanism)
+        found.append(_row("drive", drive.path, name, value))
+    return found
+
+
 def loads(mechanism: Mechanism) -> list[Row]:
     """Forces, torques, springs, dampers, masses at joints: ``kind, path, on, value``.
 
-    Those that are exactly zero are left out, as they are of the equations.
+    Those that are exactly zero are left out, as they are of the equations. Laws of time are shown
+    with their range.
     """
-    found = [row for load in mechanism.loads if (row := _load(load)) is not None]
+    found = [row for load in mechanism.loads if (row := _load(load, mechanism)) is not None]
     masses = [
         _row("mass", m.path, f"joint {m.joint}", f"{number(m.mass.value)} kg")
         for m in mechanism.point_masses
@@ -55,15 +72,17 @@ def loads(mechanism: Mechanism) -> list[Row]:
     return [*found, *masses]
 
 
-def _load(load: Load) -> Row | None:
+def _load(load: Load, mechanism: Mechanism) -> Row | None:
     match load:
         case AxialForce(body, force, path):
-            return _row("force", path, f"{body}, along its axis", _law(force, "N"))
+            value = _law(force, load.unit, mechanism)
+            return _row("force", path, f"{body}, along its axis", value)
         case PointForce(joint, force, path):
-            parts = ", ".join(_law(part, "N") for part in force)
+            parts = ", ".join(_law(part, load.unit, mechanism) for part in force)
             return _row("force", path, f"joint {joint}", f"[{parts}]")
         case Torque(body, reference, torque, path):
-            return _row("torque", path, _against(body, reference), _law(torque, "N m"))
+            value = _law(torque, load.unit, mechanism)
+            return _row("torque", path, _against(body, reference), value)
         case AxialDamper(body, damping, path):
             value = _numbers((damping, "N s/m", ""))
             return _row("damper", path, f"{body} in its guide", value) if value else None
@@ -84,7 +103,8 @@ def _load(load: Load) -> Row | None:
             kind = "torsional damper" if stiffness.absent else "torsional spring"
             on = _against(body, reference)
             return _row(kind, path, on, value) if value else None
-    raise TypeError(f"no load: {load!r}")
+        case _:
+            assert_never(load)
 
 
 def _row(kind: str, path: Path, on: str, value: str) -> Row:
@@ -101,7 +121,12 @@ def _numbers(*entries: tuple[Parameter, str, str]) -> str:
     return ", ".join(f"{before}{number(value)} {units}" for value, units, before in shown)
 
 
-def _law(function: Function, units: str) -> str:
+def _law(function: Function, unit: str, mechanism: Mechanism) -> str:
     if isinstance(function, Number):
-        return f"{number(function.parameter.value)} {units}"
-    return f"a law of time ({units})"
+        return f"{number(function.parameter.value)} {unit}"
+    end = mechanism.simulation.end
+    found = law_range(function, end)
+    over = f"until t = {number(end)} s"
+    if found.period is not None:
+        over = f"in each period of {number(found.period)} s"
+    return f"{number(found.low)} to {number(found.high)} {unit} {over}"

@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.markup import escape
 
 from linkages.cli.loading import mechanism_from, require_folder
@@ -30,6 +31,8 @@ SUMMARY = (
     "slider_velocity_error",
     "slider_acceleration_error",
     "drive_effort",
+    "load_force",
+    "load_torque",
     "slider_position",
     "slider_velocity",
     "slider_acceleration",
@@ -38,7 +41,7 @@ SUMMARY = (
     "energy_residual",
     "closure_residual",
 )
-"""What the table of maxima shows, in its order, unless outputs were asked for."""
+"""What the table of maxima shows, in its order, unless outputs were asked for; loads that vary."""
 
 WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
@@ -111,7 +114,16 @@ def shown_maxima(
     kinds = {body.kind for body in solution.mechanism.bodies.values()}
     if asked is None and "slider" not in kinds:
         chosen = (*WITHOUT_SLIDERS, *SUMMARY)
-    return [row for name in chosen for row in solution.maxima if row["variable"] == name]
+    rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
+    return rows if asked else [row for row in rows if _varies(solution, row)]
+
+
+def _varies(solution: Solution, row: dict[str, Any]) -> bool:
+    """Whether a row is worth its place unasked: all but loads that are constant."""
+    if row["variable"] not in ("load_force", "load_torque"):
+        return True
+    array = solution.data[row["variable"]]
+    return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
 
 
 def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from linkages.components.interpolation import Interpolation
 from linkages.components.terms import Parameter, Path
 
 ONE_ARGUMENT = ("neg", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan")
@@ -47,25 +48,32 @@ class Operation:
 
 @dataclass(frozen=True)
 class Table:
-    """A cubic spline through values at given times (C², natural where it is not periodic).
+    """Cubic polynomials between values at given times; see `linkages.components.interpolation`.
 
-    Before the first and after the last time a periodic table repeats itself; any other goes on
-    in a straight line with the slope that it has there.
+    Before the first and after the last time a periodic table repeats itself, one that is held
+    keeps the value that it has there, and any other goes on in a straight line.
 
     Parameters
     ----------
     path
         Where it stands in the definition file.
     times, values
-        Times in seconds, increasing, at least three, and the values there.
+        Times in seconds, increasing, and the values there.
     periodic
         Whether it repeats; first and last value are then equal.
+    interpolation
+        ``"linear"``, ``"pchip"`` (one continuous derivative, never outside the values beside it)
+        or ``"spline"`` (two continuous derivatives, natural where it is not periodic).
+    held
+        Whether the first and the last value last beyond the times.
     """
 
     path: Path
     times: tuple[float, ...]
     values: tuple[float, ...]
     periodic: bool = False
+    interpolation: Interpolation = "spline"
+    held: bool = False
 
 
 Function: TypeAlias = Number | Time | Operation | Table

@@ -5,9 +5,10 @@ Lengths are metres, angles radians (counter-clockwise from +x), masses kilograms
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 if TYPE_CHECKING:
     from linkages.components.functions import Function
@@ -175,49 +176,132 @@ class Initial:
     path: Path
 
 
+class Acting(ABC):
+    """What every load says of itself; whoever asks need not know which kind it is."""
+
+    path: Path
+    unit: ClassVar[str]
+    """Of its force or torque."""
+
+    @property
+    @abstractmethod
+    def laws(self) -> tuple[Function, ...]:
+        """The functions of time that it follows."""
+
+    @property
+    @abstractmethod
+    def dissipates(self) -> bool:
+        """Whether it takes energy out of every motion that works on it."""
+
+    @property
+    @abstractmethod
+    def turned(self) -> tuple[str, ...]:
+        """Bodies whose whole turns it feels."""
+
+
+class Applied(Acting):
+    """A given force or torque: what it does depends on time alone."""
+
+    @property
+    def dissipates(self) -> bool:
+        """It may put energy in and take it out, as drives do, but shrinks no set of states."""
+        return False
+
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """None: it acts whatever the position."""
+        return ()
+
+
+class Passive(Acting):
+    """A spring or damper: what it does depends on the motion alone."""
+
+    damping: Parameter
+
+    @property
+    def laws(self) -> tuple[Function, ...]:
+        """None: its numbers are constant."""
+        return ()
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether it is damped."""
+        return not self.damping.absent
+
+
 @dataclass(frozen=True)
-class AxialForce:
+class AxialForce(Applied):
     """A force on a sliding body along its axis (N); its guide gets the opposite one."""
+
+    unit = "N"
 
     body: str
     force: Function
     path: Path
 
+    @property
+    def laws(self) -> tuple[Function, ...]:
+        """The force."""
+        return (self.force,)
+
 
 @dataclass(frozen=True)
-class AxialDamper:
+class AxialDamper(Passive):
     """Viscous friction in a guide: the force −damping·ṡ (N·s/m)."""
+
+    unit = "N"
 
     body: str
     damping: Parameter
     path: Path
 
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """None: bodies that slide do not turn."""
+        return ()
+
 
 @dataclass(frozen=True)
-class PointForce:
+class PointForce(Applied):
     """A force at a joint with given components in the ground's frame (N)."""
+
+    unit = "N"
 
     joint: str
     force: tuple[Function, Function]
     path: Path
 
+    @property
+    def laws(self) -> tuple[Function, ...]:
+        """Both components."""
+        return self.force
+
 
 @dataclass(frozen=True)
-class Torque:
+class Torque(Applied):
     """A torque on a body (N·m); ``reference`` gets the opposite one (None: the ground)."""
+
+    unit = "N m"
 
     body: str
     reference: str | None
     torque: Function
     path: Path
 
+    @property
+    def laws(self) -> tuple[Function, ...]:
+        """The torque."""
+        return (self.torque,)
+
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(Passive):
     """A translational spring and damper between two joints.
 
     It pulls with stiffness·(distance − length) + damping·(rate of the distance).
     """
+
+    unit = "N"
 
     first: str
     second: str
@@ -226,14 +310,21 @@ class Spring:
     damping: Parameter
     path: Path
 
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """None: a distance is the same after a whole turn."""
+        return ()
+
 
 @dataclass(frozen=True)
-class TorsionSpring:
+class TorsionSpring(Passive):
     """A torsional spring and damper that turns ``body`` against ``reference`` (None: ground).
 
     Its torque on ``body`` is −stiffness·(θ_body − θ_reference − angle) − damping·(ω_body −
     ω_reference); whole turns count.
     """
+
+    unit = "N m"
 
     body: str
     reference: str | None
@@ -241,6 +332,12 @@ class TorsionSpring:
     angle: Parameter
     damping: Parameter
     path: Path
+
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """Both bodies, if it is elastic."""
+        bodies = () if self.stiffness.absent else (self.body, self.reference)
+        return tuple(name for name in bodies if name is not None)
 
 
 @dataclass(frozen=True)
@@ -286,6 +383,7 @@ class Hint:
     path: Path
 
 
+# A closed union: `assert_never` behind a match finds a kind that somebody forgot.
 Load = AxialForce | AxialDamper | PointForce | Torque | Spring | TorsionSpring
 
 Friction = JointFriction | ClearanceFriction

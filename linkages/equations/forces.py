@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import assert_never
 
 import sympy as sp
 
@@ -80,7 +81,8 @@ class GeneralisedForces:
                 angle = turned(load.body, load.reference, self._places)
                 rate = sp.Add(*(sp.diff(angle, q) * dq for q, dq in symbols.rates.items()))
                 return self._along(angle, -symbols.parameter(load.damping) * rate)
-        raise TypeError(f"no load: {load!r}")
+            case _:
+                assert_never(load)
 
     def _along(self, angle: sp.Expr, torque: sp.Expr) -> Forces:
         """Of a torque that works on an angle."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import Any, assert_never
 
 import sympy as sp
 
@@ -62,7 +62,8 @@ def law_of(function: Function, symbols: Symbols) -> sp.Expr:
             return Spline(symbols.table(function), 0, symbols.time)
         case Operation(name, arguments):
             return _operation(name, [law_of(argument, symbols) for argument in arguments])
-    raise TypeError(f"no function of time: {function!r}")
+        case _:
+            assert_never(function)
 
 
 def _operation(name: str, values: list[sp.Expr]) -> sp.Expr:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
+from linkages.components.interpolation import polynomials
 from linkages.equations.derivation import Equations
 from linkages.equations.python_functions import FunctionWriter
 
@@ -48,43 +49,29 @@ def _constants(equations: Equations) -> str:
 
 
 def _tables(equations: Equations) -> str:
-    tables = equations.symbols.tables
-    rows = [f"    ({t.times!r}, {t.values!r}, {t.periodic!r})," for t in tables]
-    return "\n".join(["\nTABLES = (  # times, values, periodic", *rows, ")", _SPLINE])
+    rows = []
+    for table in equations.symbols.tables:
+        found = polynomials(table)
+        knots, coefficients = tuple(map(float, found.x)), tuple(map(tuple, found.c.T.tolist()))
+        rows.append(f"    ({knots!r}, {coefficients!r}, {table.periodic!r}),")
+    heading = "\nTABLES = (  # knots, coefficients of the cubic polynomials between them, periodic"
+    return "\n".join([heading, *rows, ")", _SPLINE])
 
 
 _SPLINE = '''
-def spline(times, values, periodic, t, order):
-    """Derivative of a cubic spline at time t, from its second derivatives at all times."""
-    steps = [b - a for a, b in zip(times, times[1:])]
-    slopes = [(b - a) / step for a, b, step in zip(values, values[1:], steps)]
-    last = len(steps)
-    matrix, right = zeros((last + 1, last + 1)), zeros(last + 1)
-    for k in range(1, last):
-        matrix[k, k - 1 : k + 2] = steps[k - 1], 2 * (steps[k - 1] + steps[k]), steps[k]
-        right[k] = 6 * (slopes[k] - slopes[k - 1])
-    matrix[0, 0] = matrix[last, last] = 1.0
+def spline(knots, coefficients, periodic, t, order):
+    """Derivative of piecewise cubic polynomials at time t; outside the knots straight lines."""
     if periodic:
-        matrix[0, last] = -1.0
-        matrix[last, 0], matrix[last, 1] = 2 * steps[0], steps[0]
-        matrix[last, last - 1], matrix[last, last] = steps[-1], 2 * steps[-1]
-        right[last] = 6 * (slopes[0] - slopes[-1])
-        t = times[0] + (t - times[0]) % (times[-1] - times[0])
-    curved = linalg.solve(matrix, right)
-    inner = min(max(t, times[0]), times[-1])
-    k = max(i for i in range(last) if i == 0 or times[i] <= inner)
-    step, before, after = steps[k], inner - times[k], times[k + 1] - inner
-    slope = slopes[k] + (
-        (3 * before**2 - step**2) * curved[k + 1] - (3 * after**2 - step**2) * curved[k]
-    ) / (6 * step)
+        t = knots[0] + (t - knots[0]) % (knots[-1] - knots[0])
+    inner = min(max(t, knots[0]), knots[-1])
+    k = max(i for i in range(len(coefficients)) if i == 0 or knots[i] <= inner)
+    (d, c, b, a), x = coefficients[k], inner - knots[k]
+    slope = b + x * (2 * c + x * 3 * d)
     if order == 0:
-        straight = (values[k] * after + values[k + 1] * before) / step
-        bent = before * (before**2 - step**2) * curved[k + 1]
-        bent = bent + after * (after**2 - step**2) * curved[k]
-        return straight + bent / (6 * step) + slope * (t - inner)
+        return a + x * (b + x * (c + x * d)) + slope * (t - inner)
     if order == 1:
         return slope
-    return (curved[k] * after + curved[k + 1] * before) / step if inner == t else 0.0
+    return 2 * c + 6 * d * x if inner == t else 0.0
 '''
 
 

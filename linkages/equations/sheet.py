@@ -96,6 +96,9 @@ def sections(equations: Equations) -> tuple[Section, ...]:
     return tuple(section for section in found if section.lines)
 
 
+_JOINED = {"linear": "straight lines", "pchip": "monotone cubics (pchip)", "spline": "cubic spline"}
+
+
 def _indexed(letter: str, index: int) -> Formula:
     latex = r"\Phi" if letter == "Φ" else letter
     return Formula(f"{letter}_{index}", f"{latex}_{{{index}}}")
@@ -122,7 +125,7 @@ def _coordinates(equations: Equations) -> Iterator[Line]:
     for definition in equations.followers:
         yield Line((definition.symbol, definition.value), "by a weld or gear")
     for number, table in enumerate(equations.symbols.tables, 1):
-        what = "periodic cubic spline" if table.periodic else "natural cubic spline"
+        what = f"{_JOINED[table.interpolation]}{', periodic,' if table.periodic else ''}"
         function = Formula(f"f_{number}(t)", f"f_{{{number}}}(t)")
         yield Line((function,), f"{what} through {len(table.times)} points: {dotted(table.path)}")
 

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import assert_never
 
 import sympy as sp
 
-from linkages.components.terms import Load, Spring, TorsionSpring
+from linkages.components.terms import (
+    AxialDamper,
+    AxialForce,
+    Load,
+    PointForce,
+    Spring,
+    Torque,
+    TorsionSpring,
+)
 from linkages.equations.places import Places
 from linkages.equations.polar import Terms, collected, derivative, dot
 from linkages.equations.symbols import Symbols
@@ -80,11 +89,18 @@ def stored_energy(
     """½ k (D − L)² and ½ k (θ − φ)² of all springs, over distances and coordinates, in J."""
     energy = sp.S.Zero
     for load in loads:
-        if isinstance(load, Spring) and not load.stiffness.absent:
-            longer = between[load.first, load.second].symbol - symbols.parameter(load.length)
-        elif isinstance(load, TorsionSpring) and not load.stiffness.absent:
-            longer = deflection(load, symbols, places)
-        else:
-            continue
-        energy += symbols.parameter(load.stiffness) * longer**2 / 2
+        match load:
+            case Spring():
+                if not load.stiffness.absent:
+                    distance = between[load.first, load.second].symbol
+                    longer = distance - symbols.parameter(load.length)
+                    energy += symbols.parameter(load.stiffness) * longer**2 / 2
+            case TorsionSpring():
+                if not load.stiffness.absent:
+                    longer = deflection(load, symbols, places)
+                    energy += symbols.parameter(load.stiffness) * longer**2 / 2
+            case AxialForce() | AxialDamper() | PointForce() | Torque():
+                pass
+            case _:
+                assert_never(load)
     return energy

@@ -74,6 +74,10 @@ class Inputs:
         """The multiple of 2π by which the difference of a spring's angles is too large at t = 0."""
         return self._numbered(("turns", load), 0.0)
 
+    def nearest(self, load: int, value: float) -> Scalar:
+        """Distance of a spring's ends below which it is round-off, in metres."""
+        return self._numbered(("nearest", load), value)
+
     def iterate(self, index: int) -> Scalar:
         """An unknown within an iteration."""
         return self.graph.input("z", index, Level.STATE)

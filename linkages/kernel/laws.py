@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.functions import ONE_ARGUMENT, Function, Number, Operation, Table, Time
+from linkages.components.interpolation import polynomials
 from linkages.kernel.differentiation import derivative
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, ScalarGraph
 
 
 @dataclass(frozen=True)
@@ -28,12 +34,14 @@ def value_of(function: Function, inputs: Inputs) -> Scalar:
         case Time():
             return inputs.time
         case Table():
-            place = inputs.block((*function.path, "spline"), spline_numbers(function))
-            count = len(function.times) - 1
+            numbers = table_numbers(function)
+            place = inputs.block((*function.path, "spline"), numbers)
+            count = (len(numbers) - 1) // 5
             return graph.spline(inputs.time, place, count, function.periodic)[0]
         case Operation(name, arguments):
             return _operation(name, arguments, inputs)
-    raise TypeError(f"no function of time: {function!r}")
+        case _:
+            assert_never(function)
 
 
 def _operation(name: str, arguments: tuple[Function, ...], inputs: Inputs) -> Scalar:
@@ -81,10 +89,16 @@ def law_of(function: Function, inputs: Inputs) -> Law:
     return Law(value, rate, acceleration)
 
 
-def spline_numbers(table: Table) -> list[float]:
+def table_numbers(table: Table) -> list[float]:
     """Knots, then four coefficients for each interval, the cubic one first."""
-    from scipy.interpolate import CubicSpline
+    found = polynomials(table)
+    return [*map(float, found.x), *(float(c) for column in found.c.T for c in column)]
 
-    ends = "periodic" if table.periodic else "natural"
-    spline = CubicSpline(table.times, table.values, bc_type=ends)
-    return [*table.times, *(float(c) for column in spline.c.T for c in column)]
+
+def law_values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a function of time, shape (times,); nan or infinite where it has none."""
+    inputs = Inputs(ScalarGraph(), 0)
+    node = value_of(function, inputs)
+    numbers = np.array(list(inputs.parameters.values()))
+    (found,) = Evaluator([node])(t=times[None, :], p=numbers)
+    return np.broadcast_to(found, times.shape)

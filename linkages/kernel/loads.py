@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol, assert_never
 
 from linkages.components.terms import (
     AxialDamper,
@@ -18,9 +18,15 @@ from linkages.components.terms import (
 from linkages.kernel.laws import value_of
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
+from linkages.reading.paths import dotted
 
 if TYPE_CHECKING:
+    from linkages.components.mechanism import Mechanism
     from linkages.kernel.model import Model
+
+
+ROUND_OFF = 4e-15
+"""Distance of two joints, beside the size of the mechanism, that round-off may cause."""
 
 
 class Velocities(Protocol):
@@ -36,6 +42,20 @@ class Velocities(Protocol):
 
 class LoadNodes(ABC):
     """What a load contributes to the equations of a model."""
+
+    load: Load
+    dimension: ClassVar[str]
+    """Dimension of the output that it belongs to."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What its forces are called in outputs: the place of the load in the file."""
+        return (dotted(self.load.path),)
+
+    @property
+    @abstractmethod
+    def acting(self) -> list[Scalar]:
+        """Force or torque as it acts, one for each label."""
 
     @abstractmethod
     def power(self, velocities: Velocities) -> Scalar:
@@ -62,6 +82,11 @@ class Conjugate(LoadNodes):
     def force(self) -> Scalar:
         """The force, positive in the direction of the rate."""
 
+    @property
+    def acting(self) -> list[Scalar]:
+        """The force."""
+        return [self.force]
+
     @abstractmethod
     def rate(self, velocities: Velocities) -> Scalar:
         """What it works on."""
@@ -85,6 +110,8 @@ class Pull(LoadNodes):
 
 
 class _Axial(Conjugate):
+    load: AxialForce | AxialDamper
+
     def __init__(self, model: Model, load: AxialForce | AxialDamper) -> None:
         super().__init__(model)
         self.load = load
@@ -95,6 +122,7 @@ class _Axial(Conjugate):
 
 class _AxialForce(_Axial):
     load: AxialForce
+    dimension = "force"
 
     @property
     def force(self) -> Scalar:
@@ -103,6 +131,7 @@ class _AxialForce(_Axial):
 
 class _AxialDamper(_Axial):
     load: AxialDamper
+    dimension = "spring"
 
     @property
     def force(self) -> Scalar:
@@ -110,9 +139,22 @@ class _AxialDamper(_Axial):
 
 
 class _PointForce(Pull):
+    load: PointForce
+    dimension = "force"
+
     def __init__(self, model: Model, load: PointForce) -> None:
         self.model = model
         self.load = load
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """One for each component."""
+        return tuple(f"{dotted(self.load.path)}.{axis}" for axis in "xy")
+
+    @property
+    def acting(self) -> list[Scalar]:
+        """Both components."""
+        return [self.vector.x, self.vector.y]
 
     @property
     def vector(self) -> Vector:
@@ -128,6 +170,8 @@ class _PointForce(Pull):
 
 
 class _Turning(Conjugate):
+    load: Torque | TorsionSpring
+
     def __init__(self, model: Model, load: Torque | TorsionSpring) -> None:
         super().__init__(model)
         self.load = load
@@ -141,6 +185,7 @@ class _Turning(Conjugate):
 
 class _Torque(_Turning):
     load: Torque
+    dimension = "torque"
 
     @property
     def force(self) -> Scalar:
@@ -189,14 +234,41 @@ class _Elastic(Conjugate):
 
 
 class _Spring(_Elastic, Pull):
+    """A spring and damper along the line between two joints.
+
+    Where its ends meet, the line has no direction of its own. A spring that is relaxed there pulls
+    with −k·r, which needs none; a damper then acts along the velocity at which the ends meet or
+    part, for along every motion that is the limit of r/|r|. Any other spring has no limit there:
+    its force is nan.
+    """
+
+    load: Spring
+    dimension = "spring"
+
     def __init__(self, model: Model, load: Spring) -> None:
-        super().__init__(model)
+        self.model, self.graph = model, model.graph
         self.load, self.stiffness, self.damping = load, load.stiffness, load.damping
+
+    @property
+    def acting(self) -> list[Scalar]:
+        """How it pulls its ends together."""
+        return [-self.force]
 
     @property
     def _between(self) -> Vector:
         joints = self.model.positions.joints
         return joints[self.load.second] - joints[self.load.first]
+
+    def _opening(self, velocities: Velocities) -> Vector:
+        return velocities.joints[self.load.second] - velocities.joints[self.load.first]
+
+    @property
+    def _apart(self) -> Scalar:
+        """Negative where round-off alone keeps its ends apart."""
+        mechanism = self.model.mechanism
+        index = mechanism.loads.index(self.load)
+        nearest = self.model.inputs.nearest(index, ROUND_OFF * extent(mechanism))
+        return self._between.square - nearest * nearest
 
     @property
     def _distance(self) -> Scalar:
@@ -208,35 +280,62 @@ class _Spring(_Elastic, Pull):
 
     @property
     def _slack(self) -> bool:
-        """Whether its relaxed length is zero: its force is then smooth where its ends meet."""
-        return self.load.length.absent and self.damping.absent
+        """Whether it does not pull where its ends meet."""
+        return self.load.length.absent or self.stiffness.absent
 
     def power(self, velocities: Velocities) -> Scalar:
-        joints = velocities.joints
-        return self.vector.dot(joints[self.load.second] - joints[self.load.first])
+        return self.vector.dot(self._opening(velocities))
 
     @property
     def vector(self) -> Vector:
         """The force on its second end; the first gets the opposite."""
+        return self._elastic_vector + self._damping_vector
+
+    @property
+    def _elastic_vector(self) -> Vector:
+        if self.stiffness.absent:
+            return Vector(self.graph.zero, self.graph.zero)
         if self._slack:
             return -(self._between * self._stiffness)
-        return self._between * (self.force / self._distance)
+        distance = self.graph.select(self._apart, self._distance, self.graph.zero)
+        return self._between * (-(self._stiffness * self.elongation) / distance)
+
+    @property
+    def _damping_vector(self) -> Vector:
+        if self.damping.absent:
+            return Vector(self.graph.zero, self.graph.zero)
+        damping, opening = (
+            self.model.inputs.parameter(self.damping),
+            self._opening(self.model.velocities),
+        )
+        select, apart, between = self.graph.select, self._apart, self._between
+        square = select(apart, between.square, self.graph.one)
+        along = between * (between.dot(opening) / square)
+        return Vector(
+            -(damping * select(apart, along.x, opening.x)),
+            -(damping * select(apart, along.y, opening.y)),
+        )
 
     def potential(self) -> Scalar | None:
         if self._slack and not self.stiffness.absent:
             return 0.5 * self._stiffness * self._between.square
         return super().potential()
 
+    def dissipated(self) -> Scalar | None:
+        if self.damping.absent:
+            return None
+        return self._damping_vector.dot(self._opening(self.model.velocities))
+
     def rate(self, velocities: Velocities) -> Scalar:
-        joints = velocities.joints
-        opened = joints[self.load.second] - joints[self.load.first]
-        return self._between.dot(opened) / self._distance
+        distance = self.graph.select(self._apart, self._distance, self.graph.one)
+        return self._between.dot(self._opening(velocities)) / distance
 
 
 class TorsionSpringNodes(_Turning, _Elastic):
     """A torsional spring and damper."""
 
     load: TorsionSpring
+    dimension = "torsional_spring"
 
     def __init__(self, model: Model, load: TorsionSpring) -> None:
         super().__init__(model, load)
@@ -257,16 +356,29 @@ class TorsionSpringNodes(_Turning, _Elastic):
         return self.difference - self.model.inputs.parameter(self.load.angle) - turns
 
 
-_KINDS = {
-    AxialForce: _AxialForce,
-    AxialDamper: _AxialDamper,
-    PointForce: _PointForce,
-    Torque: _Torque,
-    Spring: _Spring,
-    TorsionSpring: TorsionSpringNodes,
-}
+def extent(mechanism: Mechanism) -> float:
+    """A length that all places have in common: the farthest point of every body, summed up."""
+    places = [*mechanism.attachments.values(), mechanism.anchors]
+    farthest = (
+        max((abs(n.value) for p in some.values() for n in p), default=0.0) for some in places
+    )
+    return sum(farthest)
 
 
 def load_nodes(model: Model, load: Load) -> LoadNodes:
     """The nodes of a load."""
-    return _KINDS[type(load)](model, load)
+    match load:
+        case AxialForce():
+            return _AxialForce(model, load)
+        case AxialDamper():
+            return _AxialDamper(model, load)
+        case PointForce():
+            return _PointForce(model, load)
+        case Torque():
+            return _Torque(model, load)
+        case Spring():
+            return _Spring(model, load)
+        case TorsionSpring():
+            return TorsionSpringNodes(model, load)
+        case _:
+            assert_never(load)

@@ -17,6 +17,7 @@ from linkages.topology.blocks import Block, Step
 from linkages.topology.jacobian import ground_loop
 
 AXES = ("x", "y")
+LOADS = ("force", "torque", "spring", "torsional_spring")
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.driven
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in _dyads(model))
+    if dim in LOADS:
+        return tuple(n for load in model.loads if load.dimension == dim for n in load.labels)
     kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "clearance": ("clearance",)}[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
 
@@ -141,6 +144,12 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
         ]
 
     return nodes
+
+
+def _of_loads(dim: str) -> Callable[[Model], list[Scalar]]:
+    return lambda model: [
+        node for load in model.loads if load.dimension == dim for node in load.acting
+    ]
 
 
 def _kinetic_energy(model: Model) -> list[Scalar]:
@@ -237,6 +246,15 @@ VARIABLES: dict[str, Variable] = {
         ("1", "force of a slider per force of a drive"),
     ),
     "drive_effort": Variable(("drive",), "N m", "driving torque", _efforts, ("N", "driving force")),
+    "load_force": Variable(("force",), "N", "force of a load", _of_loads("force")),
+    "load_torque": Variable(("torque",), "N m", "torque of a load", _of_loads("torque")),
+    "spring_force": Variable(("spring",), "N", "force of a spring or damper", _of_loads("spring")),
+    "torsional_spring_torque": Variable(
+        ("torsional_spring",),
+        "N m",
+        "torque of a torsional spring or damper",
+        _of_loads("torsional_spring"),
+    ),
     "kinetic_energy": Variable((), "J", "kinetic energy", _kinetic_energy),
     "potential_energy": Variable((), "J", "potential energy", _potential_energy),
     "drive_power": Variable((), "W", "power of all drives", _drive_power),

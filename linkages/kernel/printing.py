@@ -203,7 +203,7 @@ _SPLINE = '''
 
 @njit(**_inline)
 def spline(t, p, place, count, periodic):
-    """Value and derivatives of a cubic spline whose numbers stand in p from a place on."""
+    """Value and derivatives of piecewise cubics whose numbers stand in p from a place on."""
     first, last = p[place], p[place + count]
     if periodic:
         t = first + (t - first) % (last - first)

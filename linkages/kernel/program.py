@@ -18,7 +18,7 @@ from linkages.kernel.model import Model
 from linkages.kernel.printing import Statements, write_functions
 from linkages.kernel.scalars import Level, Scalar, reachable
 
-GENERATOR_VERSION = 3
+GENERATOR_VERSION = 4
 
 _HEADER = '''"""Equations of motion of one topology; generated, do not edit (generator {version}).
 
@@ -113,8 +113,10 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
     by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
     needed = {root.index for root in roots}
-    derived = _boundary(by_level, Level.PARAMETERS, needed)
-    timed = _boundary(by_level, Level.TIME, needed)
+    derived = _boundary(by_level, Level.PARAMETERS, by_level[Level.PARAMETERS], needed)
+    # time itself is no argument of what depends on the state
+    moments = [node for node in nodes if node.level == Level.TIME]
+    timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(model.inputs.parameters)
     writer = _Writer(model, by_level, {i: 1 + r.block for i, r in checks.items()}, count)
     known = {node.index: f"p[{count + k}]" for k, node in enumerate(derived)}
@@ -137,8 +139,10 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     return Program("".join(parts), (count, len(derived)), len(timed), by_level)
 
 
-def _boundary(by_level: dict[Level, list[Scalar]], level: Level, needed: set[int]) -> list[Scalar]:
-    """Nodes of a level that a higher level (or the result) uses."""
+def _boundary(
+    by_level: dict[Level, list[Scalar]], level: Level, nodes: list[Scalar], needed: set[int]
+) -> list[Scalar]:
+    """Those of a level's nodes that a higher level (or the result) uses."""
     used = {
         o.index
         for higher in by_level
@@ -146,7 +150,7 @@ def _boundary(by_level: dict[Level, list[Scalar]], level: Level, needed: set[int
         for n in by_level[higher]
         for o in n.operands
     }
-    return [node for node in by_level[level] if node.index in used | needed]
+    return [node for node in nodes if node.index in used | needed]
 
 
 class _Writer:

@@ -252,7 +252,7 @@ class ScalarGraph:
         return [self.item(solution, index) for index in range(len(start))]
 
     def spline(self, time: Scalar, place: int, count: int, periodic: bool) -> list[Scalar]:
-        """Value, first and second derivative of a spline whose numbers are parameters.
+        """Value, first and second derivative of a piecewise cubic whose numbers are parameters.
 
         Parameters
         ----------

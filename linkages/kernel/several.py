@@ -164,7 +164,7 @@ def _updates(
 def evaluate_spline(
     time: Any, parameters: np.ndarray, place: int, count: int, periodic: bool
 ) -> list[np.ndarray]:
-    """Value and two derivatives of a spline; its knots and coefficients stand from `place` on."""
+    """Value and two derivatives of piecewise cubics; their numbers stand from `place` on."""
     numbers = parameters[place : place + 5 * count + 1]
     numbers = numbers if numbers.ndim == 1 else numbers[:, 0]
     knots, coefficients = numbers[: count + 1], numbers[count + 1 :].reshape(count, 4)

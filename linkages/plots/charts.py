@@ -37,6 +37,8 @@ __all__ = [
     "drive_force",
     "exponents",
     "indicator_map",
+    "load_force",
+    "load_torque",
     "mechanism",
     "pair",
     "phase_diagram",
@@ -145,6 +147,16 @@ def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
     _require(solution.data, "drive_effort")
     chosen = time_figures.efforts(solution.data, solution.mechanism, sliding=True)
     return _over_time(chosen, "drive_force", ax)
+
+
+def load_force(source: Source, ax: Axes | None = None) -> Axes:
+    """Forces of all loads over time."""
+    return _over_time(_data(source), "load_force", ax)
+
+
+def load_torque(source: Source, ax: Axes | None = None) -> Axes:
+    """Torques of all loads over time."""
+    return _over_time(_data(source), "load_torque", ax)
 
 
 @styled

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from linkages.components.mechanism import Mechanism
 from linkages.plots import drawing, phase, traces
 from linkages.plots.style import style
-from linkages.plots.time_figures import force_figure, time_figure, torque_figure
+from linkages.plots.time_figures import force_figure, load_figure, time_figure, torque_figure
 from linkages.solution.files import replaced
 
 if TYPE_CHECKING:
@@ -30,6 +30,8 @@ FIGURES: Mapping[str, FigureFunction] = {
     "slider_acceleration_error": time_figure("slider_acceleration_error"),
     "drive_effort": torque_figure,
     "drive_force": force_figure,
+    "load_force": load_figure("load_force"),
+    "load_torque": load_figure("load_torque"),
     "clearance_force": time_figure("clearance_force"),
     "phase": phase.figure,
 }

@@ -9,10 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.components.functions import Function, Number
-from linkages.components.terms import AxialForce, PointForce, Spring, Torque, TorsionSpring
+from linkages.components.terms import Torque
 from linkages.plots import symbols
 from linkages.plots.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.bodies import ground_direction
+from linkages.plots.kinds import by_kind
 from linkages.plots.labels import Labels
 from linkages.plots.pose import Place, Pose
 from linkages.plots.prefixes import scale_for
@@ -36,8 +37,8 @@ def draw_masses(ax: Axes, pose: Pose, labels: Labels) -> None:
 def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
     """Springs and dampers between joints; several between the same two lie side by side."""
     lines: dict[tuple[str, ...], list[bool]] = {}
-    for load in pose.mechanism.loads:
-        if isinstance(load, Spring) and {load.first, load.second} <= set(pose.positions):
+    for load in by_kind(pose.mechanism.loads).springs:
+        if {load.first, load.second} <= set(pose.positions):
             found = lines.setdefault(tuple(sorted((load.first, load.second))), [])
             found += [True] * (not load.stiffness.absent)
             found += [False] * (not load.damping.absent)
@@ -57,9 +58,7 @@ def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = No
     """
     first = first or pose
     taken: Counter[Place] = Counter()
-    for load in pose.mechanism.loads:
-        if not isinstance(load, TorsionSpring):
-            continue
+    for load in by_kind(pose.mechanism.loads).torsional:
         place = pivot(pose, load.body, load.reference)
         before = pivot(first, load.body, load.reference)
         if place is None or before is None:
@@ -76,39 +75,41 @@ def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = No
 def draw_forces(ax: Axes, pose: Pose, labels: Labels) -> None:
     """Arrows of forces at joints and arcs of torques on bodies."""
     mechanism = pose.mechanism
-    for load in mechanism.loads:
-        if isinstance(load, PointForce) and load.joint in pose.positions:
-            angle, sense = force_direction(load.force, mechanism)
-            place = pose.positions[load.joint]
-            if sense:
-                covered = straight_arrow(ax, place, angle, (symbols.MASS + 1.0, 0.0), sense, LOAD)
-                labels.avoid(covered)
-        elif isinstance(load, Torque):
-            spot = _torque_place(pose, load)
-            sense = load_sense(load.torque, mechanism)
-            if spot and sense:
-                angle = _direction_of(pose, load.body, spot) + np.pi / 2
-                labels.avoid(arc_arrow(ax, spot, angle, TORQUE, TORQUE_SPAN, sense, LOAD))
+    kinds = by_kind(mechanism.loads)
+    for force in kinds.forces:
+        if force.joint not in pose.positions:
+            continue
+        angle, sense = force_direction(force.force, mechanism)
+        place = pose.positions[force.joint]
+        if sense:
+            covered = straight_arrow(ax, place, angle, (symbols.MASS + 1.0, 0.0), sense, LOAD)
+            labels.avoid(covered)
+    for torque in kinds.torques:
+        spot = _torque_place(pose, torque)
+        sense = load_sense(torque.torque, mechanism)
+        if spot and sense:
+            angle = _direction_of(pose, torque.body, spot) + np.pi / 2
+            labels.avoid(arc_arrow(ax, spot, angle, TORQUE, TORQUE_SPAN, sense, LOAD))
 
 
 def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
     """What is written at loads: text, place, and its least distance from there in points."""
-    for load in pose.mechanism.loads:
-        if isinstance(load, PointForce) and load.joint in pose.positions:
-            size = _size(load.force, "N")
-            angle, sense = force_direction(load.force, pose.mechanism)
-            if size and sense:
-                yield size, _tip(ax, pose.positions[load.joint], angle, 1), 4.0
-        elif isinstance(load, AxialForce):
-            place, size = block_place(pose, load.body), _size((load.force,), "N")
-            sense, turned = load_sense(load.force, pose.mechanism), pose.angle(load.body)
-            if place and size and sense and turned is not None:
-                side = force_side(pose, load.body, sense)
-                yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
-        elif isinstance(load, Torque):
-            place, size = _torque_place(pose, load), _size((load.torque,), "N·m")
-            if place and size:
-                yield size, place, TORQUE + 3.0
+    kinds = by_kind(pose.mechanism.loads)
+    for force in kinds.forces:
+        size = _size(force.force, "N")
+        angle, sense = force_direction(force.force, pose.mechanism)
+        if force.joint in pose.positions and size and sense:
+            yield size, _tip(ax, pose.positions[force.joint], angle, 1), 4.0
+    for axial in kinds.axial:
+        place, size = block_place(pose, axial.body), _size((axial.force,), "N")
+        sense, turned = load_sense(axial.force, pose.mechanism), pose.angle(axial.body)
+        if place and size and sense and turned is not None:
+            side = force_side(pose, axial.body, sense)
+            yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
+    for torque in kinds.torques:
+        place, size = _torque_place(pose, torque), _size((torque.torque,), "N·m")
+        if place and size:
+            yield size, place, TORQUE + 3.0
 
 
 def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
@@ -165,7 +166,7 @@ def _direction_of(pose: Pose, body: str, place: Place) -> float:
 def _free_direction(pose: Pose, place: Place) -> float:
     """The direction from a joint that is farthest from all bars there."""
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    springs = (load for load in pose.mechanism.loads if isinstance(load, Spring))
+    springs = by_kind(pose.mechanism.loads).springs
     pairs = [(spring.first, spring.second) for spring in springs]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [

@@ -7,25 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.functions import Function
 from linkages.components.mechanism import Mechanism
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.inputs import Inputs
-from linkages.kernel.laws import value_of
-from linkages.kernel.scalars import ScalarGraph
+from linkages.kernel.laws import law_values
 
 Array = NDArray[np.float64]
 
 SAMPLES = 721
 BOTH = 2
 NEGLIGIBLE = 1e-9  # of the largest magnitude
-
-
-def law_values(function: Function, times: Array) -> Array:
-    """Values of a law of time, shape (times,); nan where it has none."""
-    inputs = Inputs(ScalarGraph(), 0)
-    node = value_of(function, inputs)
-    numbers = np.array(list(inputs.parameters.values()))
-    (values,) = Evaluator([node])(t=times[None], p=numbers)
-    return np.broadcast_to(values, times.shape)
 
 
 def run_times(mechanism: Mechanism) -> Array:

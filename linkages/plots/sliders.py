@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.components.terms import AxialDamper, AxialForce
 from linkages.plots import symbols
 from linkages.plots.arrows import STRAIGHT, straight_arrow
 from linkages.plots.bodies import THICKNESS, body_colour
+from linkages.plots.kinds import by_kind
 from linkages.plots.labels import Labels
 from linkages.plots.pose import Axis, Pose, along_carrier
 from linkages.plots.senses import BOTH, drive_sense, load_sense
@@ -115,16 +115,15 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
     for name in mechanism.prescribed:
         if not mechanism.bodies[name].rotates:
             _beside(ax, pose, name, drive_sense(mechanism, name), DRIVEN, labels)
-    for load in mechanism.loads:
-        if isinstance(load, AxialForce):
-            _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
+    for load in by_kind(mechanism.loads).axial:
+        _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
 
 
 def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
     """Dampers in the guides of sliders, on the side that was free in a first position, if given."""
     first = first or pose
-    for load in pose.mechanism.loads:
-        if not isinstance(load, AxialDamper) or load.damping.absent:
+    for load in by_kind(pose.mechanism.loads).guide_dampers:
+        if load.damping.absent:
             continue
         place, angle, before = (
             block_place(pose, load.body), pose.angle(load.body), first.angle(load.body),
@@ -160,7 +159,7 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
 
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    forces = [f for f in pose.mechanism.loads if isinstance(f, AxialForce) and f.body == name]
+    forces = [f for f in by_kind(pose.mechanism.loads).axial if f.body == name]
     side = force_side(pose, name, -1)
     stands = [force_side(pose, name, load_sense(f.force, pose.mechanism)) for f in forces]
     return -side if side in stands else side

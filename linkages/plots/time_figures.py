@@ -50,6 +50,8 @@ QUANTITIES = {
     "clearance_force": Quantity("clearance", "clearance force"),
     "drive_effort": Quantity("drive", "driving torque"),
     "drive_force": Quantity("drive", "driving force"),
+    "load_force": Quantity("force", "load"),
+    "load_torque": Quantity("torque", "load torque"),
 }
 
 
@@ -80,6 +82,24 @@ def efforts(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> xr.Data
         force = chosen["drive_effort"].assign_attrs(units="N")
         chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
     return chosen
+
+
+def load_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
+    """The function that makes the figure of the loads that vary; None if none does."""
+
+    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+        if variable not in data:
+            return None
+        return time_figure(variable)(varying(data, variable), mechanism)
+
+    return figure_of
+
+
+def varying(data: xr.Dataset, variable: str) -> xr.Dataset:
+    """Data with the elements of a variable that are not the same at all times."""
+    values = data[variable]
+    spread = values.max("time") - values.min("time") if values.sizes["time"] else values.sum("time")
+    return data.isel({QUANTITIES[variable].dimension: np.flatnonzero(spread)})
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from linkages.components.mechanism import Mechanism
 from linkages.components.terms import (
     AxialDamper,
     AxialForce,
-    Load,
     PointForce,
     Spring,
     Torque,
@@ -41,16 +41,22 @@ def applied_forces(piece: Piece, add: Add) -> Floats:
     rows = np.zeros((len(piece.wanted), 3 * len(mechanism.bodies)))
     order = list(mechanism.bodies)
     for load in mechanism.loads:
-        if isinstance(load, Torque | TorsionSpring):
-            nodes = load_nodes(piece.system.model, load)
-            assert isinstance(nodes, Conjugate)
-            (torque,) = piece.interpolated(evaluate_nodes(piece, [nodes.force]))
-            rows[:, 3 * order.index(load.body) + 2] += torque
-            if load.reference is not None:
-                rows[:, 3 * order.index(load.reference) + 2] -= torque
-            continue
-        for body, joint, force in _point_forces(piece, load):
-            add(rows, body, joint, force)
+        match load:
+            case Torque() | TorsionSpring():
+                nodes = load_nodes(piece.system.model, load)
+                assert isinstance(nodes, Conjugate)
+                (torque,) = piece.interpolated(evaluate_nodes(piece, [nodes.force]))
+                rows[:, 3 * order.index(load.body) + 2] += torque
+                if load.reference is not None:
+                    rows[:, 3 * order.index(load.reference) + 2] -= torque
+            case PointForce() | Spring():
+                for body, joint, force in _at_joints(piece, load):
+                    add(rows, body, joint, force)
+            case AxialForce() | AxialDamper():
+                for body, joint, force in _along_axis(piece, load):
+                    add(rows, body, joint, force)
+            case _:
+                assert_never(load)
     return rows
 
 
@@ -61,26 +67,34 @@ def carrier_of(mechanism: Mechanism, joint: str) -> str | None:
     return next((name for name, body in mechanism.bodies.items() if joint in body.points), None)
 
 
-def _point_forces(piece: Piece, load: Load) -> list[tuple[str, str, Floats]]:
-    """Bodies, joints and forces of a load, shape (samples, 2) each."""
-    model, mechanism = piece.system.model, piece.system.mechanism
+Forces = list[tuple[str, str, Floats]]
+"""Bodies, joints and forces of a load, shape (samples, 2) each."""
+
+
+def _at_joints(piece: Piece, load: PointForce | Spring) -> Forces:
+    nodes = load_nodes(piece.system.model, load)
+    assert isinstance(nodes, Pull)
+    force = _vectors(piece, nodes.vector)
+    ends = [load.joint] if isinstance(load, PointForce) else [load.second, load.first]
+    return _on_bodies(
+        (carrier_of(piece.system.mechanism, joint), joint, sign * force)
+        for joint, sign in zip(ends, (1.0, -1.0), strict=False)
+    )
+
+
+def _along_axis(piece: Piece, load: AxialForce | AxialDamper) -> Forces:
+    model = piece.system.model
     nodes = load_nodes(model, load)
-    if isinstance(load, PointForce | Spring):
-        assert isinstance(nodes, Pull)
-        force = _vectors(piece, nodes.vector)
-        ends = [load.joint] if isinstance(load, PointForce) else [load.second, load.first]
-        found = [
-            (carrier_of(mechanism, joint), joint, sign * force)
-            for joint, sign in zip(ends, (1.0, -1.0), strict=False)
-        ]
-    else:
-        assert isinstance(load, AxialForce | AxialDamper)
-        assert isinstance(nodes, Conjugate)
-        slider = mechanism.bodies[load.body]
-        assert slider.guide is not None
-        force = _vectors(piece, model.positions.unit(load.body) * nodes.force)
-        pin = next(iter(slider.points))
-        found = [(load.body, pin, force), (slider.guide.body, pin, -force)]
+    assert isinstance(nodes, Conjugate)
+    slider = piece.system.mechanism.bodies[load.body]
+    assert slider.guide is not None
+    force = _vectors(piece, model.positions.unit(load.body) * nodes.force)
+    pin = next(iter(slider.points))
+    return _on_bodies([(load.body, pin, force), (slider.guide.body, pin, -force)])
+
+
+def _on_bodies(found: Iterable[tuple[str | None, str, Floats]]) -> Forces:
+    """Without what acts on the ground."""
     return [(body, joint, force) for body, joint, force in found if body is not None]
 
 

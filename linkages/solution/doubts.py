@@ -7,13 +7,17 @@ from math import dist
 
 from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Body
+from linkages.solution.law_ranges import law_notes
 
 LARGEST_PLAY = 0.05
 """Of the length of a bar; a larger clearance is less like play in a joint than like a link."""
 
 
 def doubts(mechanism: Mechanism) -> list[str]:
-    """A sentence for each clearance that is large beside the bar whose end it displaces."""
+    """A sentence for each clearance that is large beside the bar whose end it displaces.
+
+    Others follow for tables that leave the range of their values, or jump.
+    """
     bodies = mechanism.bodies.values()
     found = []
     for link in (body for body in bodies if body.kind == "clearance"):
@@ -25,7 +29,7 @@ def doubts(mechanism: Mechanism) -> list[str]:
                 f"clearance {link.name} of {size:g} m is large beside {bar.name} of {length:g} m; "
                 "numbers without a unit are metres"
             )
-    return found
+    return [*found, *law_notes(mechanism)]
 
 
 def _length(body: Body) -> float:

@@ -18,9 +18,9 @@ _CHUNK = 2048
 ADVANTAGES = ("mechanical_advantage", "slider_mechanical_advantage")
 ANGLES = {"bar_angle": "bar", "clearance_angle": "clearance"}
 
-POLES = ("clearance_force", "transmission_angle")
-"""Outputs that may grow without bound towards a change point, or have a kink there: they cannot be
-interpolated."""
+POLES = ("clearance_force", "transmission_angle", "load_force", "load_torque")
+"""Outputs that may grow without bound towards a change point, or have a kink or a jump there: they
+cannot be interpolated."""
 
 Values = dict[str, NDArray[np.float64]]
 

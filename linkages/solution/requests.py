@@ -46,9 +46,11 @@ DEFAULT = (
     "joint_velocity",
     "joint_acceleration",
     "drive_effort",
+    "load_force",
+    "load_torque",
     "closure_residual",
 )
-"""Kinematics and efforts."""
+"""Kinematics, efforts and loads."""
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:

@@ -105,6 +105,6 @@ def _name(variable: str, place: Mapping[str, str]) -> str:
     elements = [label for dim, label in place.items() if dim != "axis"]
     words = variable
     for dim in place:
-        words = words.removeprefix(f"{dim}_")
+        words = dim if words.endswith(f"_{dim}") else words.removeprefix(f"{dim}_")
     words = " ".join(part for part in (place.get("axis", ""), words.replace("_", " ")) if part)
     return ".".join([*elements, words]) if elements else variable

@@ -74,13 +74,7 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a gear depends on it."""
-    found = {
-        name
-        for load in mechanism.loads
-        if (stiffness := getattr(load, "stiffness", None)) is not None and not stiffness.absent
-        for name in (getattr(load, "body", None), getattr(load, "reference", None))
-        if name is not None
-    }
+    found = {name for load in mechanism.loads for name in load.turned}
     for relation in mechanism.relations:
         if not all(is_unit(ratio.value) for _, ratio in relation.parts):
             found |= {relation.body, *(name for name, _ in relation.parts)}

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from linkages.components.functions import Table
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.laws import spline_numbers
+from linkages.kernel.laws import table_numbers
 from linkages.kernel.scalars import FUNCTIONS, Level, ScalarGraph
 from linkages.kernel.several import Iteration
 
@@ -131,7 +131,7 @@ def test_splines(graph, periodic, point):
     value = graph.spline(time * time, 0, 3, periodic)[0]
     ((first,),) = derivative([value], [time])
     ((second,),) = derivative([first], [time])
-    p = np.array(spline_numbers(Table((), times, numbers, periodic)))
+    p = np.array(table_numbers(Table((), times, numbers, periodic)))
     found = [float(v[0]) for v in Evaluator([first, second])(t=np.array([[point**0.5]]), p=p)]
     exact = CubicSpline(times, numbers, bc_type="periodic" if periodic else "natural")
     t = point**0.5

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from linkages.components.functions import Table
 from linkages.kernel.evaluator import Evaluator, apply
-from linkages.kernel.laws import spline_numbers
+from linkages.kernel.laws import table_numbers
 from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.kernel.several import MOST_ITERATIONS, MOST_TURNED, Iteration, iterate, solve_systems
 
@@ -199,7 +199,7 @@ def spline(periodic):
     """Nodes of a spline, and its numbers behind another parameter."""
     graph = ScalarGraph()
     time = graph.input("t", 0, Level.TIME)
-    numbers = spline_numbers(Table((), TIMES, VALUES, periodic))
+    numbers = table_numbers(Table((), TIMES, VALUES, periodic))
     return graph.spline(time, 1, len(TIMES) - 1, periodic), np.array([np.nan, *numbers])
 
 

@@ -6,7 +6,7 @@ A jet is (f, f′, f″) at one time. Tables go through SciPy's spline.
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
 from linkages.components.functions import Function, Number, Operation, Table, Time
 
@@ -82,12 +82,27 @@ def _chain(outer: Jet, inner: Jet) -> Jet:
 
 
 def _table(table: Table, time: float) -> Jet:
-    ends = "periodic" if table.periodic else "natural"
-    spline = CubicSpline(np.array(table.times), np.array(table.values), bc_type=ends)
+    times, values = np.array(table.times), np.array(table.values)
     inside = time
     if not table.periodic:
         inside = min(max(time, table.times[0]), table.times[-1])
-    value, slope, bend = (float(spline(inside, order)) for order in range(3))
+        if table.held and inside != time:
+            return float(np.interp(time, times, values)), 0.0, 0.0
+    value, slope, bend = (float(_joined(table, times, values)(inside, o)) for o in range(3))
     if inside != time:
         return value + slope * (time - inside), slope, 0.0
     return value, slope, bend
+
+
+def _joined(table: Table, times: np.ndarray, values: np.ndarray) -> PPoly:
+    """SciPy's interpolant; of a periodic one, three periods side by side."""
+    if table.interpolation == "spline":
+        ends = "periodic" if table.periodic else "natural"
+        return CubicSpline(times, values, bc_type=ends)
+    if table.periodic:
+        span = times[-1] - times[0]
+        times = np.concatenate([times[:-1] - span, times, times[1:] + span])
+        values = np.concatenate([values[:-1], values, values[1:]])
+    if table.interpolation == "pchip":
+        return PchipInterpolator(times, values)
+    return PPoly(np.array([np.diff(values) / np.diff(times), values[:-1]]), times)

@@ -9,7 +9,7 @@ from linkages.components.laws.harmonic import HarmonicLaw
 from linkages.components.laws.named import NamedLaw
 from linkages.components.laws.rise import Rise
 from linkages.components.laws.run_up import RunUpLaw
-from linkages.components.laws.table import TableLaw
+from linkages.components.laws.table import DriveTable, LoadTable
 from linkages.components.terms import Parameter, Path
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Dimension
@@ -24,7 +24,7 @@ def _rule(dimension: Dimension, value: Any, rate: Any = None) -> LawRule:
     named: dict[str, Any] = {"harmonic": HarmonicLaw[value], "rise": Rise[value]}
     if rate is not None:
         named["run-up"] = RunUpLaw[value, rate]
-    named["table"] = TableLaw[value]
+    named["table"] = LoadTable[value] if rate is None else DriveTable[value]
     return LawRule(dimension, tuple(named.items()))
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
-from typing import Any, Generic
+from typing import Any, ClassVar, Generic
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from linkages.components.component import component
-from linkages.components.functions import Function, Table
+from linkages.components.functions import Table
+from linkages.components.interpolation import Interpolation, extremes
 from linkages.components.laws.named import NamedLaw, Value
 from linkages.components.terms import Path
 from linkages.spec.quantities import Instant
@@ -16,27 +18,30 @@ from linkages.spec.quantities import Instant
 
 @component
 class Points(Generic[Value]):
-    """Values at given times, joined by a cubic spline with a continuous second derivative.
+    """Values at given times, and what joins them.
 
     Parameters
     ----------
     times
-        Seconds, increasing, at least three.
+        Seconds, increasing, at least three (two for straight lines).
     values
         One for each time.
     periodic
-        Whether the law repeats; the first and the last value are then equal. Otherwise it goes on
-        in straight lines.
+        Whether the law repeats; the first and the last value are then equal.
+    interpolation
+        ``linear``, ``pchip`` or ``spline``; pchip for loads and spline for drives if not given.
     """
 
     times: tuple[Instant, ...]
     values: tuple[Value, ...]
     periodic: bool = False
+    interpolation: Interpolation | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> Any:
-        if len(self.times) < 3:
-            raise ValueError(f"expected at least three times, found {len(self.times)}")
+        least = "two" if self.interpolation == "linear" else "three"
+        if len(self.times) < {"two": 2, "three": 3}[least]:
+            raise ValueError(f"expected at least {least} times, found {len(self.times)}")
         if len(self.times) != len(self.values):
             counts = f"{len(self.times)} times and {len(self.values)} values"
             raise ValueError(f"expected as many values as times, found {counts}")
@@ -50,13 +55,58 @@ class Points(Generic[Value]):
         return self
 
 
+class _TableLaw(NamedLaw, Generic[Value]):
+    """What loads and drives have in common; each says what joins its points unasked."""
+
+    usual: ClassVar[Interpolation]
+    held: ClassVar[bool]
+    table: Points[Value]
+
+    def function(self, path: Path) -> Table:
+        """Polynomials, whose coefficients are arguments of the kernel."""
+        values: Any = self.table.values
+        interpolation = self.table.interpolation or self.usual
+        periodic, held = self.table.periodic, self.held
+        return Table((*path, "table"), self.table.times, values, periodic, interpolation, held)
+
+    @field_validator("table")
+    @classmethod
+    def _bounded(cls, table: Points[Any]) -> Points[Any]:
+        interpolation = table.interpolation or cls.usual
+        found = Table((), table.times, table.values, table.periodic, interpolation, cls.held)
+        if not all(map(math.isfinite, extremes(found, *table.times[:: len(table.times) - 1]))):
+            raise ValueError(
+                f"the polynomials between these values ({interpolation}) overflow; expected "
+                "smaller values, or times that are further apart"
+            )
+        return table
+
+
 @component
-class TableLaw(NamedLaw, Generic[Value]):
-    """A law given by values at some times; see `Points`."""
+class LoadTable(_TableLaw[Value], Generic[Value]):
+    """A load given by values at some times; outside them it keeps the first and the last."""
+
+    usual: ClassVar[Interpolation] = "pchip"
+    held: ClassVar[bool] = True
 
     table: Points[Value]
 
-    def function(self, path: Path) -> Function:
-        """One spline."""
-        values: Any = self.table.values
-        return Table((*path, "table"), self.table.times, values, self.table.periodic)
+
+@component
+class DriveTable(_TableLaw[Value], Generic[Value]):
+    """A motion given by values at some times; outside them its speed stays what it is there."""
+
+    usual: ClassVar[Interpolation] = "spline"
+    held: ClassVar[bool] = False
+
+    table: Points[Value]
+
+    @field_validator("table")
+    @classmethod
+    def _smooth(cls, table: Points[Any]) -> Points[Any]:
+        if table.interpolation == "linear":
+            raise ValueError(
+                "straight lines make the speed of a drive jump, which takes infinite forces; "
+                "expected interpolation 'spline', or 'pchip', whose acceleration jumps"
+            )
+        return table

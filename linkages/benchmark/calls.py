@@ -41,7 +41,7 @@ class _Arrays:
     def __init__(self, flow: Flow) -> None:
         self.state = np.zeros(2 * flow.coordinates)
         self.timed = np.zeros(max(1, flow.timed_size))
-        self.out = np.zeros(flow.coordinates + 2 * len(flow.margin_scale) + 2 * flow.carried)
+        self.out = np.zeros(flow.written)
         self.parameters = flow.parameters
         self.addresses = [
             array.ctypes.data for array in (self.state, self.parameters, self.timed, self.out)

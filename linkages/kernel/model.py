@@ -140,6 +140,14 @@ class Model:
         values = [self.positions.coordinate(name) for name in carried]
         return [*values, *(self.velocities.bodies[name] for name in carried)]
 
+    @cached_property
+    def counted(self) -> list[Scalar]:
+        """Cosines, sines and speeds of the bodies whose whole turns are counted."""
+        names = self.topology.counted
+        units = [self.positions.unit(name) for name in names]
+        speeds = [self.velocities.turning(name) for name in names]
+        return [*(unit.x for unit in units), *(unit.y for unit in units), *speeds]
+
     def integrated_accelerations(self, free: list[Scalar]) -> list[Scalar]:
         """Second derivatives of all integrated coordinates, given those of the free ones."""
         if not self.topology.carried:

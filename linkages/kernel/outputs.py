@@ -183,7 +183,7 @@ def _closure(model: Model) -> list[Scalar]:
         return units[master].times(vector)
 
     residuals = []
-    for loop in (loop for block in model.topology.solved_blocks for loop in block.loops):
+    for loop in model.topology.closing:
         total = Vector(model.graph.zero, model.graph.zero)
         for sign, way in zip((1.0, -1.0), ground_loop(model.topology, loop), strict=True):
             if way and way[0].start in model.mechanism.anchors:

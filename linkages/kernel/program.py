@@ -73,7 +73,10 @@ class Program:
 
 
 def write_program(
-    model: Model, accelerations: Sequence[Scalar], settled: Sequence[Scalar] | None = None
+    model: Model,
+    accelerations: Sequence[Scalar],
+    settled: Sequence[Scalar] | None = None,
+    counted: Sequence[Scalar] = (),
 ) -> Program:
     """Print the kernel that integrates a model.
 
@@ -86,14 +89,19 @@ def write_program(
     settled
         Values, then rates, of the coordinates that are replaced after each step; those of the
         model that are carried along, if not given.
+    counted
+        Cosines, sines and speeds of dependent angles whose whole turns are counted.
     """
     settled = model.settled if settled is None else settled
-    roots = [*accelerations, *model.margins, *model.margin_rates, *settled]
+    roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted]
     n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
     written = (
         f"accelerations ({n}), margins of the blocks ({blocks}), their rates ({blocks}),\n"
         f"     settled values of {carried} coordinates, their rates ({carried})"
     )
+    if counted:
+        count = len(counted) // 3
+        written += f",\n     cosines, sines and speeds of dependent angles ({count} each)"
     return write_functions_of(model, roots, written)
 
 

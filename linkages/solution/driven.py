@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.system import System
+from linkages.solution.determined import is_determined
 from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
 from linkages.solution.motion import Motion, Piece, Settings, block_failure, passed_text
+from linkages.solution.turns import with_turns
 from linkages.solution.work import with_work
 
 _LAW_PLACES = 20001
@@ -44,10 +46,15 @@ def driven_motion(system: System, settings: Settings) -> Motion:
     notes: list[str] = []
     flipped: tuple[int, ...] = ()
     begun = 0.0
+    looking = settings.passing or system.topology.redundant
     while True:
         limits = Limits(system, flipped, fastest)
         stop = limits.first_stop(settings, begun)
-        passage = limits.passage(stop) if stop and stop.singular and settings.passing else None
+        passage = limits.passage(stop) if stop and stop.singular and looking else None
+        across = None if passage is None else _across(system, passage, flipped, times[:0])
+        determined = across is not None and is_determined(across)
+        if not (settings.passing or determined):
+            passage = None
         reached = abs(times) >= abs(begun) if begun else np.ones(len(times), dtype=bool)
         if passage is not None:
             begun = passage.crossing + math.copysign(passage.beside, times[-1])
@@ -55,7 +62,8 @@ def driven_motion(system: System, settings: Settings) -> Motion:
             pieces.append(_piece(system, times[reached & (abs(times) < early)], flipped))
             inside = times[(abs(times) >= early) & (abs(times) < abs(begun))]
             pieces.append(_across(system, passage, flipped, inside))
-            notes.append(passed_text(system.model, passage.crossing, passage.blocks))
+            if not determined:
+                notes.append(passed_text(system.model, passage.crossing, passage.blocks))
             flipped = tuple(sorted(set(flipped) ^ set(passage.blocks)))
             if abs(begun) > abs(times[-1]):
                 stop = None
@@ -71,6 +79,8 @@ def driven_motion(system: System, settings: Settings) -> Motion:
         failure = block_failure(system.model, *where, settings.way_on)
     elif undefined is not None:
         failure = undefined.text
+    if settings.counting:
+        pieces = with_turns(pieces, fastest)
     if settings.work:
         pieces = with_work(pieces, fastest)
     return Motion(

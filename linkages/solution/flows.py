@@ -31,19 +31,24 @@ class KernelSource:
         Second derivatives of all integrated coordinates.
     settled
         Values, then rates, of those that are replaced after each step.
+    counted
+        Cosines, sines and speeds of dependent angles whose whole turns are counted.
     """
 
     model: Model
     accelerations: tuple[Scalar, ...]
     settled: tuple[Scalar, ...]
+    counted: tuple[Scalar, ...] = ()
 
     @cached_property
     def program(self) -> Program:
         """The printed kernel."""
-        return write_program(self.model, self.accelerations, self.settled)
+        return write_program(self.model, self.accelerations, self.settled, self.counted)
 
 
-def kernel_source(system: System, work: bool = False, tangents: int = 0) -> KernelSource:
+def kernel_source(
+    system: System, work: bool = False, tangents: int = 0, counting: bool = False
+) -> KernelSource:
     """The equations that are integrated for a system.
 
     Parameters
@@ -57,6 +62,8 @@ def kernel_source(system: System, work: bool = False, tangents: int = 0) -> Kern
         Number of solutions of the variational equations to carry along: after all others, the n
         components of one are n more coordinates, which obey the equations linearised in the free
         coordinates.
+    counting
+        Whether to count the whole turns of dependent angles.
     """
     count = len(system.topology.free)
     model = Model(system.topology, more=int(work) + tangents * count)
@@ -65,7 +72,8 @@ def kernel_source(system: System, work: bool = False, tangents: int = 0) -> Kern
     if work:
         accelerations = [*accelerations, model.power]
     accelerations = [*accelerations, *variations(model, tangents)]
-    return KernelSource(model, tuple(accelerations), tuple(model.settled))
+    counted = tuple(model.counted) if counting else ()
+    return KernelSource(model, tuple(accelerations), tuple(model.settled), counted)
 
 
 class Flows:
@@ -75,13 +83,15 @@ class Flows:
     ----------
     system
         A system with integrated coordinates.
-    work, tangents
+    work, tangents, counting
         As in `kernel_source`.
     """
 
-    def __init__(self, system: System, work: bool = False, tangents: int = 0) -> None:
+    def __init__(
+        self, system: System, work: bool = False, tangents: int = 0, counting: bool = False
+    ) -> None:
         self.system = system
-        self._source = kernel_source(system, work, tangents)
+        self._source = kernel_source(system, work, tangents, counting)
 
     @cached_property
     def margin_scale(self) -> NDArray[np.float64]:
@@ -128,6 +138,7 @@ class Flows:
             least_margin=least_margin,
             first_carried=len(topology.free),
             carried=len(self._source.settled) // 2,
+            counted=len(self._source.counted) // 3,
             keepalive=kernel,
             linearise=linearise,
         )

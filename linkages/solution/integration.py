@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
+from linkages.solution.determined import is_determined
 from linkages.solution.flows import Flows
 from linkages.solution.motion import (
     STOPS_THERE,
@@ -57,16 +58,25 @@ class _Run:
         self._method = self._reason = ""
         self._taken = 0
         self._work = 0.0
-        self._enter(system)
+        self._counting = settings.counting or bool(movable(system))
+        self._enter(system, {})
 
-    def _enter(self, system: System) -> None:
-        """Go on with the coordinates of a system, from its initial state."""
+    def _enter(self, system: System, angles: dict[str, float]) -> None:
+        """Go on with the coordinates of a system, from its initial state.
+
+        `angles` are those of its bodies with all the turns that they have made, if any.
+        """
         self._system = system
-        self._flows = Flows(system, self._settings.work)
+        self._flows = Flows(system, self._settings.work, counting=self._counting)
         self._flipped: tuple[int, ...] = ()
         self._time = system.time
         self._state = self._extended(system.state)
-        self._turns = np.zeros(len(system.topology.coordinates))
+        topology = system.topology
+        within = dict(zip(topology.coordinates, system.state, strict=False))
+        turned = [angles.get(name, angle) - angle for name, angle in within.items()]
+        self._turns = np.round(np.array(turned) / (2 * np.pi))
+        counted = topology.counted if self._counting else ()
+        self._angles = np.array([angles.get(name, 0.0) for name in counted])
         self._least = self._thresholds()
 
     def _extended(self, state: Floats) -> Floats:
@@ -84,7 +94,12 @@ class _Run:
 
     @property
     def _watchful(self) -> bool:
-        return self._settings.passing or bool(movable(self._system))
+        return self._looking or bool(movable(self._system))
+
+    @property
+    def _looking(self) -> bool:
+        """Whether to look for a way through singular positions."""
+        return self._settings.passing or bool(self._system.topology.redundant)
 
     def _thresholds(self, stopped: int | None = None) -> Floats:
         """Relative margins at which to stop; less where a block starts close to singular.
@@ -141,6 +156,7 @@ class _Run:
             atol=settings.atol,
             step=settings.step,
             max_steps=max(1, settings.max_steps - self._cost["steps"] - self._cost["rejected"]),
+            angles=self._angles,
             watch=self._watch(),
         )
         for key in self._cost:
@@ -156,11 +172,25 @@ class _Run:
                 turns=trajectory.turns.T[:count] + self._turns[:, None],
                 acceleration=trajectory.acceleration.T[:count],
                 work=work,
+                counted=self._counted(trajectory.angles.T),
                 flipped={b: np.ones(len(trajectory.time), dtype=bool) for b in self._flipped},
             )
         )
         self._taken += len(trajectory.time)
         return trajectory
+
+    def _counted(self, rows: Floats) -> dict[str, Floats]:
+        """Dependent bodies with their angles, shape (d, …), if their turns are counted."""
+        return dict(zip(self._system.topology.counted, rows, strict=False))
+
+    def _present_angles(self) -> dict[str, float]:
+        """Angles of bodies that are integrated or counted, with all their turns."""
+        topology = self._system.topology
+        bodies = self._system.mechanism.bodies
+        angles = self._state[: len(self._turns)] + 2 * np.pi * self._turns
+        own = zip(topology.coordinates, angles.tolist(), strict=True)
+        turning = {name: angle for name, angle in own if bodies[name].rotates}
+        return {**turning, **dict(zip(topology.counted, self._angles.tolist(), strict=True))}
 
     def _watch(self) -> Callable[[float], None] | None:
         watch, times = self._settings.watch, self._settings.times
@@ -176,6 +206,7 @@ class _Run:
         count = len(self._system.topology.coordinates)
         self._time, self._state = trajectory.stop_time, trajectory.final_state
         self._turns = self._turns + trajectory.final_turns[:count]
+        self._angles = trajectory.final_angles
         state, work = self._plain(self._state[:, None])
         self._work = 0.0 if work is None else float(work[0])
         better = better_system(self._system, self._time, state[:, 0], self._flipped)
@@ -185,9 +216,9 @@ class _Run:
                 f"at t = {self._time:.6g} s the free coordinate {_exchanged(old, new)}, "
                 "which is better conditioned there"
             )
-            self._enter(better)
+            self._enter(better, self._present_angles())
             return True
-        if not (self._settings.passing and self._pass_through()):
+        if not (self._looking and self._pass_through()):
             self._least = self._thresholds(trajectory.block)
         return True
 
@@ -208,11 +239,11 @@ class _Run:
             left,
             blocks,
             self._tolerance(),
+            self._angles,
         )
         if passage is None:
             return False
-        self._keep(passage, beyond)
-        return True
+        return self._keep(passage, beyond)
 
     def _tolerance(self) -> Floats:
         settings = self._settings
@@ -220,8 +251,27 @@ class _Run:
         atol = rtol if settings.atol is None else max(settings.atol, PASSAGE_RTOL)
         return np.asarray(atol + rtol * np.abs(self._state))
 
-    def _keep(self, passage: Passage, beyond: tuple[int, ...]) -> None:
-        """Take the samples within a passage and go on behind it."""
+    def _keep(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
+        """Take the samples within a passage and go on behind it, if that may be done."""
+        piece = self._led_across(passage, beyond)
+        determined = is_determined(piece)
+        if not (self._settings.passing or determined):
+            return False
+        self._pieces.append(piece)
+        self._taken += len(piece.wanted)
+        self._cost["steps"] += 1
+        self._cost["evaluations"] += passage.evaluations
+        if not determined:
+            model = self._system.model
+            self._notes.append(passed_text(model, passage.crossing, passage.blocks))
+        self._flipped = beyond
+        self._time, self._state = float(passage.time[-1]), passage.state[:, -1].copy()
+        self._angles = passage.angles[:, -1]
+        self._least = self._thresholds()
+        return True
+
+    def _led_across(self, passage: Passage, beyond: tuple[int, ...]) -> Piece:
+        """The piece of a motion within a passage."""
         times = self._settings.times[self._taken :]
         inside = (times - passage.time[-1]) * self._direction <= 0
         state, work = self._plain(passage.state)
@@ -229,26 +279,18 @@ class _Run:
         before = np.array([[b in self._flipped] for b in range(self._blocks)])
         after = np.array([[b in beyond] for b in range(self._blocks)])
         modes = np.where(passage.beyond, after, before)
-        self._pieces.append(
-            Piece(
-                system=self._system,
-                time=passage.time,
-                state=state,
-                turns=np.repeat(self._turns[:, None], len(passage.time), axis=1),
-                acceleration=passage.acceleration[:count],
-                work=work,
-                flipped={b: where for b, where in enumerate(modes) if where.any()},
-                samples=times[inside],
-                crossing=passage.crossing,
-            )
+        return Piece(
+            system=self._system,
+            time=passage.time,
+            state=state,
+            turns=np.repeat(self._turns[:, None], len(passage.time), axis=1),
+            acceleration=passage.acceleration[:count],
+            work=work,
+            counted=self._counted(passage.angles),
+            flipped={b: where for b, where in enumerate(modes) if where.any()},
+            samples=times[inside],
+            crossing=passage.crossing,
         )
-        self._taken += int(inside.sum())
-        self._cost["steps"] += 1
-        self._cost["evaluations"] += passage.evaluations
-        self._notes.append(passed_text(self._system.model, passage.crossing, passage.blocks))
-        self._flipped = beyond
-        self._time, self._state = float(passage.time[-1]), passage.state[:, -1].copy()
-        self._least = self._thresholds()
 
     @property
     def _blocks(self) -> int:

@@ -47,16 +47,21 @@ class DrivenPassage:
     blocks: tuple[int, ...]
 
 
-def _chunks(times: Floats, fastest: float, begun: float) -> Iterator[Floats]:
+def chunks(
+    times: Floats, fastest: float, begun: float, angle: float = _GRID_ANGLE
+) -> Iterator[Floats]:
     """Times to look at in the order of the motion, from `begun` to the last sample.
+
+    Between two of them no drive turns further than `angle` in radians.
 
     Chunks share their ends. A chunk at a time, so that a long motion needs no more memory than a
     short one.
     """
     end = float(times[-1]) if len(times) else 0.0
-    turned = abs(end - begun) * fastest / _GRID_ANGLE
+    turned = abs(end - begun) * fastest / angle
     if turned > _MOST_PLACES:
-        raise ValueError(f"drives would turn by {turned:.3g} degrees; expected a shorter time")
+        degrees = math.degrees(turned * angle)
+        raise ValueError(f"drives would turn by {degrees:.3g} degrees; expected a shorter time")
     intervals = max(1, math.ceil(turned))
     ordered = np.sort(times)
     if intervals < len(times) and not begun:
@@ -98,7 +103,7 @@ class Limits:
         """Search the motion in order, a chunk at a time."""
         if not self._margin_blocks:
             return None
-        for chunk in _chunks(settings.times, self._fastest, begun):
+        for chunk in chunks(settings.times, self._fastest, begun):
             stop = self._stop_in(chunk, depth=0)
             if stop is not None:
                 return stop

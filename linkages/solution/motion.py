@@ -37,6 +37,9 @@ class Settings:
         Whether to go on smoothly through change points.
     work
         Whether to integrate the work of drives and loads along with the motion.
+    counting
+        Whether to count the whole turns of dependent angles. Where free coordinates may be
+        exchanged they are counted anyway.
     watch
         Called now and then with the fraction of simulated time done.
     """
@@ -49,6 +52,7 @@ class Settings:
     max_steps: int
     passing: bool = False
     work: bool = False
+    counting: bool = False
     watch: Watch | None = None
 
     @property
@@ -75,6 +79,9 @@ class Piece:
         Shape (n, samples).
     work
         Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for.
+    counted
+        Dependent body → its angle with the whole turns made since the start, shape (samples,), if
+        they were counted.
     flipped
         Blocks that are in the other assembly mode than at the start, shape (samples,) each.
     samples
@@ -90,6 +97,7 @@ class Piece:
     turns: Floats
     acceleration: Floats
     work: Floats | None = None
+    counted: Mapping[str, Floats] = field(default_factory=dict)
     flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
     samples: Floats | None = None
     crossing: float = 0.0
@@ -108,6 +116,7 @@ class Piece:
             turns=self.turns[:, part],
             acceleration=self.acceleration[:, part],
             work=None if self.work is None else self.work[part],
+            counted={name: angles[part] for name, angles in self.counted.items()},
             flipped={block: where[part] for block, where in self.flipped.items()},
             samples=None,
         )
@@ -128,6 +137,7 @@ class Piece:
             turns=np.repeat(self.turns[:, :1], len(self.samples), axis=1),
             acceleration=self.interpolated(self.acceleration),
             work=None if self.work is None else self.interpolated(self.work),
+            counted={name: self.interpolated(angles) for name, angles in self.counted.items()},
             flipped={**modes, **kept},
             samples=None,
         )

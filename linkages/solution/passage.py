@@ -79,6 +79,8 @@ class Passage:
         Where the state was computed, its ends included, shape (m,).
     state, acceleration
         Shape (2n, m) and (n, m).
+    angles
+        Dependent angles with their whole turns, shape (d, m).
     beyond
         Which of these times lie behind the change point.
     crossing
@@ -92,6 +94,7 @@ class Passage:
     time: Floats
     state: Floats
     acceleration: Floats
+    angles: Floats
     beyond: NDArray[np.bool_]
     crossing: float
     blocks: tuple[int, ...]
@@ -112,7 +115,7 @@ class Crossing:
     def __init__(self, flow: Flow, direction: float) -> None:
         self._flow = flow
         self._direction = direction
-        self._size = flow.coordinates + 2 * len(flow.margin_scale) + 2 * flow.carried
+        self._size = flow.written
         self._evaluations = 0
 
     def ahead(self, t: float, y: Floats) -> tuple[float, tuple[int, ...]] | None:
@@ -136,6 +139,7 @@ class Crossing:
         left: float,
         blocks: Collection[int],
         tolerance: Floats,
+        angles: Floats,
     ) -> Passage | None:
         """Step across, or None if no smooth motion leads there.
 
@@ -149,6 +153,8 @@ class Crossing:
             From `ahead`.
         tolerance
             Allowed error, shape (2n,).
+        angles
+            Dependent angles before the change point, shape (d,).
         """
         self._other = other
         for _ in range(CENTRINGS):
@@ -175,6 +181,7 @@ class Crossing:
             time=times,
             state=np.array(states).T,
             acceleration=np.array([out[:n] for out in outputs]).T,
+            angles=self._angles(angles, h, outputs),
             beyond=(times - crossing) * self._direction > 0,
             crossing=crossing,
             blocks=tuple(blocks),
@@ -214,8 +221,7 @@ class Crossing:
         self, t: float, y: Floats, h: float, stages: int
     ) -> tuple[Floats, list[Floats], list[Floats]] | None:
         """Times, states and outputs of the kernel at the start, the nodes and the end of a step."""
-        nodes, weights = (1.0 + leggauss(stages)[0]) / 2, leggauss(stages)[1] / 2
-        once = np.array([node * (weights @ cardinals(nodes, node * nodes)) for node in nodes])
+        nodes, weights, once = _gauss(stages)
         times = t + h * nodes
         beyond = nodes > 0.5
         n = self._flow.coordinates
@@ -233,7 +239,9 @@ class Crossing:
                 return None
             change = float(np.abs(np.array(rows) - acceleration).max())
             acceleration = np.array(rows)
-            if change == 0.0 or (change >= 0.5 * before and change <= 1e-6 * np.abs(rows).max()):
+            # a motion without acceleration has its round-off alone: speeds say how much matters
+            scale = max(float(np.abs(rows).max()), float(np.abs(speed).max()) / abs(h))
+            if change == 0.0 or (change >= 0.5 * before and change <= 1e-6 * scale):
                 break  # the rest is round-off
             before = change
         else:
@@ -248,11 +256,30 @@ class Crossing:
         settled = [self._settled(at, out) for at, out in zip(reached, found, strict=True)]
         return np.array([t, *times, t + h]), settled, found
 
+    def _angles(self, start: Floats, h: float, outputs: list[Floats]) -> Floats:
+        """Dependent angles at the start, the nodes and the end of a step, shape (d, m)."""
+        if not len(start):
+            return np.zeros((0, len(outputs)))
+        last = np.array(outputs)[:, -3 * len(start) :].reshape(len(outputs), 3, -1)
+        cosines, sines, speeds = last.transpose(1, 2, 0)
+        _, weights, once = _gauss(STAGES)
+        turned = h * speeds[:, 1:-1] @ np.vstack([np.zeros(STAGES), once, weights]).T
+        angles = np.arctan2(sines, cosines)
+        return angles + 2 * np.pi * np.round((start[:, None] + turned - angles) / (2 * np.pi))
+
     def _settled(self, y: Floats, out: Floats) -> Floats:
         """A state with what iterations found for the coordinates that are carried along."""
         flow, state = self._flow, y.copy()
         n, place = flow.coordinates, flow.coordinates + 2 * len(flow.margin_scale)
         first = flow.first_carried
         state[first : first + flow.carried] = out[place : place + flow.carried]
-        state[n + first : n + first + flow.carried] = out[place + flow.carried :]
+        rates = place + flow.carried
+        state[n + first : n + first + flow.carried] = out[rates : rates + flow.carried]
         return state
+
+
+def _gauss(stages: int) -> tuple[Floats, Floats, Floats]:
+    """Nodes and weights on [0, 1], and integrals of the cardinal polynomials up to each node."""
+    nodes, weights = (1.0 + leggauss(stages)[0]) / 2, leggauss(stages)[1] / 2
+    once = np.array([node * (weights @ cardinals(nodes, node * nodes)) for node in nodes])
+    return nodes, weights, once

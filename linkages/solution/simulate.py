@@ -14,7 +14,7 @@ from linkages.errors import InputError
 from linkages.kernel.system import System
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
-from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.evaluation import ANGLES, evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
@@ -101,7 +101,8 @@ def simulate(
         "energy_residual" in names,
         watch,
     )
-    settings = replace(settings, passing=passes(system, change_points))
+    counting = any(name in ANGLES for name in names)
+    settings = replace(settings, passing=passes(system, change_points), counting=counting)
     _require_inertia(system)
     motion = compute_motion(system, settings)
     plain = [name for name in names if name not in DERIVED]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
-from linkages.topology.jacobian import closure_jacobian, owners
+from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
@@ -156,12 +156,7 @@ class _Configuration:
 
     def distance(self, free: tuple[str, ...]) -> float:
         """How far the closure is from singular with these coordinates free, 0 to 1."""
-        known = {*self._topology.driven, *free}
-        columns = [i for i, name in enumerate(owners(self._topology)) if name not in known]
-        if not columns:
-            return 1.0
-        values = np.linalg.svd(self._jacobian[:, columns], compute_uv=False)
-        return float(values[len(columns) - 1] / values[0])
+        return distance_from_singular(self._topology, self._jacobian, free)
 
     def mechanism(self, free: tuple[str, ...]) -> Mechanism:
         """The mechanism with other free coordinates, in their present state."""

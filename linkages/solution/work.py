@@ -49,13 +49,22 @@ def _power(piece: Piece) -> Scalar:
 
 
 def _work_across(piece: Piece) -> Floats:
-    """Work within a passage: the power is interpolated, for it cannot be computed in its middle."""
-    (power,) = evaluate_nodes(piece, [_power(piece)])
+    """Work within a passage."""
+    (work,) = integral_across(piece, evaluate_nodes(piece, [_power(piece)]))
+    return work
+
+
+def integral_across(piece: Piece, rates: Floats) -> Floats:
+    """Integrals from the first to every time of a passage, shape (rows, times).
+
+    The rates, of that shape, are interpolated: in the middle they cannot be computed.
+    """
     points, weights = np.polynomial.legendre.leggauss(len(piece.time))
     half = 0.5 * np.diff(piece.time)[:, None]
     places = (piece.time[:-1, None] + half) + half * points
-    between = replace(piece, samples=places.ravel()).interpolated(power).reshape(places.shape)
-    return np.concatenate([[0.0], np.cumsum((between @ weights) * half[:, 0])])
+    between = replace(piece, samples=places.ravel()).interpolated(rates)
+    parts = (between.reshape(len(rates), *places.shape) @ weights) * half[:, 0]
+    return np.cumsum(np.insert(parts, 0, 0.0, axis=1), axis=1)
 
 
 def _work(piece: Piece, begun: float, fastest: float) -> Floats:

@@ -16,6 +16,7 @@ from linkages.solvers.commit import (
     outcome_of,
 )
 from linkages.solvers.compiled import call_hook, entry, floats, integers
+from linkages.solvers.counting import expect_end
 from linkages.solvers.margins import check_margins, turns_too_far
 from linkages.solvers.sampling import take_samples
 from linkages.solvers.stages import try_step
@@ -97,6 +98,7 @@ def adaptive_steps(
             # A sample that cannot be evaluated belongs to a step that should not be made.
             accepted, factor, trouble = False, SHRINK_BLOCKED, status
         if accepted:
+            expect_end(system, table, record, h)
             commit(system, table, record, t_end)
             outcome = margin_outcome(system, record)
             t, carry, before = t_end, next_carry, error

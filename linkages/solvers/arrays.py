@@ -56,6 +56,7 @@ def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
         blocks=len(flow.margin_scale),
         first_carried=flow.first_carried,
         carried=flow.carried,
+        counted=flow.counted,
         backward=int(job.end < job.start),
         rows=memory.floats(rows),
         width=rows.shape[1],
@@ -64,7 +65,7 @@ def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
 
 def workspace_width(flow: Flow) -> int:
     """Length of a row: coordinates, speeds and what a kernel writes."""
-    return 3 * flow.coordinates + 2 * len(flow.margin_scale) + 2 * flow.carried
+    return 2 * flow.coordinates + flow.written
 
 
 def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -174,6 +175,9 @@ def record(memory: Memory, job: Job) -> Record:
         turns=memory.integers(job.turns),
         acceleration=memory.floats(job.accelerations),
         final_turns=memory.integers(job.final_turns),
+        angles=memory.floats(job.final_angles),
+        ahead=memory.floats(np.zeros(job.flow.counted)),
+        sampled=memory.floats(job.angles),
         counters=memory.integers(job.counters),
         control=memory.floats(job.control),
     )

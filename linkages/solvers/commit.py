@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from linkages.solvers.compiled import compiled, floats, integers
+from linkages.solvers.counting import arrive, expect_end, start_angles
 from linkages.solvers.margins import is_too_small
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.sampling import take_samples, write_sample
@@ -66,6 +67,7 @@ def begin(system: System, record: Record, start: float, near: float) -> int:
         return outcome_of(record, status)
     if not finite(system, 0, 3 * system.n):
         return DIVERGED
+    start_angles(system, record)
     while counters[SAMPLES] < record.samples:
         if abs(floats(record.time)[counters[SAMPLES]] - start) > near:
             break
@@ -84,7 +86,11 @@ def settle(system: System) -> None:
 
 @compiled
 def commit(system: System, table: Table, record: Record, t_end: float) -> None:
-    """Make the end of an accepted step the start of the next one."""
+    """Make the end of an accepted step the start of the next one.
+
+    Where dependent angles are expected there must be known.
+    """
+    arrive(system, record, table.end)
     rows, last = floats(system.rows), table.end * system.width
     for i in range(system.width):
         rows[i] = rows[last + i]
@@ -105,5 +111,6 @@ def cut_short(
     status = take_samples(system, table, record, t, part * h, t_end, 0.0)
     if status != 0:
         return outcome_of(record, status)
+    expect_end(system, table, record, part * h)
     commit(system, table, record, t_end)
     return outcome

@@ -16,6 +16,7 @@ from linkages.solvers.commit import (
     outcome_of,
 )
 from linkages.solvers.compiled import call_hook, entry, floats, integers
+from linkages.solvers.counting import expect_end
 from linkages.solvers.margins import check_margins
 from linkages.solvers.reach import reachable_part
 from linkages.solvers.sampling import SNAP, take_samples
@@ -73,6 +74,7 @@ def fixed_steps(
         status = take_samples(system, table, record, t, h, t_end, slack)
         if status != 0:
             return outcome_of(record, status)
+        expect_end(system, table, record, h)
         commit(system, table, record, t_end)
         outcome = margin_outcome(system, record)
     return outcome

@@ -49,9 +49,11 @@ class Flow:
 
     `clock` computes everything that depends on time alone and is called once per distinct stage
     time. `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b),
-    margin_rate (b), settled (c), settled_rate (c)]``. Both return 0, or 1 + the index of the block
-    that cannot be assembled. The c coordinates from `first_carried` on are carried along as values
-    to start an iteration from: after a step they are replaced by what it found.
+    margin_rate (b), settled (c), settled_rate (c), cosine (d), sine (d), speed (d)]``. Both return
+    0, or 1 + the index of the block that cannot be assembled. The c coordinates from
+    `first_carried` on are carried along as values to start an iteration from: after a step they
+    are replaced by what it found. The last 3d numbers belong to dependent angles, whose whole
+    turns are counted.
 
     Parameters
     ----------
@@ -71,6 +73,8 @@ class Flow:
         Relative margin below which an integration stops as singular.
     first_carried, carried
         Place and number c of the coordinates that are carried along.
+    counted
+        Number d of dependent angles whose whole turns are counted.
     keepalive
         Whatever must live as long as the two addresses are in use.
     linearise
@@ -87,6 +91,7 @@ class Flow:
     least_margin: NDArray[np.float64] | None = None
     first_carried: int = 0
     carried: int = 0
+    counted: int = 0
     keepalive: object = None
     linearise: Callable[[], Companion] | None = None
 
@@ -108,6 +113,12 @@ class Flow:
             )
         if not (self.margin_scale > 0).all():
             raise ValueError(f"margin_scale must be > 0, found {self.margin_scale}")
+
+    @property
+    def written(self) -> int:
+        """Length of what `rates` writes."""
+        pairs = len(self.margin_scale) + self.carried
+        return self.coordinates + 2 * pairs + 3 * self.counted
 
     @property
     def smallest_margins(self) -> NDArray[np.float64]:

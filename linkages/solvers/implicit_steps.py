@@ -21,6 +21,7 @@ from linkages.solvers.commit import (
     outcome_of,
 )
 from linkages.solvers.compiled import call_hook, compiled, entry, floats, integers
+from linkages.solvers.counting import expect_by_nodes
 from linkages.solvers.implicit_stages import finish_step, solve_stages
 from linkages.solvers.margins import check_margins
 from linkages.solvers.reach import reachable_part
@@ -81,6 +82,7 @@ def sample_step(
         if left < -slack:
             break
         if left <= slack:
+            expect_by_nodes(system, nodes, record, first, h)
             write_sample(system, record, table.end)
             continue
         part = (time - t) / h
@@ -93,6 +95,7 @@ def sample_step(
         status = make_step(system, nodes, record, other, table.rows, t, part * h)
         if status != 0:
             return status
+        expect_by_nodes(system, nodes, record, other, part * h)
         write_sample(system, record, table.rows)
     return 0
 
@@ -167,6 +170,7 @@ def implicit_steps(
             return fail(system, table, record, t, h, t_end)
         for k in range(2 * system.n):
             carry[k] = floats(nodes.held)[k]
+        expect_by_nodes(system, nodes, record, nodes.first, h)
         commit(system, table, record, t_end)
         outcome = margin_outcome(system, record)
     return outcome

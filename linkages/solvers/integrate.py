@@ -39,6 +39,7 @@ def integrate(
     step: float | None = None,
     max_steps: int = MAX_STEPS,
     events: Sequence[Event] = (),
+    angles: NDArray[np.float64] | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion and sample the motion at given times.
@@ -67,6 +68,9 @@ def integrate(
         Number of steps that may be made.
     events
         Crossings to locate and record; the trajectory has one entry of `crossings` for each.
+    angles : (d,)
+        About where dependent angles whose turns are counted are at the start; default: within one
+        turn.
     watch
         Called about 20 times a second, and once at the end, with the fraction of simulated time
         that is done.
@@ -102,6 +106,7 @@ def integrate(
         step=step,
         max_steps=max_steps,
         events=tuple(events),
+        begun=angles,
     )
     clock = time.perf_counter()
     found = job.trajectory(supervise(chosen, job, watch), choice)

@@ -37,6 +37,8 @@ class Job:
         Number of steps that may be made.
     events
         Crossings to locate and record.
+    begun : (d,)
+        About where dependent angles are at the start, with their turns.
     """
 
     flow: Flow
@@ -48,22 +50,27 @@ class Job:
     step: float | None
     max_steps: int
     events: Sequence[Event] = ()
+    begun: NDArray[np.float64] | None = None
 
     log: EventLog = field(init=False)
     states: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
     accelerations: NDArray[np.float64] = field(init=False)
     final_turns: NDArray[np.int64] = field(init=False)
+    angles: NDArray[np.float64] = field(init=False)
+    final_angles: NDArray[np.float64] = field(init=False)
     counters: NDArray[np.int64] = field(init=False)
     control: NDArray[np.float64] = field(init=False)
 
     def __post_init__(self) -> None:
-        m, n = len(self.times), self.flow.coordinates
+        m, n, d = len(self.times), self.flow.coordinates, self.flow.counted
         arrays: dict[str, NDArray] = {
             "states": np.zeros((m, 2 * n)),
             "turns": np.zeros((m, n), dtype=np.int64),
             "accelerations": np.zeros((m, n)),
             "final_turns": np.zeros(n, dtype=np.int64),
+            "angles": np.zeros((m, d)),
+            "final_angles": np.zeros(d) if self.begun is None else self.begun.copy(),
             # Samples, steps, rejected steps, evaluations, block: see `views`.
             "counters": np.array([0, 0, 0, 0, -1], dtype=np.int64),
             # Time reached, and whether to stop.
@@ -104,6 +111,8 @@ class Job:
             evaluations=evaluations,
             final_state=self.state,
             final_turns=self.final_turns,
+            angles=self.angles[:samples],
+            final_angles=self.final_angles,
             crossings=self.log.crossings,
             method=choice.name,
             reason=choice.reason,

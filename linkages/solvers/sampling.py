@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from linkages.solvers.compiled import compiled, floats, integers
+from linkages.solvers.counting import counted_angle, expect_between, expect_end
 from linkages.solvers.stages import address_of, evaluate, run_stages, set_clock
 from linkages.solvers.turns import wrap_angles
 from linkages.solvers.views import EVALUATIONS, SAMPLES, WORD, Record, System, Table
@@ -23,6 +24,8 @@ def write_sample(system: System, record: Record, row: int) -> None:
     for i in range(n):
         floats(record.acceleration)[k * n + i] = source[2 * n + i]
     wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
+    for i in range(system.counted):
+        floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
     counters[SAMPLES] = k + 1
 
 
@@ -62,6 +65,7 @@ def sample_between(
         if left < -slack:
             break
         if left <= slack:
+            expect_end(system, table, record, h)
             write_sample(system, record, table.end)
             continue
         if more > 0:
@@ -70,13 +74,15 @@ def sample_between(
             if status != 0:
                 return status
             more = 0
-        interpolate(system, table, h, min((time - t) / h, 1.0))
+        theta = min((time - t) / h, 1.0)
+        interpolate(system, table, h, theta)
         counters[EVALUATIONS] += 1
         status = set_clock(system, time)
         if status == 0:
             status = evaluate(system, table.rows)
         if status != 0:
             return status
+        expect_between(system, table, record, h, theta)
         write_sample(system, record, table.rows)
     return 0
 

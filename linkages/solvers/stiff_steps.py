@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from linkages.kernel.dyads import LEAST_MARGIN
@@ -20,6 +21,7 @@ LARGEST = 1e150
 BISECTIONS = 60
 EARLY_BISECTIONS = 12
 DIFFERENCE = 1.5e-8
+QUADRATURE = leggauss(4)  # a step is a polynomial of degree 3
 TWO_PI = 2 * math.pi
 TWO_PI_TAIL = 2.4492935982947064e-16  # see `turns`
 
@@ -36,7 +38,7 @@ class StiffRun:
     def __init__(self, job: Job) -> None:
         flow = job.flow
         self.job, self.n, self.blocks = job, flow.coordinates, len(flow.margin_scale)
-        self.kernel = caller(flow, self.n + 2 * self.blocks + 2 * flow.carried)
+        self.kernel = caller(flow, flow.written)
         self.linear: Companion | None = flow.linearise() if flow.linearise else None
         self.status = 0
         if self.linear is not None:
@@ -98,7 +100,8 @@ class StiffRun:
         if self.status != 0:
             return self._blocked()
         self._wrap(job.state)
-        self._sample(job.start, lambda _time: job.state)
+        job.final_angles[:] = self._counted(job.start, job.state, job.final_angles)
+        self._sample(job.start, job.start, lambda _time: job.state)
         return self._close_to_singular()
 
     def _steps(self) -> Outcome:
@@ -108,7 +111,7 @@ class StiffRun:
         if job.start == job.end:
             return Outcome.DONE
         if self.n == 0:
-            self._sample(job.end, lambda _time: job.state)
+            self._sample(job.start, job.end, lambda _time: job.state)
             job.control[NOW] = job.end
             return Outcome.DONE
         solver = Radau(
@@ -143,7 +146,8 @@ class StiffRun:
         outcome = Outcome.DONE
         if part < 1.0:
             end, outcome = start + part * (end - start), Outcome.SINGULAR
-        self._sample(end, dense)
+        self._sample(start, end, dense)
+        job.final_angles[:] = self._turned(start, end, dense)
         job.state[:] = solver.y if part == 1.0 else dense(end)
         if self._wrap(job.state) and part == 1.0:
             solver.y = job.state.copy()
@@ -163,7 +167,25 @@ class StiffRun:
         self.job.final_turns[:] += whole.astype(np.int64)
         return bool(whole.any())
 
-    def _sample(self, end: float, dense: Callable[[float], NDArray]) -> None:
+    def _counted(self, t: float, y: NDArray, expected: NDArray) -> NDArray:
+        """Dependent angles with the turns that bring them closest to where they are expected."""
+        if not len(expected):
+            return expected
+        cosine, sine, _ = self.evaluate(t, y)[-3 * len(expected) :].reshape(3, -1)
+        angles = np.arctan2(sine, cosine)
+        return angles + TWO_PI * np.rint((expected - angles) / TWO_PI)
+
+    def _turned(self, start: float, end: float, dense: Callable[[float], NDArray]) -> NDArray:
+        """Dependent angles at a time within a step, from those at its start; see `counting`."""
+        expected, half = self.job.final_angles.copy(), 0.5 * (end - start)
+        if not len(expected):
+            return expected
+        for node, weight in zip(*QUADRATURE, strict=True):
+            time = start + half * (1.0 + node)
+            expected += half * weight * self.evaluate(time, dense(time))[-len(expected) :]
+        return self._counted(end, dense(end), expected)
+
+    def _sample(self, start: float, end: float, dense: Callable[[float], NDArray]) -> None:
         """Take the samples up to a time; turns count from the start of the step."""
         job, n = self.job, self.n
         sign = 1.0 if job.end >= job.start else -1.0
@@ -174,6 +196,7 @@ class StiffRun:
                 break
             state = np.array(dense(time))
             job.accelerations[k] = self.evaluate(time, state)[:n]
+            job.angles[k] = self._turned(start, time, dense)
             job.final_turns[:] = turns
             self._wrap(state)
             job.states[k], job.turns[k] = state, job.final_turns

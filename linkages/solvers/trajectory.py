@@ -39,6 +39,10 @@ class Trajectory:
         State at `stop_time`.
     final_turns : (n,) of int
         Turns at `stop_time`.
+    angles : (m, d)
+        Dependent angles with the whole turns made since the start.
+    final_angles : (d,)
+        The same at `stop_time`.
     crossings
         What was found of each event.
     method, reason
@@ -57,6 +61,8 @@ class Trajectory:
     evaluations: int
     final_state: NDArray[np.float64]
     final_turns: NDArray[np.int64]
+    angles: NDArray[np.float64]
+    final_angles: NDArray[np.float64]
     crossings: tuple[Crossings, ...] = ()
     method: str = ""
     reason: str = ""

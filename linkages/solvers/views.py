@@ -14,9 +14,10 @@ class System(NamedTuple):
     """A flow and the workspace for its steps.
 
     `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b),
-    settled (c), settled_rate (c)]`` for each stage, so that the state is ``row[:2n]``, its
-    derivative ``row[n:3n]``, and the kernel writes straight into ``row[2n:]``. Row 0 is the start
-    of the step, row `Table.end` its end, and the last row a scratch row for samples.
+    settled (c), settled_rate (c), cosine (d), sine (d), speed (d)]`` for each stage, so that the
+    state is ``row[:2n]``, its derivative ``row[n:3n]``, and the kernel writes straight into
+    ``row[2n:]``. Row 0 is the start of the step, row `Table.end` its end, and the last row a
+    scratch row for samples.
     """
 
     clock: int
@@ -30,6 +31,7 @@ class System(NamedTuple):
     blocks: int
     first_carried: int
     carried: int
+    counted: int  # number d of dependent angles whose turns are counted
     backward: int  # 1 where time runs backward, otherwise 0
     rows: int
     width: int  # of a row
@@ -85,6 +87,9 @@ class Record(NamedTuple):
     turns: int  # (m, n) of int64
     acceleration: int  # (m, n) of float64
     final_turns: int  # (n,) of int64
+    angles: int  # (d,) of float64: dependent angles in row 0, with their turns
+    ahead: int  # (d,) of float64: about where they are in the row that is written next
+    sampled: int  # (m, d) of float64
     counters: int  # (5,) of int64
     control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +47,13 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
 
     Returns
     -------
-    Shape (2·loops, coordinates): two rows per loop in the order of the blocks, a column for each
-    of `owners`. A column of a body that no loop contains is zero.
+    Shape (2·loops, coordinates): two rows per loop in the order of the blocks, those of redundant
+    loops that determine nothing last; a column for each of `owners`. A column of a body that no
+    loop contains is zero.
     """
     column = {body: index for index, body in enumerate(owners(topology))}
     gradients = turning_gradients(topology)
-    loops = [loop for block in topology.solved_blocks for loop in block.loops]
+    loops = topology.closing
     jacobian = np.zeros((2 * len(loops), len(column)))
     for row, loop in enumerate(loops):
         rows = slice(2 * row, 2 * row + 2)
@@ -92,6 +93,29 @@ def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
         return total
 
     return {name: gradient(name) for name in mechanism.bodies}
+
+
+def distance_from_singular(
+    topology: Topology, jacobian: NDArray[np.float64], free: Collection[str]
+) -> float:
+    """How well the closure as a whole determines all other coordinates, 0 to 1.
+
+    It is the smallest singular value of its Jacobian over the largest. Redundant equations count:
+    they may tell which way a mechanism goes on where the others alone leave it open.
+
+    Parameters
+    ----------
+    topology, jacobian
+        The mechanism and its closure Jacobian.
+    free
+        The free coordinates.
+    """
+    known = {*topology.driven, *free}
+    columns = [i for i, name in enumerate(owners(topology)) if name not in known]
+    if not columns:
+        return 1.0
+    values = np.linalg.svd(jacobian[:, columns], compute_uv=False)
+    return float(values[len(columns) - 1] / values[0])
 
 
 def numerical_mobility(jacobian: NDArray[np.float64]) -> int:

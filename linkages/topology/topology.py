@@ -10,7 +10,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
 from linkages.components.terms import Path, Relation
 from linkages.errors import InputError
-from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Step
+from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
 from linkages.topology.graph import (
     bodies_at,
@@ -94,6 +94,21 @@ class Topology:
         """Bodies whose coordinate is integrated: the free ones, then those carried along."""
         return (*self.free, *self.carried)
 
+    @property
+    def counted(self) -> tuple[str, ...]:
+        """Dependent bodies whose whole turns are to be counted along a motion.
+
+        All that turn, but for those whose angle is carried along, or follows from angles that have
+        their turns.
+        """
+        bodies, carried = self.mechanism.bodies, self.carried
+        follow = {name for name in self.slaves if name in self.turned}
+        return tuple(
+            name
+            for name in self.dependent
+            if bodies[name].rotates and name not in carried and name not in follow
+        )
+
     def unwrapped(self, name: str) -> bool:
         """Whether an integrated coordinate is not to be kept within one turn."""
         masters = {m for turned in self.turned for m in self.orientations[turned].masters}
@@ -103,6 +118,12 @@ class Topology:
     def solved_blocks(self) -> tuple[Block, ...]:
         """The blocks that determine dependent coordinates."""
         return tuple(block for block in self.blocks if block.unknowns)
+
+    @property
+    def closing(self) -> tuple[Loop, ...]:
+        """All loops: those that determine coordinates first, then those that are redundant."""
+        idle = [block for block in self.blocks if not block.unknowns]
+        return tuple(loop for block in (*self.solved_blocks, *idle) for loop in block.loops)
 
     @property
     def joints(self) -> tuple[str, ...]:

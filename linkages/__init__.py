@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper
     from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
     from linkages.components.weld import Weld
-    from linkages.errors import ComputationError, InputError, LinkagesError
+    from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
     from linkages.plots import charts
     from linkages.plots.animation import animate
     from linkages.solution.simulate import simulate
@@ -61,6 +61,7 @@ _HOMES = {
     "GuideDamper": "linkages.components.damper",
     "IncompleteError": "linkages.solution.solution",
     "InputError": "linkages.errors",
+    "Interrupted": "linkages.errors",
     "JointDamper": "linkages.components.torsional_damper",
     "JointForce": "linkages.components.load",
     "JointMass": "linkages.components.mass",
@@ -105,6 +106,7 @@ __all__ = [
     "GuideDamper",
     "IncompleteError",
     "InputError",
+    "Interrupted",
     "JointDamper",
     "JointForce",
     "JointMass",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 class LinkagesError(Exception):
@@ -75,13 +76,39 @@ class ComputationError(LinkagesError):
         One sentence with the time, the joint and block concerned, and a remedy.
     time
         Simulated time in seconds at which the computation stopped.
-    interrupted
-        Whether somebody asked for that (Ctrl-C).
+    """
+
+    def __init__(self, message: str, *, time: float | None = None) -> None:
+        super().__init__(message)
+        self.time = time
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended a computation; has what there was up to then.
+
+    It is a KeyboardInterrupt and no Exception: a loop that goes on after errors ends.
+
+    Parameters
+    ----------
+    message
+        When that was.
+    time
+        Simulated time in seconds that was reached, where there is one.
+    kept
+        Name of a result → what there is of it, as the interrupted function returns it.
+    solution
+        Of `linkages.simulate`: everything up to there.
     """
 
     def __init__(
-        self, message: str, *, time: float | None = None, interrupted: bool = False
+        self,
+        message: str,
+        *,
+        time: float | None = None,
+        kept: Mapping[str, Any] | None = None,
+        solution: Any = None,
     ) -> None:
         super().__init__(message)
         self.time = time
-        self.interrupted = interrupted
+        self.kept = dict(kept or {})
+        self.solution = solution

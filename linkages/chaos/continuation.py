@@ -15,7 +15,7 @@ from linkages.chaos.free_states import PAIRS, free_names, free_values
 from linkages.chaos.section import poincare
 from linkages.components.assembly import AssemblyHint
 from linkages.components.mechanism import Mechanism
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings, compute_motion
 from linkages.solution.simulate import passes
@@ -113,7 +113,7 @@ def stroboscopic_points(
     Raises
     ------
     ComputationError
-        If the motion cannot go on until the last point, or after Ctrl-C.
+        If the motion cannot go on until the last point.
     """
     period = common_period(system.mechanism)
     times = period * (phase + skip + np.arange(periods, dtype=np.float64))
@@ -154,5 +154,5 @@ def _whole(mechanism: Mechanism, time: float) -> float:
 def _motion(system: System, settings: Settings, times: Floats, passing: bool) -> Motion:
     motion = compute_motion(system, replace(settings, times=times, passing=passing))
     if motion.interrupted:
-        raise ComputationError(str(motion.failure), time=motion.stop_time, interrupted=True)
+        raise Interrupted(str(motion.failure), time=motion.stop_time)
     return motion

@@ -13,7 +13,7 @@ from linkages.chaos.averages import drift, mean_error
 from linkages.chaos.directions import start_tangents
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.systems import TangentSystem
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class UnfinishedExponentsError(ComputationError):
     """
 
     def __init__(self, reason: ComputationError, exponents: Exponents) -> None:
-        super().__init__(str(reason), time=reason.time, interrupted=reason.interrupted)
+        super().__init__(str(reason), time=reason.time)
         self.exponents = exponents
 
 
@@ -159,9 +159,10 @@ def lyapunov_spectrum(
     ValueError
         For numbers out of range, or if the system carries another number of tangents.
     ComputationError
-        If the motion cannot go on, tangents become parallel within an interval, or somebody
-        interrupts; an `UnfinishedExponentsError` with the exponents up to there if that was long
-        enough.
+        If the motion cannot go on, or tangents become parallel within an interval; an
+        `UnfinishedExponentsError` with the exponents up to there if that was long enough.
+    Interrupted
+        After Ctrl-C; ``kept["exponents"]`` has the same then.
 
     References
     ----------
@@ -190,16 +191,18 @@ def lyapunov_spectrum(
             if watch is not None:
                 watch((number + skip + 1) / (intervals + skip))
     except (ComputationError, KeyboardInterrupt) as error:
-        reason = error if isinstance(error, ComputationError) else _interrupted(system.time)
-        if done < FEWEST_INTERVALS:
-            raise reason from None
-        part = Exponents(growth=growth[:done], states=states[: done + 1], times=times[: done + 1])
-        raise UnfinishedExponentsError(reason, part) from None
+        kept = {}
+        if done >= FEWEST_INTERVALS:
+            kept["exponents"] = Exponents(
+                growth=growth[:done], states=states[: done + 1], times=times[: done + 1]
+            )
+        if isinstance(error, KeyboardInterrupt):
+            text = f"at t = {system.time:.9g} s: interrupted"
+            raise Interrupted(text, time=system.time, kept=kept) from None
+        if not kept:
+            raise
+        raise UnfinishedExponentsError(error, kept["exponents"]) from None
     return Exponents(growth=growth, states=states, times=times)
-
-
-def _interrupted(time: float) -> ComputationError:
-    return ComputationError(f"at t = {time:.9g} s: interrupted", time=time, interrupted=True)
 
 
 def _orthonormalise(system: TangentSystem, interval: float) -> Floats:

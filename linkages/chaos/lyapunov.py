@@ -24,6 +24,7 @@ from linkages.chaos.section import section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
+from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.solution.motion import Settings
 from linkages.solvers.integrate import MAX_STEPS
@@ -84,8 +85,10 @@ def lyapunov(
     ValueError
         For arguments that make no sense.
     ComputationError
-        If the motion cannot go on, or after Ctrl-C. An `UnfinishedError` has the exponents up to
-        there in ``kept["lyapunov"]``, if there were enough intervals for an error.
+        If the motion cannot go on. An `UnfinishedError` has the exponents up to there in
+        ``kept["lyapunov"]``, if there were enough intervals for an error.
+    Interrupted
+        After Ctrl-C, with the same.
     """
     try:
         exponents = exponents_of(
@@ -101,9 +104,11 @@ def lyapunov(
         )
     except UnfinishedExponentsError as error:
         kept = {"lyapunov": labelled_exponents(mechanism, error.exponents)}
-        raise UnfinishedError(
-            str(error), kept, time=error.time, interrupted=error.interrupted
-        ) from None
+        raise UnfinishedError(str(error), kept, time=error.time) from None
+    except Interrupted as error:
+        part = error.kept.get("exponents")
+        kept = {} if part is None else {"lyapunov": labelled_exponents(mechanism, part)}
+        raise Interrupted(str(error), time=error.time, kept=kept) from None
     return labelled_exponents(mechanism, exponents)
 
 

@@ -20,7 +20,7 @@ from linkages.chaos.section import section_settings
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.chaos.verdict import FEWEST_PERIODS, judged
 from linkages.components.mechanism import Mechanism
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.motion import Settings
 from linkages.solution.solution import IncompleteError
@@ -66,8 +66,10 @@ def chaos(
     ValueError
         For arguments that make no sense.
     ComputationError
-        If the motion cannot go on, or after Ctrl-C; an `UnfinishedError` has what there is of the
-        exponents and the section.
+        If the motion cannot go on; an `UnfinishedError` has what there is of the exponents and the
+        section.
+    Interrupted
+        After Ctrl-C, with the same.
     """
     system = System(mechanism)
     require_free(system)
@@ -78,17 +80,16 @@ def chaos(
     kept: dict[str, xr.Dataset] = {}
     try:
         return _judge(run, watch, kept)
+    except Interrupted as error:
+        kept |= _of_last(run, error)
+        raise Interrupted(str(error), time=error.time, kept=kept) from None
     except KeyboardInterrupt:
-        raise UnfinishedError(
-            "interrupted between two computations", kept, interrupted=True
-        ) from None
+        raise Interrupted("interrupted between two computations", kept=kept) from None
     except ComputationError as error:
         kept |= _last(run, error)
         if not kept:
             raise
-        raise UnfinishedError(
-            str(error), kept, time=error.time, interrupted=error.interrupted
-        ) from None
+        raise UnfinishedError(str(error), kept, time=error.time) from None
 
 
 def _judge(
@@ -192,6 +193,19 @@ def _last(run: Run, error: ComputationError) -> dict[str, xr.Dataset]:
     if isinstance(error, IncompleteError):
         return {"chaos_motion": error.solution.data}
     return {}
+
+
+def _of_last(run: Run, error: Interrupted) -> dict[str, xr.Dataset]:
+    """What the analysis that was interrupted leaves."""
+    found = {}
+    for name, result in error.kept.items():
+        if not isinstance(result, Exponents):
+            found[f"chaos_{name}"] = result
+        elif len(result.values) > 1:
+            found["chaos_exponents"] = labelled_exponents(run.mechanism, result)
+    if error.solution is not None:
+        found["chaos_motion"] = error.solution.data
+    return found
 
 
 class _Parts:

@@ -15,7 +15,7 @@ from linkages.chaos.stops import stop_text
 from linkages.chaos.surface import SECTION, Surface, parse_section
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows, watched
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
@@ -96,7 +96,9 @@ def poincare(
     ValueError
         For arguments that make no sense; `NoPeriodError` where drives have no common period.
     UnfinishedError
-        If the motion cannot go on, or after Ctrl-C; ``kept["poincare"]`` has the points so far.
+        If the motion cannot go on; ``kept["poincare"]`` has the points so far.
+    Interrupted
+        After Ctrl-C, with the same.
     ComputationError
         If the motion never crosses the section.
     """
@@ -123,13 +125,10 @@ def poincare(
         {"time": ("crossing", motion.time, {"units": "s", "long_name": "time"})},
         attributes,
     )
+    if motion.interrupted:
+        raise Interrupted(str(motion.failure), time=motion.stop_time, kept={"poincare": data})
     if motion.failure is not None:
-        raise UnfinishedError(
-            motion.failure,
-            {"poincare": data},
-            time=motion.stop_time,
-            interrupted=motion.interrupted,
-        )
+        raise UnfinishedError(motion.failure, {"poincare": data}, time=motion.stop_time)
     return data
 
 

@@ -92,8 +92,6 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> Outcome:
     try:
         return Outcome(index, task(point), None)
     except (LinkagesError, ValueError) as error:
-        if getattr(error, "interrupted", False):
-            raise KeyboardInterrupt from None  # meant for the whole sweep
         return Outcome(index, None, str(error))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.stops import stop_text
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows
 from linkages.solvers.integrate import MAX_STEPS, integrate
@@ -141,6 +141,8 @@ class LinkageTangents:
         ------
         ComputationError
             If the motion cannot go on.
+        Interrupted
+            After Ctrl-C.
         """
         times = self.time + interval * self._ends
         trajectory = integrate(
@@ -158,8 +160,9 @@ class LinkageTangents:
         self.evaluations += trajectory.evaluations
         if trajectory.outcome is not Outcome.DONE:
             text = stop_text(self.system, trajectory, self._plain(trajectory.final_state))
-            interrupted = trajectory.outcome is Outcome.INTERRUPTED
-            raise ComputationError(text, time=trajectory.stop_time, interrupted=interrupted)
+            if trajectory.outcome is Outcome.INTERRUPTED:
+                raise Interrupted(text, time=trajectory.stop_time)
+            raise ComputationError(text, time=trajectory.stop_time)
         self._vector, self.time = trajectory.final_state.copy(), float(times[-1])
         self._turns += trajectory.final_turns[: self._count]
         if self._keeps:

@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 
 class UnfinishedError(ComputationError):
-    """An analysis ended early: the motion could not go on, or somebody pressed Ctrl-C.
+    """An analysis ended early, since the motion could not go on.
+
+    After Ctrl-C it is `linkages.Interrupted` that has what there is.
 
     Parameters
     ----------
@@ -20,7 +22,7 @@ class UnfinishedError(ComputationError):
         When, where and why.
     kept
         Name of a result → what there is of it.
-    time, interrupted
+    time
         As of a `ComputationError`.
     """
 
@@ -30,7 +32,6 @@ class UnfinishedError(ComputationError):
         kept: Mapping[str, xr.Dataset],
         *,
         time: float | None = None,
-        interrupted: bool = False,
     ) -> None:
-        super().__init__(message, time=time, interrupted=interrupted)
+        super().__init__(message, time=time)
         self.kept = dict(kept)

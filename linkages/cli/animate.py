@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 
 from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, print_notes, progress
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.system import System
@@ -77,13 +78,17 @@ def run_animate(
         solution, failure = _motion(mechanism, film, watch)
     if failure is not None:
         film = _cut(film, solution, failure)
-    path = folder / f"animation.{options.format}"
-    with progress(f"drawing {path.name}", not json, "of all frames") as watch, _refusing(file):
+    name = f"animation.{options.format}"
+    with (
+        published("animate", folder, mechanism, vars(options), complete=failure is None) as run,
+        progress(f"drawing {name}", not json, "of all frames") as watch,
+        _refusing(file),
+    ):
         animate(
-            solution, path, start=film.start, duration=film.frames * abs(film.step),
+            solution, run.folder / name, start=film.start, duration=film.frames * abs(film.step),
             slow=film.slow, fps=film.fps, size=size, dpi=options.dpi, watch=watch,
         )  # fmt: skip
-    _report(solution, film, path, failure, json)
+    _report(solution, film, run.files[0], failure, json)
     return 0 if failure is None else 1
 
 

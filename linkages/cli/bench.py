@@ -9,6 +9,7 @@ from pathlib import Path
 from linkages.benchmark.report import TARGETS, BenchReport, run_benchmark
 from linkages.benchmark.work_precision import Point
 from linkages.cli.loading import mechanism_from
+from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, table
 from linkages.solution.files import replaced
 
@@ -32,7 +33,9 @@ def run_bench(
 
     report = run_benchmark(mechanism, file, assignments, repeats=repeats, watch=show)
     folder = Path("results") / Path(file).stem if out is None else out
-    written = _save(report, folder, format if figures else None)
+    with published("bench", folder, mechanism, {"repeats": repeats}) as run:
+        _save(report, run.folder, format if figures else None)
+    written = run.files
     if json:
         print_json({**report.as_dict(), "files": [str(path) for path in written]})
     else:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.markup import escape
 
+from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, initial_states, ranges
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from linkages.chaos.varied import Axis
 
 BOTH = "both"
-INTERRUPTED = "interrupted: what was computed up to then has been written"
+INTERRUPTED = "interrupted: what was computed up to then is in"
 TOO_EARLY = "interrupted before anything was computed"
 
 
@@ -49,25 +50,30 @@ class Sweep:
 
 def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
     """Sweep with the arguments of `linkages.bifurcation`; returns the exit code."""
+    request = request.asks("bifurcation", **vars(swept), **run)
     mechanism = request.mechanism()
     axis = ranges("--vary", swept.vary)
     states = initial_states(swept.initial)
     with request.answering():
         data = _compute(request, mechanism, axis, states, swept, run)
-    written = _save(data, request)
     failed = _failures(data)
     interrupted = bool(data.attrs["interrupted"])
     total = data.sizes["start"] * data.sizes["value"]
     nothing = sum(failed.values()) == total
+    if interrupted and nothing:
+        raise EndedError(TOO_EARLY)
+    with request.publishing(complete=not (interrupted or nothing)) as (aside, place):
+        _save(data, aside)
+    written = place.files
     if request.json:
         _print_json(data, written, failed)
     else:
-        _print(data, written, failed, request)
+        _print(data, written, failed)
     if interrupted:
-        print(TOO_EARLY if nothing else INTERRUPTED, file=sys.stderr)
-    elif nothing:
+        raise EndedError(f"{INTERRUPTED} {written[0].parent}")
+    if nothing:
         print(f"no value could be computed: {next(iter(failed))}", file=sys.stderr)
-    return 1 if interrupted or nothing else 0
+    return int(nothing)
 
 
 def _compute(
@@ -119,13 +125,11 @@ def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
     return np.array([": ".join(t for t in (start, text) if t) for text in texts], dtype=object)
 
 
-def _save(data: xr.Dataset, request: Request) -> list[Any]:
+def _save(data: xr.Dataset, request: Request) -> None:
     folder = request.folder
-    written = [
-        save_netcdf(data, folder / "bifurcation.nc"),
-        save_table(_points(data), folder / "bifurcation.csv"),
-        save_table(_values(data), folder / "bifurcation_values.csv"),
-    ]
+    save_netcdf(data, folder / "bifurcation.nc")
+    save_table(_points(data), folder / "bifurcation.csv")
+    save_table(_values(data), folder / "bifurcation_values.csv")
     if request.figures:
         from linkages.plots import bifurcations
 
@@ -133,8 +137,7 @@ def _save(data: xr.Dataset, request: Request) -> list[Any]:
             "bifurcation": bifurcations.figure(data),
             "bifurcation_rates": bifurcations.figure(data, rates=True),
         }
-        written += save_figures(drawn, folder, request.format)
-    return written
+        save_figures(drawn, folder, request.format)
 
 
 def _parameters(data: xr.Dataset) -> dict[str, np.ndarray]:
@@ -194,7 +197,7 @@ def _print_json(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> N
     )
 
 
-def _print(data: xr.Dataset, written: list[Any], failed: Counter[str], request: Request) -> None:
+def _print(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> None:
     screen = console()
     path = data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
@@ -217,7 +220,7 @@ def _print(data: xr.Dataset, written: list[Any], failed: Counter[str], request: 
         f"{count} value{'s' * (count > 1)}: {reason}" for reason, count in failed.most_common()
     ]
     print_notes(notes, screen)
-    screen.print(f"{len(written)} files in {request.folder}", markup=False)
+    screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
 
 
 def _chaotic(exponent: Any, error: Any) -> str:

@@ -34,40 +34,38 @@ def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) ->
     from linkages.chaos.report import chaos
     from linkages.chaos.verdict import FEWEST_PERIODS
 
+    request = request.asks("chaos", periods=periods, quick=quick, **run)
     mechanism = request.mechanism()
     label = f"judging {escape(mechanism.name)}"
     length = periods if periods is not None else FEWEST_PERIODS if quick else 300
     with request.answering(), progress(label, shown=not request.json) as watch:
         report = chaos(mechanism, periods=length, rtol=request.rtol, watch=watch, **run)
     tables = _tables(report)
-    written = _save(report, tables, request)
+    with request.publishing() as (aside, place):
+        _save(report, tables, aside)
     if request.json:
-        print_json({**report.to_dict(), "files": [str(path) for path in written]})
+        print_json({**report.to_dict(), "files": [str(path) for path in place.files]})
     else:
         _print(report, tables, console())
-        console().print(f"{len(written)} files in {request.folder}", markup=False)
+        console().print(f"{len(place.files)} files in {request.folder}", markup=False)
     return 0
 
 
-def _save(report: ChaosReport, tables: list[Table], request: Request) -> list[Path]:
+def _save(report: ChaosReport, tables: list[Table], request: Request) -> None:
     from linkages.plots.chaos_page import chaos_figures, chaos_page
 
     folder = request.folder
-    written = [
-        _write(json_text(report.to_dict()), folder / "chaos.json"),
-        save_netcdf(report.section, folder / "chaos_section.nc"),
-        save_netcdf(report.exponents, folder / "chaos_exponents.nc"),
-    ]
+    _write(json_text(report.to_dict()), folder / "chaos.json")
+    save_netcdf(report.section, folder / "chaos_section.nc")
+    save_netcdf(report.exponents, folder / "chaos_exponents.nc")
     figures = chaos_figures(report) if request.figures else {}
-    written += save_figures(figures, folder, request.format)
-    written.append(_write(chaos_page(report, tables, figures), folder / "chaos.html"))
-    return written
+    save_figures(figures, folder, request.format)
+    _write(chaos_page(report, tables, figures), folder / "chaos.html")
 
 
-def _write(text: str, path: Path) -> Path:
+def _write(text: str, path: Path) -> None:
     with replaced(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    return path
 
 
 def _tables(report: ChaosReport) -> list[Table]:

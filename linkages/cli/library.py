@@ -53,7 +53,7 @@ def run_show(file: str, out: Path | None, json: bool, figures: bool, picture: st
         "mobility": topology.mobility,
         "driven": list(topology.driven),
         "free": list(topology.free),
-        "files": [str(_drawn(system, folder / f"mechanism.{picture}"))] if figures else [],
+        "files": [str(_drawn(system, folder / f"drawing.{picture}"))] if figures else [],
     }
     if json:
         print_json(content)

@@ -21,23 +21,13 @@ def run_lyapunov(request: Request, **run: Any) -> int:
     """Compute exponents with the arguments of `linkages.lyapunov`; returns the exit code."""
     from linkages.chaos.lyapunov import lyapunov
 
+    request = request.asks("lyapunov", **run)
     mechanism = request.mechanism()
     label = f"exponents of {escape(mechanism.name)}"
     with request.answering(), progress(label, shown=not request.json) as watch:
         data = lyapunov(mechanism, rtol=request.rtol, watch=watch, **run)
-    folder = request.folder
-    columns = {"time (s)": data["time"].to_numpy()} | {
-        f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
-        for index in data["index"].to_numpy()
-    }
-    written = [
-        save_netcdf(data, folder / "lyapunov.nc"),
-        save_table(columns, folder / "lyapunov.csv"),
-    ]
-    if request.figures:
-        from linkages.plots import exponents
-
-        written += save_figures({"lyapunov": exponents.figure(data)}, folder, request.format)
+    with request.publishing() as (aside, place):
+        _save(data, aside)
     rows = exponent_rows(data)
     end = float(data["time"][-1])
     if request.json:
@@ -50,7 +40,7 @@ def run_lyapunov(request: Request, **run: Any) -> int:
                 "certificate": certificate_rows(data),
                 "settled": bool(data.attrs["settled"]),
                 "warning": data.attrs["warning"] or None,
-                "files": [str(path) for path in written],
+                "files": [str(path) for path in place.files],
             }
         )
         return 0
@@ -63,8 +53,22 @@ def run_lyapunov(request: Request, **run: Any) -> int:
         heading, heads, cells = certificate_table(certificate_rows(data))
         screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
     print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
-    screen.print(f"{len(written)} files in {folder}", markup=False)
+    screen.print(f"{len(place.files)} files in {request.folder}", markup=False)
     return 0
+
+
+def _save(data: xr.Dataset, request: Request) -> None:
+    folder = request.folder
+    save_netcdf(data, folder / "lyapunov.nc")
+    columns = {"time (s)": data["time"].to_numpy()} | {
+        f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
+        for index in data["index"].to_numpy()
+    }
+    save_table(columns, folder / "lyapunov.csv")
+    if request.figures:
+        from linkages.plots import exponents
+
+        save_figures({"lyapunov": exponents.figure(data)}, folder, request.format)
 
 
 def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:

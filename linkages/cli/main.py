@@ -9,9 +9,10 @@ import errno
 import gc
 import os
 import sys
-from io import TextIOWrapper
+from contextlib import suppress
+from io import TextIOWrapper, UnsupportedOperation
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -204,10 +205,6 @@ def bench(
 definitions.add_to(app)
 
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it."""
-
-
 def main() -> None:
     """Run the command line; errors become messages and exit codes, never tracebacks."""
     from linkages.errors import LinkagesError
@@ -233,13 +230,21 @@ def main() -> None:
         place = f"{error.filename}: " if error.filename else ""
         print(f"{place}cannot be written: {reason}", file=sys.stderr)
         sys.exit(1)
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        sys.exit(INTERRUPTED)
+    except KeyboardInterrupt as interrupt:
+        _end(interrupt)
     except SystemExit as end:
-        if end.code == INTERRUPTED:  # Typer has seen Ctrl-C first, and says nothing
-            print("interrupted", file=sys.stderr)
+        seen = getattr(end.__context__, "__cause__", None)
+        if isinstance(seen, KeyboardInterrupt):  # by Typer, which says nothing
+            _end(seen)
         raise
+
+
+def _end(interrupt: KeyboardInterrupt) -> NoReturn:
+    """Say that somebody ended the program while there was nothing to keep."""
+    from linkages.interrupts import exit_code
+
+    print(str(interrupt) or "interrupted", file=sys.stderr)
+    sys.exit(exit_code())
 
 
 def _program_name() -> str | None:
@@ -249,4 +254,5 @@ def _program_name() -> str | None:
 
 def _close_output() -> None:
     """Whoever read the output has left; keep the interpreter from complaining at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    with suppress(UnsupportedOperation):  # no file, as in tests
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

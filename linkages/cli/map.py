@@ -12,6 +12,7 @@ import numpy as np
 from rich.markup import escape
 
 from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY, watched
+from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, ranges
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
@@ -27,6 +28,7 @@ def run_map(
     from linkages.chaos.maps import chaos_map
     from linkages.chaos.sweep import Threads
 
+    request = request.asks("map", x=x, y=y, cores=cores, **run)
     mechanism = request.mechanism()
     along, up = ranges("--x", x), ranges("--y", y)
     label = f"map of {escape(mechanism.name)}"
@@ -41,27 +43,30 @@ def run_map(
             watch=watched(update),
             **run,
         )
-    written = _save(data, request)
     reasons = data["reason"].to_numpy().ravel()
     failed = Counter(str(reason) for reason in reasons if reason)
     nothing = sum(failed.values()) == reasons.size
-    content = _content(data, failed, written)
+    interrupted = bool(data.attrs["interrupted"])
+    if interrupted and nothing:
+        raise EndedError(TOO_EARLY)
+    with request.publishing(complete=not (interrupted or nothing)) as (aside, place):
+        _save(data, aside)
+    content = _content(data, failed, place.files)
     if request.json:
         print_json(content)
     else:
-        _print(content, request)
-    if content["interrupted"]:
-        print(TOO_EARLY if nothing else INTERRUPTED, file=sys.stderr)
-    elif nothing:
+        _print(content, place.files[0].parent)
+    if interrupted:
+        raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
+    if nothing:
         print(f"no point could be computed: {next(iter(failed))}", file=sys.stderr)
-    else:
-        return 0
-    return 1
+    return int(nothing)
 
 
-def _save(data: xr.Dataset, request: Request) -> list[Path]:
+def _save(data: xr.Dataset, request: Request) -> None:
     folder = request.folder
-    written = [save_netcdf(data, folder / "map.nc"), save_table(_columns(data), folder / "map.csv")]
+    save_netcdf(data, folder / "map.nc")
+    save_table(_columns(data), folder / "map.csv")
     if request.figures:
         from linkages.plots import maps
 
@@ -70,8 +75,7 @@ def _save(data: xr.Dataset, request: Request) -> list[Path]:
         for index, name in enumerate(names):
             stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
             drawn[stem] = maps.class_figure(data, name)
-        written += save_figures(drawn, folder, request.format)
-    return written
+        save_figures(drawn, folder, request.format)
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
@@ -124,7 +128,7 @@ def _content(data: xr.Dataset, failed: Counter[str], written: list[Path]) -> dic
     }
 
 
-def _print(content: dict[str, Any], request: Request) -> None:
+def _print(content: dict[str, Any], folder: Path) -> None:
     screen = console()
     title = f"{content['mechanism']}: {content['computed']} of {content['points']} points"
     screen.print(f"{title}, {content['x']} and {content['y']}", markup=False)
@@ -143,4 +147,4 @@ def _print(content: dict[str, Any], request: Request) -> None:
         f"{count} point{'s' * (count > 1)}: {why}" for why, count in content["failures"].items()
     ]
     print_notes(notes, screen)
-    screen.print(f"{len(content['files'])} files in {request.folder}", markup=False)
+    screen.print(f"{len(content['files'])} files in {folder}", markup=False)

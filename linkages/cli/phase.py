@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from rich.markup import escape
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.terminal import console, number, print_json, progress, table
-from linkages.errors import ComputationError
+from linkages.errors import ComputationError, Interrupted
+from linkages.interrupts import exit_code
 from linkages.solution.solution import IncompleteError
 
 FEWEST_SAMPLES = 10_001
@@ -32,9 +34,10 @@ def run_phase(
     from linkages.solution.series import TIME, find_series, system_series
     from linkages.solution.simulate import simulate
 
+    request = request.asks("phase", x=x, y=y, wrap=wrap, skip=skip, end=end, samples=samples)
     mechanism = request.mechanism()
     label = f"phase diagram of {escape(mechanism.name)}"
-    failure: str | None = None
+    failure, code = None, 0
     with request.answering(), progress(label, shown=not request.json) as watch:
         known = system_series(System(mechanism))
         across, up = find_series(known, x), find_series(known, y)
@@ -46,7 +49,9 @@ def run_phase(
         try:
             solution = simulate(mechanism, end=end, samples=wanted, outputs=outputs, watch=watch)
         except IncompleteError as error:
-            solution, failure = error.solution, str(error)
+            solution, failure, code = error.solution, str(error), error.exit_code
+        except Interrupted as error:
+            solution, failure, code = error.solution, str(error), exit_code()
     data = solution.data.sel(time=slice(skip, None))
     if not data.sizes["time"]:
         raise ComputationError(f"stopped {failure}", time=solution.motion.stop_time)
@@ -55,34 +60,33 @@ def run_phase(
         for series in (across, up)
         if series.variable != TIME
     }
-    folder = request.folder
-    written = [
-        save_netcdf(data, folder / "phase_diagram.nc"),
-        save_table(columns, folder / "phase_diagram.csv"),
-    ]
-    if request.figures:
-        from linkages.plots import phase_pair
+    with request.publishing(complete=failure is None) as (aside, place):
+        save_netcdf(data, aside.folder / "phase_diagram.nc")
+        save_table(columns, aside.folder / "phase_diagram.csv")
+        if request.figures:
+            from linkages.plots import phase_pair
 
-        drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
-        written += save_figures(drawn, folder, request.format)
+            drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
+            save_figures(drawn, aside.folder, request.format)
     rows = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()
     ]
-    _report(request, mechanism.name, rows, [str(path) for path in written], failure)
-    return 0 if failure is None else 1
+    _report(request, mechanism.name, rows, place.files, failure)
+    return code
 
 
 def _report(
-    request: Request, name: str, rows: list[dict[str, Any]], files: list[str], failure: str | None
+    request: Request, name: str, rows: list[dict[str, Any]], files: list[Path], failure: str | None
 ) -> None:
     if request.json:
-        print_json({"mechanism": name, "stopped": failure, "series": rows, "files": files})
+        found = [str(path) for path in files]
+        print_json({"mechanism": name, "stopped": failure, "series": rows, "files": found})
         return
     screen = console()
     screen.print(f"[bold]{escape(name)}[/bold]: phase diagram")
     cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
     screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
-    screen.print(f"{len(files)} files in {request.folder}", markup=False)
+    screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
     if failure is not None:
         print(f"stopped {failure}", file=sys.stderr)

@@ -22,21 +22,13 @@ def run_poincare(request: Request, **section: Any) -> int:
     """Compute a section with the arguments of `linkages.poincare`; returns the exit code."""
     from linkages.chaos.section import poincare
 
+    request = request.asks("poincare", **section)
     mechanism = request.mechanism()
     label = f"section of {escape(mechanism.name)}"
     with request.answering(), progress(label, shown=not request.json) as watch:
         data = poincare(mechanism, rtol=request.rtol, watch=watch, **section)
-    folder = request.folder
-    written = [
-        save_netcdf(data, folder / "poincare.nc"),
-        save_table(
-            {"time (s)": data["time"].to_numpy(), **free_columns(data)}, folder / "poincare.csv"
-        ),
-    ]
-    if request.figures:
-        from linkages.plots import sections
-
-        written += save_figures({"poincare": sections.figure(data)}, folder, request.format)
+    with request.publishing() as (aside, run):
+        _save(data, aside)
     rows = section_rows(data)
     if request.json:
         print_json(
@@ -48,7 +40,7 @@ def run_poincare(request: Request, **section: Any) -> int:
                 "last": float(data["time"][-1]),
                 "coordinates": rows,
                 "warning": data.attrs["warning"] or None,
-                "files": [str(path) for path in written],
+                "files": [str(path) for path in run.files],
             }
         )
         return 0
@@ -56,8 +48,19 @@ def run_poincare(request: Request, **section: Any) -> int:
     screen.print(f"[bold]{escape(mechanism.name)}[/bold]: {escape(taken(data))}")
     screen.print(section_table(rows))
     print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
-    screen.print(f"{len(written)} files in {folder}", markup=False)
+    screen.print(f"{len(run.files)} files in {request.folder}", markup=False)
     return 0
+
+
+def _save(data: xr.Dataset, request: Request) -> None:
+    folder = request.folder
+    save_netcdf(data, folder / "poincare.nc")
+    columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
+    save_table(columns, folder / "poincare.csv")
+    if request.figures:
+        from linkages.plots import sections
+
+        save_figures({"poincare": sections.figure(data)}, folder, request.format)
 
 
 def taken(data: xr.Dataset) -> str:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.published import EndedError, Published, published
 from linkages.components.mechanism import Mechanism
-from linkages.errors import ComputationError, InputError, Problem
+from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.overrides import parse_assignment
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ class Request:
         Of figures: ``"png"``, ``"svg"`` or ``"pdf"``.
     method, rtol
         Of the integration; those of the file if None.
+    verb, options
+        What is computed, and its other options: files say so, see `asks`.
     """
 
     file: str
@@ -45,6 +49,12 @@ class Request:
     format: str = "png"
     method: str | None = None
     rtol: float | None = None
+    verb: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def asks(self, verb: str, **options: Any) -> Request:
+        """The same for a verb with its own options."""
+        return replace(self, verb=verb, options=options)
 
     @property
     def folder(self) -> Path:
@@ -59,6 +69,10 @@ class Request:
         InputError
             For anything wrong in the file, the assignments or the folder.
         """
+        return self._mechanism
+
+    @cached_property
+    def _mechanism(self) -> Mechanism:
         # as assignments they are checked as if the file said so
         own = {"simulate.method": self.method, "simulate.rtol": self.rtol}
         added = [f"{path}={value}" for path, value in own.items() if value is not None]
@@ -74,20 +88,40 @@ class Request:
         analysis has when it must end early is written.
         """
         from linkages.chaos.unfinished import UnfinishedError
-        from linkages.cli.results import save_netcdf
 
         try:
             yield
         except ValueError as error:
             raise InputError(self.file, [Problem(message=str(error))]) from None
         except UnfinishedError as error:
-            written = [
-                save_netcdf(data, self.folder / f"{name}.nc") for name, data in error.kept.items()
-            ]
-            kept = " and ".join(str(path) for path in written)
-            raise ComputationError(
-                f"stopped {error}" + (f"\nup to there: {kept}" if kept else ""), time=error.time
-            ) from None
+            message = f"stopped {error}{self._keep(error.kept)}"
+            raise ComputationError(message, time=error.time) from None
+        except Interrupted as error:
+            raise EndedError(f"stopped {error}{self._keep(error.kept)}") from None
+
+    def _keep(self, kept: Mapping[str, Any]) -> str:
+        """Write what an analysis has that ended early, and say where."""
+        from linkages.cli.results import save_netcdf
+
+        if not kept:
+            return ""
+        with self.publishing(complete=False) as (aside, run):
+            for name, data in kept.items():
+                save_netcdf(data, aside.folder / f"{name}.nc")
+        return "\nup to there: " + " and ".join(str(path) for path in run.files)
+
+    @contextmanager
+    def publishing(self, *, complete: bool = True) -> Iterator[tuple[Request, Published]]:
+        """The same request, whose folder is one aside, and where its files are at the end.
+
+        Parameters
+        ----------
+        complete
+            Whether the run came to its end, see `published`.
+        """
+        options = {"method": self.method, "rtol": self.rtol, **self.options}
+        with published(self.verb, self.folder, self.mechanism(), options, complete=complete) as run:
+            yield replace(self, out=run.folder), run
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:

@@ -9,18 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkages.solution.files import replaced
+from linkages.solution.files import replaced, save_netcdf
+
+__all__ = ["free_columns", "save_figures", "save_netcdf", "save_table"]
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-
-def save_netcdf(data: xr.Dataset, path: Path) -> Path:
-    """Write a dataset as NetCDF 4."""
-    with replaced(path) as temporary:
-        data.to_netcdf(temporary, engine="h5netcdf")
-    return path
 
 
 def save_table(columns: Mapping[str, Any], path: Path) -> Path:

@@ -13,8 +13,10 @@ import numpy as np
 from rich.markup import escape
 
 from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
-from linkages.errors import InputError, Problem
+from linkages.errors import InputError, Interrupted, Problem
+from linkages.interrupts import exit_code
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
@@ -63,30 +65,36 @@ def run_simulate(
     folder = Path("results") / Path(file).stem if out is None else out
     require_folder(folder)
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
-    failure: str | None = None
+    failure, code = None, 0
     try:
         with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
             solution = simulate(mechanism, outputs=names, watch=watch, change_points=change_points)
     except IncompleteError as error:
-        solution, failure = error.solution, str(error)
+        solution, failure, code = error.solution, str(error), error.exit_code
+    except Interrupted as error:
+        solution, failure, code = error.solution, str(error), exit_code()
     except ValueError as error:
         raise InputError(file, [Problem(message=str(error))]) from None
-    horizon = _horizon(solution, verify)
+    horizon = None
+    if code in (0, IncompleteError.exit_code):  # whoever interrupts wants no second run
+        try:
+            horizon = _horizon(solution, verify)
+        except KeyboardInterrupt:
+            failure, code = "interrupted before it was known until when this holds", exit_code()
     rows = shown_maxima(solution, names)
     notes = [*solution.notes, *_warnings(solution, rows)]
-    written = solution.save(folder)
-    if figures:
-        from linkages.plots.figures import save_figures
+    with published("simulate", folder, mechanism, solution.options, complete=not code) as run:
+        solution.save(run.folder)
+        if figures:
+            from linkages.plots.figures import save_figures
 
-        written += save_figures(solution.data, solution.mechanism, folder, format)
-    _report(solution, horizon, rows, notes, written, failure, json)
-    return 0 if failure is None else 1
+            save_figures(solution.data, solution.mechanism, run.folder, format)
+    _report(solution, horizon, rows, notes, run.files, failure, json)
+    return code
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     """Until when the solution holds, noted in its data for figures and files."""
-    if solution.motion.interrupted:
-        return None  # whoever presses Ctrl-C wants no second run
     if verify is None:
         cheap = solution.settings.step is None and bool(solution.motion.method)
         verify = cheap and cost_factor(solution.motion.method) < DEAREST

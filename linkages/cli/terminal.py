@@ -14,6 +14,8 @@ from typing import Any, TextIO, cast
 from rich.console import Console
 from rich.table import Table
 
+from linkages.interrupts import keep_from_now_on
+
 MOST_NOTES = 10
 PATIENCE = 1.0
 """Seconds before a progress bar appears."""
@@ -153,6 +155,7 @@ def progress(
 
     def update(fraction: float) -> None:
         nonlocal started
+        keep_from_now_on()
         if visible and not started and time.monotonic() - begin > PATIENCE:
             bar.start()
             started = True

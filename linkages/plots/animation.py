@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.interrupts import interrupts_kept
 from linkages.plots.film import FPS, Film, film_of
 from linkages.plots.gif import FASTEST, GifFile, palette_of
-from linkages.plots.interrupts import interrupts_kept
 from linkages.plots.stage import Stage
 from linkages.plots.video import VideoFile, find_ffmpeg
 from linkages.solution.files import replaced

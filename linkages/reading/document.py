@@ -16,6 +16,8 @@ from linkages.reading.wording import shown
 
 LOGGER = logging.getLogger(__name__)
 MAX_BYTES = 10_000_000
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""Begins files of results (NetCDF 4)."""
 _EXPECTED = "expected a mapping with keys such as joints, bars, drives"
 
 
@@ -70,7 +72,7 @@ def _outwards(path: Path) -> Iterator[Path]:
 
 
 def read(path: FilePath) -> Document:
-    """Read a definition file.
+    """Read a definition file, or the definition that a file of results was computed from.
 
     Raises
     ------
@@ -87,10 +89,24 @@ def read(path: FilePath) -> Document:
         raise InputError(source, [Problem(message=reason)]) from error
     except ValueError as error:
         raise InputError(source, [Problem(message=f"not a file name: {error}")]) from error
+    if data.startswith(HDF5):
+        return parse(_recorded(path), source)
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 10**6} MB; expected the definition of a mechanism"
         raise InputError(source, [Problem(message=message)])
     return parse(data, source)
+
+
+def _recorded(path: FilePath) -> str:
+    """The definition that results were computed from."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        text = file.attrs.get("definition")
+    if not isinstance(text, str):
+        message = "has no definition in it; expected a YAML file, or results that linkages wrote"
+        raise InputError(str(path), [Problem(message=message)])
+    return text
 
 
 def parse(text: str | bytes, source: str) -> Document:

@@ -48,6 +48,11 @@ class _RefusedError(Exception):
         self.problem = _problem(message, mark)
 
 
+def is_null(text: str) -> bool:
+    """Whether an unquoted scalar says that there is nothing."""
+    return text in _NULLS
+
+
 def plain(text: str) -> Plain:
     """Read one YAML document into plain values."""
     builder = _Builder()
@@ -110,7 +115,7 @@ class _Builder:
             raise _RefusedError(f"aliases nest more than {MAX_DEPTH} deep", node.start_mark)
         self._met.add(identity)
         if isinstance(node, yaml.ScalarNode):
-            return None if not node.style and node.value in _NULLS else node.value
+            return None if not node.style and is_null(node.value) else node.value
         self._open.add(identity)
         if isinstance(node, yaml.SequenceNode):
             content: Any = [self.value(item, (*path, i)) for i, item in enumerate(node.value)]

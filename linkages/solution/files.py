@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import csv
+import io
 import logging
 import math
 import os
+import platform
+import re
+import shutil
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,12 +24,18 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 
+HOST = re.sub(r"[^A-Za-z0-9.]", "", platform.node()) or "host"
+_TEMPORARY = re.compile(r"\.linkages-([A-Za-z0-9.]+)-(\d+)-\w+(\.\w+)?")
+ABANDONED = 86_400.0
+"""Age in seconds from which on a temporary file is nobody's, whoever made it."""
+
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place if all goes well."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+    remove_leftovers(path.parent)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=prefix(), suffix=path.suffix)
     os.close(handle)
     temporary = Path(name)
     try:
@@ -33,10 +44,44 @@ def replaced(path: Path) -> Iterator[Path]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
-        LOGGER.info("wrote %s", path)
+        if not any(part.startswith(".linkages") for part in path.parent.parts):
+            LOGGER.info("wrote %s", path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def prefix() -> str:
+    """Begins the name of what is temporary, and says whose it is."""
+    return f".linkages-{HOST}-{os.getpid()}-"
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the temporary files and folders of processes that were killed."""
+    for path in folder.iterdir():
+        match = _TEMPORARY.fullmatch(path.name)
+        if match is None or not _abandoned(path, match[1], int(match[2])):
+            continue
+        LOGGER.info("removing what a process that was killed has left: %s", path)
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
+
+
+def _abandoned(path: Path, host: str, process: int) -> bool:
+    """Whether the process that made a temporary file is gone."""
+    if os.name == "posix" and host == HOST:
+        try:
+            os.kill(process, 0)  # on Windows that would end it
+        except ProcessLookupError:
+            return True
+        except OSError:
+            return False  # somebody else's
+    try:
+        return time.time() - path.stat().st_mtime > ABANDONED
+    except FileNotFoundError:
+        return False
 
 
 def save_dataset(data: xr.Dataset, folder: Path, stem: str) -> list[Path]:
@@ -52,11 +97,34 @@ def save_dataset(data: xr.Dataset, folder: Path, stem: str) -> list[Path]:
         File name without ending.
     """
     netcdf, text = folder / f"{stem}.nc", folder / f"{stem}.csv"
-    with replaced(netcdf) as temporary:
-        data.to_netcdf(temporary, engine="h5netcdf")
+    save_netcdf(data, netcdf)
     with replaced(text) as temporary:
         _write_table(data, temporary)
     return [netcdf, text]
+
+
+def save_netcdf(data: xr.Dataset, path: Path) -> Path:
+    """Write a dataset as NetCDF 4: into memory first, for HDF5 does not survive a full disk."""
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    memory = io.BytesIO()
+    with closing(H5NetCDFStore(h5netcdf.File(memory, "w"))) as store:
+        data.dump_to_store(store)
+    with replaced(path) as temporary:
+        temporary.write_bytes(memory.getbuffer())
+    return path
+
+
+def stamp(path: Path, attributes: Mapping[str, str]) -> None:
+    """Write more attributes into a NetCDF file."""
+    import h5netcdf
+
+    memory = io.BytesIO(path.read_bytes())
+    with h5netcdf.File(memory, "a") as file:
+        file.attrs.update(attributes)
+    with replaced(path) as temporary:
+        temporary.write_bytes(memory.getbuffer())
 
 
 def _write_table(data: xr.Dataset, path: Path) -> None:

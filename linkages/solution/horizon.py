@@ -67,6 +67,8 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
     if tighter is None:
         return None
     other = compute_motion(system, tighter)
+    if other.interrupted:
+        raise KeyboardInterrupt
     count = min(len(motion.time), len(other.time))
     if count < 2:  # the comparison run went elsewhere at once
         return Horizon(time=float(motion.time[0]), whole=False, error=math.inf)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
-from linkages.errors import InputError
+from linkages.errors import InputError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
@@ -86,6 +86,8 @@ def simulate(
         For arguments that make no sense.
     IncompleteError
         If the motion could not be computed to its end; its `solution` has the samples so far.
+    Interrupted
+        After Ctrl-C, whatever `throw` says; its `solution` has the samples so far.
     """
     system = System(mechanism)
     names = requested(system, outputs)
@@ -108,8 +110,12 @@ def simulate(
     plain = [name for name in names if name not in DERIVED]
     values = evaluate_variables(motion, plain)
     notes = [*assumptions(system), *doubts(mechanism), *motion.notes]
+    interrupted = str(motion.failure) if motion.interrupted else ""
     if motion.failure is None or len(motion.time):
-        _add_derived(system, settings, motion, names, values, notes)
+        try:
+            _add_derived(system, settings, motion, names, values, notes)
+        except KeyboardInterrupt:
+            interrupted = interrupted or "interrupted after the motion, before all of its outputs"
     solution = Solution(
         data=labelled(system, motion, {name: values[name] for name in names if name in values}),
         mechanism=system.mechanism,
@@ -118,6 +124,8 @@ def simulate(
         settings=settings,
         notes=tuple(notes),
     )
+    if interrupted:
+        raise Interrupted(interrupted, time=motion.stop_time, solution=solution)
     if motion.failure is not None and throw:
         raise IncompleteError(solution)
     return solution
@@ -275,6 +283,8 @@ def _add_errors(
         notes.append(f"no errors against the ideal mechanism: {error}")
         return
     followed = compute_motion(ideal, replace(settings, times=motion.time, work=False, watch=None))
+    if followed.interrupted:
+        raise KeyboardInterrupt
     if followed.failure is not None:
         notes.append(f"no errors against the ideal mechanism: {followed.failure}")
         return

@@ -84,10 +84,31 @@ class Solution:
         return find_horizon(self.system, self.settings, self.motion)
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write ``simulate.nc`` (NetCDF 4) and ``simulate.csv``; returns their paths."""
-        from linkages.solution.files import save_dataset
+        """Write ``simulate.nc`` (NetCDF 4) and ``simulate.csv``; returns their paths.
 
-        return save_dataset(self.data, Path(folder), "simulate")
+        The former says where it comes from, see `linkages.solution.origin.origin_of`.
+        """
+        from linkages.solution.files import save_dataset
+        from linkages.solution.origin import origin_of
+
+        origin = origin_of(self.mechanism, self.options)
+        return save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """How it was computed, as arguments of `linkages.simulate`."""
+        settings = self.settings
+        return {
+            "end": float(settings.times[-1]),
+            "samples": len(settings.times),
+            "method": self.motion.method or settings.method,
+            "rtol": settings.rtol,
+            "atol": settings.atol,
+            "step": settings.step,
+            "max_steps": settings.max_steps,
+            "change_points": "pass" if settings.passing else "stop",
+            "outputs": [str(name) for name in self.data.data_vars],
+        }
 
 
 class IncompleteError(ComputationError):
@@ -101,7 +122,7 @@ class IncompleteError(ComputationError):
 
     def __init__(self, solution: Solution) -> None:
         motion = solution.motion
-        super().__init__(str(motion.failure), time=motion.stop_time, interrupted=motion.interrupted)
+        super().__init__(str(motion.failure), time=motion.stop_time)
         self.solution = solution
 
 

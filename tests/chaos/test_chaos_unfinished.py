@@ -1,5 +1,8 @@
 """Analyses that end early keep what they have; motions that rest are no error."""
 
+import contextlib
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -10,7 +13,7 @@ from linkages.chaos.section import section_settings
 from linkages.chaos.sweep import Threads, attempt
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.definition import from_document
-from linkages.errors import ComputationError
+from linkages.errors import Interrupted
 from linkages.reading.document import parse
 
 PENDULUM = """\
@@ -50,10 +53,9 @@ class Interrupt:
 def test_section_points_so_far_are_kept(section):
     # longer than any machine computes before it looks for Ctrl-C, which it does after ten periods
     given = {"periods": 10**6, "section": section, "rtol": 1e-12}
-    with pytest.raises(UnfinishedError, match="interrupted") as caught:
+    with pytest.raises(Interrupted, match="interrupted") as caught:
         linkages.poincare(pendulum(), **given, watch=Interrupt(1e-5))
     kept = caught.value.kept["poincare"]
-    assert caught.value.interrupted
     assert 0 < kept.sizes["crossing"] < 10**6
     few = min(5, kept.sizes["crossing"])
     whole = linkages.poincare(pendulum(), **{**given, "periods": few})
@@ -66,13 +68,12 @@ def test_sections_of_a_motion_that_stops(section):
     mechanism = linkages.load("ninebar", set=FOLDING)
     with pytest.raises(UnfinishedError, match=r"at t = 1\.54.*joint F") as caught:
         linkages.poincare(mechanism, periods=5000, section=section)
-    assert not caught.value.interrupted
     assert 1.54 < caught.value.time < 1.55
     assert (caught.value.kept["poincare"].time < 1.55).all()
 
 
 def test_exponents_so_far_are_kept():
-    with pytest.raises(UnfinishedError, match="interrupted") as caught:
+    with pytest.raises(Interrupted, match="interrupted") as caught:
         linkages.lyapunov(pendulum(), periods=60, watch=Interrupt(0.5))
     kept = caught.value.kept["lyapunov"]
     whole = linkages.lyapunov(pendulum(), periods=30)
@@ -80,9 +81,9 @@ def test_exponents_so_far_are_kept():
 
 
 def test_too_few_intervals_for_an_error_are_no_result():
-    with pytest.raises(ComputationError, match="interrupted") as caught:
+    with pytest.raises(Interrupted, match="interrupted") as caught:
         linkages.lyapunov(pendulum(), periods=60, watch=Interrupt(0.1))
-    assert not isinstance(caught.value, UnfinishedError)
+    assert not caught.value.kept
 
 
 @pytest.mark.parametrize(
@@ -98,9 +99,8 @@ def test_evidence_so_far_is_kept(part, names, monkeypatch):
         return linkages.simulate(*arguments, end=1e4 * end, max_steps=10**10, **given)
 
     monkeypatch.setattr("linkages.chaos.evidence.simulate", for_long)
-    with pytest.raises(UnfinishedError) as caught:
+    with pytest.raises(Interrupted) as caught:
         chaos(pendulum(), periods=200, watch=Interrupt(part))
-    assert caught.value.interrupted
     assert set(caught.value.kept) == names
     if "chaos_motion" in names:
         assert caught.value.kept["chaos_motion"].sizes["time"] < 200 * PER_PERIOD
@@ -131,9 +131,62 @@ def test_chains_of_continuation_do_not_depend_on_each_other():
         assert (both.bar_angle[row] == alone.bar_angle[0]).all()
 
 
+@pytest.mark.parametrize(
+    "computation",
+    [
+        lambda mechanism, **given: linkages.simulate(mechanism, end=1e6, **given),
+        lambda mechanism, **given: linkages.simulate(mechanism, end=1e6, throw=False, **given),
+        lambda mechanism, **given: linkages.poincare(mechanism, periods=10**6, **given),
+        lambda mechanism, **given: linkages.lyapunov(mechanism, periods=10**4, **given),
+        lambda mechanism, **given: chaos(mechanism, periods=10**5, **given),
+    ],
+    ids=["simulate", "simulate-throw", "poincare", "lyapunov", "chaos"],
+)
+def test_ctrl_c_ends_a_loop_that_goes_on_after_errors(computation):
+    """It is no Exception: `except Exception` is what loops over many runs have."""
+    rounds = []
+
+    def loop() -> None:
+        for number in range(2):
+            rounds.append(number)
+            with contextlib.suppress(Exception):
+                computation(pendulum(), watch=Interrupt(1e-9))
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        loop()
+    assert rounds == [0]
+    assert isinstance(caught.value, Interrupted)
+
+
+def test_ctrl_c_keeps_the_motion_so_far():
+    with pytest.raises(Interrupted, match="interrupted") as caught:
+        linkages.simulate(pendulum(), end=1e6, samples=10**6 + 1, watch=Interrupt(1e-5))
+    data = caught.value.solution.data
+    assert 0 < data.sizes["time"] < 10**6
+    assert data.time[-1] <= caught.value.time
+    whole = linkages.simulate(pendulum(), end=2.0, samples=3)
+    # the same steps but for the last
+    assert data.bar_speed[:2].to_numpy() == pytest.approx(whole.bar_speed[:2].to_numpy(), abs=1e-7)
+
+
+def test_ctrl_c_while_the_horizon_is_looked_for_is_heard(monkeypatch):
+    """The comparison run was taken for one that went elsewhere."""
+    from linkages.solution import horizon
+
+    solution = linkages.simulate(pendulum())
+    run = horizon.compute_motion
+
+    def interrupted(system, settings):
+        return run(system, dataclasses.replace(settings, watch=Interrupt(0.5)))
+
+    monkeypatch.setattr(horizon, "compute_motion", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        _ = solution.horizon
+
+
 def test_interrupting_one_computation_interrupts_the_sweep():
     def task(_):
-        raise ComputationError("interrupted", interrupted=True)
+        raise Interrupted("interrupted")
 
     with pytest.raises(KeyboardInterrupt):
         attempt(task, 0, None)

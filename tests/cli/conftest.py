@@ -11,7 +11,7 @@ from linkages.cli.main import main
 
 @dataclass(frozen=True)
 class Result:
-    """What a command left behind: `files` are all paths below the folder it ran in."""
+    """What a command left behind: `files` are all paths below the folder it ran in, but records."""
 
     code: int
     out: str
@@ -20,7 +20,8 @@ class Result:
 
 
 def files_below(folder: Path) -> frozenset[str]:
-    return frozenset(str(path.relative_to(folder)) for path in folder.rglob("*"))
+    paths = (path.relative_to(folder) for path in folder.rglob("*"))
+    return frozenset(str(path) for path in paths if ".linkages" not in path.parts)
 
 
 @pytest.fixture

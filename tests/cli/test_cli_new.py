@@ -133,7 +133,7 @@ def test_list_of_one_says_what_it_is(cli, tmp_path):
     ):
         assert expected in result.out
     assert "yaml-language-server" not in result.out
-    picture = tmp_path / "results/ninebar/mechanism.png"
+    picture = tmp_path / "results/ninebar/drawing.png"
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
@@ -143,8 +143,8 @@ def test_list_of_one_as_json_to_another_folder(cli):
     assert content["components"]["bars"] == ["crank", "coupler", "rocker"]
     assert content["description"][0].startswith("Four-bar linkage, driven at constant speed")
     assert (content["mobility"], content["driven"]) == (1, ["crank"])
-    assert content["files"] == ["here/mechanism.png"]
-    assert result.files == {"here", "here/mechanism.png"}
+    assert content["files"] == ["here/drawing.png"]
+    assert result.files == {"here", "here/drawing.png"}
 
 
 def test_list_of_one_without_figure(cli):

@@ -324,7 +324,10 @@ def test_files_hold_what_python_computes(cli, tmp_path):
     result = cli("simulate", "slider-crank", "--no-figures", *SHORT)
     assert (result.code, result.err) == (0, "")
     folder = tmp_path / "results" / "slider-crank"
-    assert sorted(p.name for p in folder.iterdir()) == ["simulate.csv", "simulate.nc"]
+    assert sorted(p.name for p in folder.iterdir() if p.is_file()) == [
+        "simulate.csv",
+        "simulate.nc",
+    ]
     expected = linkages.simulate(linkages.load("slider-crank"), end=0.02, samples=21).data
     with xr.open_dataset(folder / "simulate.nc", engine="h5netcdf") as found:
         # the same computation, and NetCDF keeps doubles: not one bit may differ
@@ -417,7 +420,7 @@ def test_figures_are_written_beside_the_data(cli, tmp_path):
     figures = [path for path in files if path.suffix == ".png"]
     assert {"mechanism", "drive_effort"} <= {path.stem for path in figures}
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in figures)
-    assert {path.name for path in (tmp_path / "results/four-bar").iterdir()} == {
+    assert {path.name for path in (tmp_path / "results/four-bar").iterdir() if path.is_file()} == {
         path.name for path in files
     }
 
@@ -455,5 +458,8 @@ def test_second_run_replaces_the_first(cli, tmp_path):
     assert cli("simulate", "four-bar", "--no-figures", *SHORT).code == 0
     assert cli("simulate", "four-bar", "--no-figures", *SHORT[:2]).code == 0
     folder = tmp_path / "results/four-bar"
-    assert sorted(p.name for p in folder.iterdir()) == ["simulate.csv", "simulate.nc"]
+    assert sorted(p.name for p in folder.iterdir() if p.is_file()) == [
+        "simulate.csv",
+        "simulate.nc",
+    ]
     assert len(table_of(folder / "simulate.csv")[1]) == 1001

@@ -1,0 +1,182 @@
+"""Files of one run of a verb: written aside, then put in their place together.
+
+A folder of results has, of every verb, the files of its last complete run and nothing else of it.
+What an incomplete run leaves goes into the folder ``unfinished`` in it, so that it never takes the
+place of something complete. Records in ``.linkages`` say which run the files are of; nothing that
+has no record, or was changed since, is removed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import shlex
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from linkages import interrupts
+from linkages.components.mechanism import Mechanism
+from linkages.errors import LinkagesError
+from linkages.solution.files import prefix, remove_leftovers, replaced, stamp
+from linkages.solution.origin import origin_of
+
+LOGGER = logging.getLogger(__name__)
+
+RECORDS = ".linkages"
+UNFINISHED = "unfinished"
+
+
+class EndedError(LinkagesError):
+    """Ctrl-C or a signal ended a run; the message says what has been written."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+        self.exit_code = interrupts.exit_code()
+
+
+class Published:
+    """Where files of a run are written, and where they are then.
+
+    Parameters
+    ----------
+    folder
+        Write here.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.files: list[Path] = []
+        """Once all are written: where they are, in the order in which they were written."""
+
+
+@contextmanager
+def published(
+    verb: str,
+    folder: Path,
+    mechanism: Mechanism,
+    options: Mapping[str, Any],
+    *,
+    complete: bool = True,
+) -> Iterator[Published]:
+    """A folder to write the files of a run into, which are put in their place at the end.
+
+    Parameters
+    ----------
+    verb
+        Whose files they are: those of its last run are replaced, others are left alone.
+    folder
+        Of results.
+    mechanism, options
+        What was computed, and how; NetCDF files say so.
+    complete
+        Whether the run came to its end: otherwise its files go into ``folder/unfinished``.
+
+    Raises
+    ------
+    EndedError
+        If somebody interrupts while files are written: those that are whole are kept as unfinished.
+    """
+    made = [path for path in (folder / RECORDS, folder, *folder.parents) if not path.exists()]
+    (folder / RECORDS).mkdir(parents=True, exist_ok=True)
+    remove_leftovers(folder / RECORDS)
+    staging = Path(tempfile.mkdtemp(dir=folder / RECORDS, prefix=prefix()))
+    run = Published(staging)
+    whole = "yes" if complete else "no"
+    origin = {"command": _command(), **origin_of(mechanism, options), "complete": whole}
+    try:
+        try:
+            yield run
+        except BaseException as error:
+            # in the midst of drawing, an interrupt may become an error of a library
+            if not isinstance(error, KeyboardInterrupt) and not interrupts.received():
+                raise
+            run.files = _put(verb, staging, folder / UNFINISHED, origin | {"complete": "no"})
+            if not run.files:
+                raise KeyboardInterrupt from None
+            raise EndedError(
+                f"interrupted while files were written: {len(run.files)} of them are in "
+                f"{folder / UNFINISHED}"
+            ) from None
+        with interrupts.interrupts_kept():
+            run.files = _put(verb, staging, folder if complete else folder / UNFINISHED, origin)
+            if complete:
+                _clear(verb, folder / UNFINISHED)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+        for path in made:
+            with suppress(OSError):
+                path.rmdir()  # if nothing was put there
+
+
+def _put(verb: str, staging: Path, folder: Path, origin: Mapping[str, str]) -> list[Path]:
+    """Move the files of a run to their place, and remove those of the last one."""
+    found = sorted(staging.iterdir(), key=lambda path: path.stat().st_mtime_ns)
+    new = [path for path in found if not path.name.startswith(".")]
+    if not new:
+        return []
+    for path in new:
+        if path.suffix == ".nc":
+            stamp(path, origin)
+    (folder / RECORDS).mkdir(parents=True, exist_ok=True)
+    record = folder / RECORDS / f"{verb}.json"
+    files = {path.name: _fingerprint(path) for path in new}
+    stale = {name: mark for name, mark in _own(record).items() if name not in files}
+    # both, in case that the process is killed in between
+    _write(record, verb, origin, files | stale)
+    _remove(folder, stale)
+    placed = [path.replace(folder / path.name) for path in new]
+    for path in placed:
+        LOGGER.info("wrote %s", path)
+    if stale:
+        _write(record, verb, origin, files)
+    return placed
+
+
+def _clear(verb: str, folder: Path) -> None:
+    """Remove what an incomplete run of a verb has left."""
+    record = folder / RECORDS / f"{verb}.json"
+    _remove(folder, _own(record))
+    record.unlink(missing_ok=True)
+    for path in (folder / RECORDS, folder):
+        with suppress(OSError):
+            path.rmdir()  # if nothing else is there
+
+
+def _own(record: Path) -> dict[str, str]:
+    """Name → fingerprint of the files of the last run; none if it left no record."""
+    try:
+        content = json.loads(record.read_text(encoding="utf-8"))
+        return {str(name): str(mark) for name, mark in content["files"].items()}
+    except (OSError, ValueError, LookupError, AttributeError, TypeError):
+        return {}
+
+
+def _remove(folder: Path, files: Mapping[str, str]) -> None:
+    """Remove files, unless somebody has changed them."""
+    for name, mark in files.items():
+        path = folder / name
+        if path.parent == folder and path.is_file() and _fingerprint(path) == mark:
+            path.unlink()
+
+
+def _write(record: Path, verb: str, origin: Mapping[str, str], files: Mapping[str, str]) -> None:
+    content = {"verb": verb, **origin, "options": json.loads(origin["options"]), "files": files}
+    with replaced(record) as temporary:
+        temporary.write_text(
+            json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
+        )
+
+
+def _fingerprint(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _command() -> str:
+    return f"python -m linkages {shlex.join(sys.argv[1:])}"

@@ -1,0 +1,214 @@
+"""A folder of results: whose files are in it, and what becomes of them when a run is repeated."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from linkages.reading.document import read
+from linkages.reading.locate import shipped
+from linkages.reading.writing import as_yaml
+from linkages.solution.files import HOST, remove_leftovers, replaced
+
+CRANK = """\
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.03}
+  rod: {joints: [A, B], length: 0.1, mass: 0.2}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+drives: {crank: {angle: 0.3, speed: 10}}
+assembly: {B: [0.12, 0]}
+simulate: {end: 0.6, samples: 13}
+"""
+STUCK = ("--set", "bars.crank.length=0.2")  # longer than the rod: the crank cannot turn
+
+
+@pytest.fixture
+def simulate(cli, tmp_path):
+    (tmp_path / "m.yaml").write_text(CRANK)
+    return lambda *options: cli("simulate", "m.yaml", *options)
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+def attributes(path):
+    with xr.open_dataset(path, engine="h5netcdf") as data:
+        return dict(data.attrs)
+
+
+def test_an_incomplete_run_leaves_the_complete_one_alone(simulate, tmp_path):
+    folder = tmp_path / "results/m"
+    assert simulate("--no-figures").code == 0
+    before = contents(folder)
+    result = simulate("--no-figures", *STUCK)
+    assert result.code == 1
+    assert f"2 files in {os.path.join('results', 'm', 'unfinished')}" in result.out
+    assert contents(folder) == before
+    assert contents(folder / "unfinished").keys() == {"simulate.nc", "simulate.csv"}
+    assert attributes(folder / "unfinished/simulate.nc")["complete"] == "no"
+    assert attributes(folder / "simulate.nc")["complete"] == "yes"
+    assert simulate("--no-figures").code == 0
+    assert not (folder / "unfinished").exists()
+
+
+def test_an_unfinished_run_of_another_verb_stays(simulate, cli, tmp_path):
+    unfinished = tmp_path / "results/m/unfinished"
+    assert simulate("--no-figures", *STUCK).code == 1
+    (unfinished / "mine.txt").write_text("mine")
+    assert cli("phase", "m.yaml", "--x", "time", "--y", "piston.position", "--no-figures").code == 0
+    assert contents(unfinished).keys() == {"simulate.nc", "simulate.csv", "mine.txt"}
+    assert simulate("--no-figures").code == 0
+    assert contents(unfinished).keys() == {"mine.txt"}
+
+
+def test_files_that_a_run_does_not_write_again_are_removed(simulate, cli, tmp_path):
+    folder = tmp_path / "results/m"
+    assert simulate().code == 0
+    assert {"mechanism.png", "drive_effort.png"} <= contents(folder).keys()
+    assert cli("phase", "m.yaml", "--x", "time", "--y", "piston.position", "--no-figures").code == 0
+    (folder / "notes.txt").write_text("mine")
+    (folder / "traces.png").write_bytes(b"drawn over by somebody")
+    assert simulate("--format", "svg", "--outputs", "slider_position").code == 0
+    assert contents(folder).keys() == {
+        "simulate.nc", "simulate.csv", "slider_displacement.svg",
+        "phase_diagram.nc", "phase_diagram.csv", "notes.txt", "traces.png",
+    }  # fmt: skip
+    assert (folder / "traces.png").read_bytes() == b"drawn over by somebody"
+
+
+def test_files_without_a_record_are_nobodys(simulate, tmp_path):
+    folder = tmp_path / "results/m"
+    folder.mkdir(parents=True)
+    (folder / "traces.png").write_bytes(b"older than records")
+    assert simulate("--no-figures").code == 0
+    assert contents(folder).keys() == {"simulate.nc", "simulate.csv", "traces.png"}
+
+
+@pytest.mark.parametrize("record", ["", "[]", '{"files": 3}', '{"files": {"../m.yaml": "x"}}'])
+def test_a_record_that_is_none_does_no_harm(simulate, tmp_path, record):
+    records = tmp_path / "results/m/.linkages"
+    records.mkdir(parents=True)
+    (records / "simulate.json").write_text(record)
+    assert simulate("--no-figures").code == 0
+    assert (tmp_path / "m.yaml").read_text() == CRANK
+    assert set(json.loads((records / "simulate.json").read_text())["files"]) == {
+        "simulate.nc", "simulate.csv"
+    }  # fmt: skip
+
+
+def test_results_can_be_computed_again_from_themselves(simulate, cli, tmp_path):
+    sizes = ("0.03", "0.04")
+    for size in sizes:
+        assert (
+            simulate("--no-figures", "--set", f"bars.crank.length={size}", "--out", size).code == 0
+        )
+    first, second = (attributes(tmp_path / size / "simulate.nc") for size in sizes)
+    assert first["definition"] != second["definition"]
+    assert first["version"].startswith("linkages ")
+    assert second["command"].endswith("--set bars.crank.length=0.04 --out 0.04")
+    options = json.loads(first["options"])
+    assert (options["end"], options["samples"]) == (0.6, 13)
+    assert cli("simulate", "0.04/simulate.nc", "--no-figures", "--out", "again").code == 0
+    assert (tmp_path / "again/simulate.csv").read_bytes() == (
+        tmp_path / "0.04/simulate.csv"
+    ).read_bytes()
+    assert attributes(tmp_path / "again/simulate.nc")["name"] == "m"
+
+
+def test_results_without_a_definition_define_nothing(cli, tmp_path):
+    xr.Dataset({"x": ("t", np.zeros(2))}).to_netcdf(tmp_path / "x.nc", engine="h5netcdf")
+    result = cli("simulate", "x.nc")
+    assert result.code == 2
+    assert "has no definition in it" in result.err
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_a_definition_is_written_as_it_was_read(name, tmp_path):
+    document = read(shipped()[name])
+    (tmp_path / "again.yaml").write_text(as_yaml(document), encoding="utf-8")
+    assert read(tmp_path / "again.yaml").content == document.content
+
+
+def test_texts_that_yaml_takes_for_something_else_are_written_as_texts(tmp_path):
+    texts = ["", "~", "null", "on", "1e-3", "- x", "a: b # c", "'", "[1", "a\nb", " a", "!t", "*a"]
+    document = read(shipped()["four-bar"])
+    document.content["odd"] = {**dict.fromkeys("ab", texts), "<<": "x", "none": None}
+    (tmp_path / "again.yaml").write_text(as_yaml(document), encoding="utf-8")
+    assert read(tmp_path / "again.yaml").content == document.content
+
+
+def test_leftovers_of_killed_processes_are_removed_and_no_others(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", "import os; print(os.getpid())"], capture_output=True, check=True
+    )
+    gone, here = int(done.stdout), os.getpid()
+    own = f".linkages-{HOST}-"
+    leftovers = [f"{own}{gone}-a1.nc", f"{own}{gone}-b2"]
+    others = [
+        f"{own}{here}-a1.nc", f".linkages-x{HOST}-{gone}-a1.nc", ".linkages-a1.nc", ".m-a1.nc"
+    ]  # fmt: skip
+    for name in (*leftovers, *others):
+        (tmp_path / name).touch()
+    (tmp_path / leftovers[1]).unlink()
+    (tmp_path / leftovers[1]).mkdir()
+    (tmp_path / leftovers[1] / "half.csv").touch()
+    with replaced(tmp_path / "m.csv") as temporary:
+        temporary.write_text("x")
+    assert {path.name for path in tmp_path.iterdir()} == {*others, "m.csv"}
+    for name in others:
+        os.utime(tmp_path / name, (0, 0))
+    remove_leftovers(tmp_path)  # the number of a process may be another one's after some days
+    assert {path.name for path in tmp_path.iterdir()} == {*others[2:], "m.csv"}
+
+
+@pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()], ids=["os", "key"])
+def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, monkeypatch, failure):
+    folder = tmp_path / "results/m"
+    assert simulate().code == 0
+    before = contents(folder)
+
+    def broken(*_):
+        raise failure
+
+    monkeypatch.setattr("linkages.plots.figures.save_figures", broken)
+    result = simulate("--set", "bars.crank.length=0.04")
+    assert contents(folder) == before
+    if isinstance(failure, OSError):
+        assert (result.code, result.err.strip()) == (1, "cannot be written: disk full")
+        assert not (folder / "unfinished").exists()
+    else:
+        assert result.code == 130
+        assert contents(folder / "unfinished").keys() == {"simulate.nc", "simulate.csv"}
+        assert str(len(contents(folder / "unfinished"))) in result.err
+    assert not [path for path in (folder / ".linkages").iterdir() if path.suffix != ".json"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="needs a limit on the size of files")
+def test_a_full_disk_loses_nothing_and_says_so(tmp_path):
+    """A limit on the size of files stands for the end of a disk."""
+    import resource
+
+    (tmp_path / "m.yaml").write_text(CRANK)
+    command = [sys.executable, "-m", "linkages", "simulate", "m.yaml", "--no-figures"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    before = contents(tmp_path / "results/m")
+    largest = len(before["simulate.csv"])
+    done = subprocess.run(
+        [*command, "--set", "simulate.samples=5001"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)),
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert "cannot be written" in done.stderr
+    assert contents(tmp_path / "results/m") == before

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from linkages.components.mechanism import Mechanism
     from linkages.plots.film import Film
 
-SHOWN = ("joint_position", "bar_angle", "slider_position", "clearance_force")
-"""What a picture needs; nothing else is computed."""
+SHOWN = ("joint_position", "bar_angle", "slider_position", "clearance_force", "clearance_angle")
+"""What a picture needs, and what says how fast it moves; nothing else is computed."""
 
 SMOOTH = 720
 """Samples that a trace has at least: more than frames, for it is one line."""
@@ -66,6 +66,7 @@ def run_animate(
 ) -> int:
     """Simulate a file and animate the motion; returns the exit code."""
     from linkages.plots.animation import animate, check_arguments
+    from linkages.plots.pace import too_fast
 
     mechanism = mechanism_from(file, assignments)
     folder = Path("results") / Path(file).stem if out is None else out
@@ -88,7 +89,9 @@ def run_animate(
             solution, run.folder / name, start=film.start, duration=film.frames * abs(film.step),
             slow=film.slow, fps=film.fps, size=size, dpi=options.dpi, watch=watch,
         )  # fmt: skip
-    _report(solution, film, run.files[0], failure, json)
+    note = too_fast(solution, film)
+    notes = [*solution.notes, *([note] if note else [])]
+    _report(solution, film, run.files[0], notes, failure, json)
     return 0 if failure is None else 1
 
 
@@ -155,9 +158,16 @@ def _cut(film: Film, solution: Solution, failure: str) -> Film:
     return replace(film, frames=max(1, int(shown / abs(film.step))))
 
 
-def _report(solution: Solution, film: Film, path: Path, failure: str | None, json: bool) -> None:
+def _report(
+    solution: Solution,
+    film: Film,
+    path: Path,
+    notes: Sequence[str],
+    failure: str | None,
+    json: bool,
+) -> None:
     if json:
-        print_json(_content(solution, film, path, failure))
+        print_json(_content(solution, film, path, notes, failure))
         return
     screen = console()
     last = number(float(film.times[-1]))
@@ -166,13 +176,15 @@ def _report(solution: Solution, film: Film, path: Path, failure: str | None, jso
         f"[bold]{escape(solution.mechanism.name)}[/bold]: {frames} from t = "
         f"{number(film.start)} s to {last} s, {number(film.fps)} per second, {film.pace}"
     )
-    print_notes(solution.notes, screen)
+    print_notes(notes, screen)
     screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
     if failure is not None:
         print(f"stopped {failure}", file=sys.stderr)
 
 
-def _content(solution: Solution, film: Film, path: Path, failure: str | None) -> dict[str, Any]:
+def _content(
+    solution: Solution, film: Film, path: Path, notes: Sequence[str], failure: str | None
+) -> dict[str, Any]:
     return {
         "mechanism": solution.mechanism.name,
         "completed": failure is None,
@@ -186,6 +198,6 @@ def _content(solution: Solution, film: Film, path: Path, failure: str | None) ->
         "slow": film.slow,
         "seconds": film.seconds,
         "bytes": path.stat().st_size,
-        "notes": list(solution.notes),
+        "notes": list(notes),
         "files": [str(path)],
     }

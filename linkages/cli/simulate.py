@@ -87,8 +87,11 @@ def run_simulate(
         solution.save(run.folder)
         if figures:
             from linkages.plots.figures import save_figures
+            from linkages.plots.time_figures import QUANTITIES
+            from linkages.solution.resolved import resolved
 
-            save_figures(solution.data, solution.mechanism, run.folder, format)
+            dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
+            save_figures(solution.data, solution.mechanism, run.folder, format, dense=dense)
     _report(solution, horizon, rows, notes, run.files, failure, json)
     return code
 

@@ -21,12 +21,12 @@ from linkages.plots.free_axes import Free, free_coordinates
 from linkages.plots.samples import pose_at
 from linkages.plots.style import panels, styled
 from linkages.plots.view import Box, picture
+from linkages.solution.resolved import resolved
 from linkages.solution.series import data_series, find_series
+from linkages.solution.solution import Solution
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from linkages.solution.solution import Solution
 
     Source = Solution | xr.Dataset
 
@@ -102,50 +102,54 @@ def slider_position(source: Source, ax: Axes | None = None) -> Axes:
     ax
         Where to draw; axes of a new figure if not given.
     """
-    return _over_time(_data(source), "slider_position", ax)
+    return _over_time(source, "slider_position", ax)
 
 
 def slider_velocity(source: Source, ax: Axes | None = None) -> Axes:
     """Velocities of the sliders over time."""
-    return _over_time(_data(source), "slider_velocity", ax)
+    return _over_time(source, "slider_velocity", ax)
 
 
 def slider_acceleration(source: Source, ax: Axes | None = None) -> Axes:
     """Accelerations of the sliders over time."""
-    return _over_time(_data(source), "slider_acceleration", ax)
+    return _over_time(source, "slider_acceleration", ax)
 
 
 def slider_position_error(source: Source, ax: Axes | None = None) -> Axes:
     """What clearances change of the sliders' displacements, over time."""
-    return _over_time(_data(source), "slider_position_error", ax)
+    return _over_time(source, "slider_position_error", ax)
 
 
 def slider_velocity_error(source: Source, ax: Axes | None = None) -> Axes:
     """What clearances change of the sliders' velocities, over time."""
-    return _over_time(_data(source), "slider_velocity_error", ax)
+    return _over_time(source, "slider_velocity_error", ax)
 
 
 def slider_acceleration_error(source: Source, ax: Axes | None = None) -> Axes:
     """What clearances change of the sliders' accelerations, over time."""
-    return _over_time(_data(source), "slider_acceleration_error", ax)
+    return _over_time(source, "slider_acceleration_error", ax)
 
 
 def clearance_force(source: Source, ax: Axes | None = None) -> Axes:
     """Forces in the clearances over time."""
-    return _over_time(_data(source), "clearance_force", ax)
+    return _over_time(source, "clearance_force", ax)
 
 
 def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
     """Torques of the drives on bars over time."""
     _require(solution.data, "drive_effort")
-    chosen = time_figures.efforts(solution.data, solution.mechanism, sliding=False)
+    chosen = time_figures.efforts(
+        _resolved(solution, "drive_effort"), solution.mechanism, sliding=False
+    )
     return _over_time(chosen, "drive_effort", ax)
 
 
 def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
     """Forces of the drives on sliders over time."""
     _require(solution.data, "drive_effort")
-    chosen = time_figures.efforts(solution.data, solution.mechanism, sliding=True)
+    chosen = time_figures.efforts(
+        _resolved(solution, "drive_effort"), solution.mechanism, sliding=True
+    )
     return _over_time(chosen, "drive_force", ax)
 
 
@@ -252,11 +256,19 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
 
 
 @styled
-def _over_time(data: xr.Dataset, variable: str, ax: Axes | None) -> Axes:
+def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
+    data = _resolved(source, variable)
     _require(data, variable)
     if ax is None:
         ax = time_figures.page(data, variable)
     return time_figures.draw(ax, data, variable, str(data.attrs.get("name", "")))
+
+
+def _resolved(source: Source, variable: str) -> xr.Dataset:
+    """Data of a variable; of a solution with samples that show every swing."""
+    if not isinstance(source, Solution) or variable not in source.data:
+        return _data(source)
+    return resolved(source, [variable])
 
 
 def _data(source: Source) -> xr.Dataset:

@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from linkages.plots.prefixes import Scale
 from linkages.plots.style import BLACK
+from linkages.solution.resolved import turning_points
 
 Array = NDArray[np.float64]
 
 MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
+UNEVEN = 0.5  # ratio of the curvatures of a smooth curve at neighbouring samples, at least
 BUSY = 80  # turning points, beyond which a thinner line shows more
 
 
@@ -28,12 +30,33 @@ class Peak(NamedTuple):
 
 
 def peak_of(time: Array, values: Array) -> Peak | None:
-    """The sample of largest magnitude; None if no sample is finite."""
+    """Where a curve is farthest from zero; None if no sample is finite.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,), times equally spaced.
+
+    Returns
+    -------
+    The top of the parabola through the sample of largest magnitude and its neighbours where the
+    curve is smooth; the sample itself where it is not.
+    """
     finite = np.isfinite(values)
     if not finite.any():
         return None
     index = int(np.argmax(np.where(finite, np.abs(values), -1.0)))
-    return Peak(float(time[index]), float(values[index]))
+    sample = Peak(float(time[index]), float(values[index]))
+    if not 2 <= index < len(values) - 2:
+        return sample
+    bends = np.diff(values[index - 2 : index + 3], 2)
+    sizes = -np.sign(values[index]) * bends
+    if not (sizes > UNEVEN * sizes[1]).all() or not (UNEVEN * sizes < sizes[1]).all():
+        return sample  # a corner, a jump, a lone sample: nothing says what is beside it
+    slope = 0.5 * (values[index + 1] - values[index - 1])
+    shift = -slope / bends[1]
+    step = float(time[index + 1] - time[index])
+    return Peak(sample.time + float(shift) * step, sample.value + 0.5 * float(slope * shift))
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -55,12 +78,6 @@ def thinned(time: Array, values: Array) -> tuple[Array, Array]:
     starts = np.arange(0, whole, size)[:, None]
     kept = np.concatenate(((pairs + starts).ravel(), np.arange(whole, count)))
     return time[kept], values[kept]
-
-
-def turning_points(values: Array) -> int:
-    """How often values change between rising and falling."""
-    slopes = np.sign(np.diff(values))
-    return int(np.count_nonzero(slopes[1:] * slopes[:-1] < 0))
 
 
 def draw_curve(

@@ -50,6 +50,7 @@ def save_figures(
     folder: Path,
     format: str = "png",  # noqa: A002
     names: Iterable[str] | None = None,
+    dense: xr.Dataset | None = None,
 ) -> list[Path]:
     """Write the figures that the data allow, each whole or not at all.
 
@@ -65,6 +66,8 @@ def save_figures(
         ``"png"``, ``"pdf"`` or ``"svg"``.
     names
         Of `FIGURES`; all of them if not given.
+    dense
+        Data for curves over time, if others than `data`.
 
     Returns
     -------
@@ -76,12 +79,14 @@ def save_figures(
     ValueError
         For an unknown format or name; nothing is written then.
     """
-    chosen = list(FIGURES) if names is None else list(names)
+    wanted = list(FIGURES) if names is None else list(names)
     _check("format", [format], _METADATA)
-    _check("figure", chosen, FIGURES)
+    _check("figure", wanted, FIGURES)
     written = []
-    for name in chosen:
-        figure = FIGURES[name](data, mechanism)
+    for name in wanted:
+        over_time = FIGURES[name] not in (drawing.figure, traces.figure, phase.figure)
+        chosen = dense if dense is not None and over_time else data
+        figure = FIGURES[name](chosen, mechanism)
         if figure is not None:
             written.append(write_figure(figure, folder / f"{name}.{format}"))
     return written

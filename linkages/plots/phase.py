@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.plots.angles import show_degrees
-from linkages.plots.curves import BUSY, show_steady, turning_points
+from linkages.plots.curves import BUSY, show_steady
 from linkages.plots.phase_curve import refined, spread, wrapped
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import PALETTE, fitted, line_style, panels, styled, title
+from linkages.solution.resolved import turning_points
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,11 +25,13 @@ from linkages.plots.curves import (
 )
 from linkages.plots.prefixes import Scale, scale_of
 from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
+from linkages.solution.resolved import per_swing
 
 if TYPE_CHECKING:
     import xarray as xr
 
 HEIGHT = 2.7
+FEWEST = 12.0  # samples per swing: with fewer the tops of a curve look ragged
 ROW, HEAD = 0.155, 0.04  # of a legend, in inches
 
 
@@ -134,7 +136,7 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     ax
         Where to draw.
     data
-        SI units, named in ``attrs["units"]``.
+        SI units, named in ``attrs["units"]``; equally spaced samples.
     variable
         One of `QUANTITIES`.
     heading
@@ -160,6 +162,8 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
         if peak:
             mark_peak(ax, peak, scales, look["color"])
     _finish(ax, time, scales, quantity.label)
+    if per_swing(data, [variable]) < FEWEST:
+        ax.set_xlabel(f"{scales[0].label('time')}; samples do not show every swing")
     _shade_beyond_horizon(ax, data, time, scales[0])
     show_steady(ax, values * scales[1].factor)
     if len(names) > 1:

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from linkages.plots.curves import MANY, peak_of, thinned
 
@@ -26,6 +27,33 @@ def test_thinning_survives_gaps():
     _, y = thinned(time, values)
     assert np.nanmax(y) == 1.0
     assert np.nanmin(y) == np.nanmin(values)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.2, 0.5, 0.9])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_peak_of_a_smooth_curve_lies_between_samples(offset, sign):
+    """The parabola through samples at −θ/2, θ/2 and 3θ/2 is off by Π|xᵢ|·|f‴|/6 ≤ θ⁴/32."""
+    step = 2 * np.pi / 40
+    time = step * (np.arange(-20, 20) + offset)
+    peak = peak_of(time, sign * (1.5 * np.cos(time) + 0.5))
+    assert peak.value == pytest.approx(sign * 2.0, abs=1.5 * step**4 / 32)
+    assert peak.time == pytest.approx(0.0, abs=step**3 / 10)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [0.0, 0.0, 0.0, 1.0, 0.99, 0.98, 0.97],  # a jump: a parabola would rise to 1.12
+        [0.7, 0.8, 0.9, 1.0, 0.5, 0.0, -0.5],  # a corner
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],  # a lone sample
+        [0.0, 0.1, np.nan, 1.0, 0.9, 0.1, 0.0],
+        [1.0, 0.9, 0.5, 0.1, 0.0, 0.0, 0.0],  # at the end
+        [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+    ],
+)
+def test_peak_of_a_curve_that_is_not_smooth_is_a_sample(values):
+    peak = peak_of(np.arange(7.0), np.array(values))
+    assert peak == (float(np.nanargmax(values)), 1.0)
 
 
 def test_peak_is_the_sample_farthest_from_zero():

@@ -1,5 +1,6 @@
 """what a solution holds, how large it is, and how it is saved."""
 
+import json
 import tracemalloc
 
 import numpy as np
@@ -8,6 +9,8 @@ import xarray as xr
 from solution_mechanisms import FOUR_BAR, SLIDER_CRANK, mechanism
 
 import linkages
+from linkages.components.definition import from_document
+from linkages.reading.document import parse
 from linkages.solution import files
 
 UNITS = {
@@ -192,7 +195,11 @@ def test_netcdf_round_trip(everything, tmp_path):
     netcdf, text = everything.save(tmp_path / "a" / "b")
     assert (netcdf.name, text.name) == ("simulate.nc", "simulate.csv")
     with xr.open_dataset(netcdf, engine="h5netcdf") as found:
+        origin = {name: found.attrs.pop(name) for name in ("definition", "options", "version")}
         xr.testing.assert_identical(found.load(), everything.data)
+    assert json.loads(origin["options"])["samples"] == 21
+    document = parse(origin["definition"], "simulate.nc")
+    assert from_document(document).components == everything.mechanism.components
 
 
 def test_csv_has_all_digits_of_all_series(everything, tmp_path):

@@ -20,6 +20,13 @@ SETTLES = 1 / 3
 """Range of the partial sums of the later half, in units of the whole, below which a series settles:
 for independent numbers it is about 0.7, and below this in one case out of 100."""
 
+LEFT = 1.5
+"""What is left of such a series, in units of how far the mean is from that of its later half: sums
+like ln(cn) leave ln(cn)/(ln(cn) - 1.4), 1.5 for cn of 60 and more, and transients leave 1."""
+
+BOUNDED = 0.25
+"""Error by the longest blocks, in units of that by the shortest, below which sums are bounded."""
+
 ALIKE = 1e-4
 """Difference of means, relative to the largest entry, that four printed digits hide."""
 
@@ -38,9 +45,9 @@ def mean_error(series: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
       numbers that is the standard error as well [3]_; where the sums are bounded (periodic growth,
       tori) the mean is wrong by their range/n at most, which batches of a multiple of the period
       do not see.
-    - How far the mean is from that of the later half, where the range falls (`SETTLES`): after a
-      transient, and where sums grow like ln n (regular motions that conserve energy), the mean is
-      wrong by not much more than that.
+    - How far the mean is from that of the later half, times `LEFT`, where the range falls
+      (`SETTLES`): after a transient, and where sums grow like ln n (regular motions that conserve
+      energy), the mean is wrong by about that.
 
     For diffusing sums the largest of three is too large by a tenth.
 
@@ -72,7 +79,7 @@ def mean_error(series: ArrayLike) -> tuple[Floats, NDArray[np.bool_]]:
     diffusing, trusted = _batch_error(whole)
     later = whole[len(whole) // 2 :]
     ranges = _range_of_sums(whole)
-    settling = np.abs(whole.mean(axis=0) - later.mean(axis=0))
+    settling = LEFT * np.abs(whole.mean(axis=0) - later.mean(axis=0))
     settling = np.where(_range_of_sums(later) < SETTLES * ranges, settling, 0.0)
     bounded = KUIPER * ranges / len(whole)
     return np.maximum(diffusing, np.maximum(bounded, settling)), trusted
@@ -103,9 +110,10 @@ def _batch_error(whole: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         chosen = np.where(~found & long, few * errors[-1], chosen)
         found |= long
         blocks, length = _merged(blocks), 2 * length
-    bounded = errors[-1] < errors[0]
-    rest = np.where(bounded, 0.0, few * np.max(errors, axis=0))
-    return np.where(found, chosen, rest), found | bounded
+    falls = errors[-1] < errors[0]
+    rest = np.where(falls, 0.0, few * np.max(errors, axis=0))
+    bounded = errors[-1] < BOUNDED * errors[0]
+    return np.where(bounded, 0.0, np.where(found, chosen, rest)), found | falls
 
 
 def _merged(blocks: Floats) -> Floats:

@@ -107,7 +107,7 @@ def _write(path: Path, text: str) -> None:
     with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
         file.write(text)
     # Older versions of Numba outdate machine code when the time stamp of its source changes.
-    # Writers of one text, who replace each other's file, must not outdate what was compiled meanwhile.
+    # Writers of one text replace each other's file; what was compiled meanwhile must stay valid.
     os.utime(temporary, (_STAMP, _STAMP))
     Path(temporary).replace(path)
 

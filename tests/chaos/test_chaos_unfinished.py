@@ -91,7 +91,7 @@ def test_too_few_intervals_for_an_error_are_no_result():
     [
         (0.2, {"chaos_exponents"}),
         (0.5, {"chaos_exponents", "chaos_section"}),
-        (2 / 3 + 1e-9, {"chaos_exponents", "chaos_section", "chaos_motion"}),
+        (2 / 3 + 1e-5, {"chaos_exponents", "chaos_section", "chaos_motion"}),
     ],
 )
 def test_evidence_so_far_is_kept(part, names, monkeypatch):

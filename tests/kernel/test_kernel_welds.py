@@ -154,20 +154,3 @@ assembly: {B: [0.6, 0.6]}
         slope = difference(lambda h, n=below: values(of, n, 0.1 + h)[:, 0], step)
         found = values(of, above, 0.1)[:, 0]
         assert found == pytest.approx(slope, abs=1e-10 * max(1.0, np.abs(found).max()))
-
-
-def test_the_first_body_follows_where_the_second_is_driven(monkeypatch):
-    """Files name the body that follows; the kernel turns a relation round where it has to."""
-    monkeypatch.setattr("linkages.components.consistency.coordinate_findings", lambda _: [])
-    of = system_of("""
-joints: {O: [0, 0]}
-bars:
-  one: {joints: [O, A], length: 1}
-  two: {joints: [A, B], length: 0.5}
-welds: {A: {bars: [one, two], angle: 0.3}}
-drives: {two: {angle: 0.9, speed: 2}}
-""")
-    assert {*of.topology.slaves} == {"one"}
-    assert values(of, "bar_angle")[:, 0] == pytest.approx([0.6, 0.9], abs=1e-15)
-    assert complex(*of.places()["A"]) == pytest.approx(np.exp(0.6j), abs=1e-15)
-    assert values(of, "bar_speed")[:, 0].tolist() == [2.0, 2.0]

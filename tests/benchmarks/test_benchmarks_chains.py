@@ -58,7 +58,7 @@ def test_line_through_exact_times():
     assert line(rows) == pytest.approx((2e-8, 3e-8))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_hundred_links_compile():
     system = System(chain(200))
     flow = build_flow(system)

@@ -247,8 +247,8 @@ def test_link_in_a_guide_reaches_along_its_axis(side, size):
     # numbers around `size` and a handful of operations
     assert (x + 1j * y) * (base + position * AXIS) == pytest.approx(gap, abs=1e-15 * size)
     across = (base / AXIS).imag
-    assert margin == pytest.approx(side * np.sqrt(abs(gap) ** 2 - across**2), rel=1e-14)
-    assert scale == pytest.approx(abs(gap), rel=1e-15)
+    assert margin == pytest.approx(side * np.sqrt(abs(gap) ** 2 - across**2), rel=1e-14, abs=0)
+    assert scale == pytest.approx(abs(gap), rel=1e-15, abs=0)
 
 
 # --- two sliders --------------------------------------------------------------------------------

@@ -45,6 +45,39 @@ def test_what_is_named_is_not_chosen():
     assert of.state.tolist() == [2, 3]
 
 
+TRAPEZOID = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  FIRST
+  SECOND
+  top: {joints: [A, B], length: 0.6, mass: 1}
+assembly: {A: [0.2, 0.98], B: [0.8, 0.98]}
+"""
+LEFT = "left: {joints: [O, A], length: 1, mass: 1}"
+RIGHT = "right: {joints: [C, B], length: 1, mass: 1}"
+
+
+@pytest.mark.parametrize(("first", "second"), [(LEFT, RIGHT), (RIGHT, LEFT)])
+def test_of_bars_that_are_as_good_the_first_is_chosen(first, second):
+    """Conditions of mirror images differ by round-off, which must not choose."""
+    of = system_of(TRAPEZOID.replace("FIRST", first).replace("SECOND", second))
+    assert of.chosen == (first.split(":")[0],)
+
+
+def test_a_driven_bar_is_not_chosen_although_its_place_is_known():
+    of = system_of("""
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.4, mass: 1}
+  one: {joints: [A, B], length: 0.6, mass: 1}
+  two: {joints: [B, D], length: 0.6, mass: 1}
+  rocker: {joints: [C, D], length: 0.4, mass: 1}
+drives: {crank: {angle: 1.6, speed: 0}}
+assembly: {A: [0, 0.4], D: [1, 0.4], B: left}
+""")
+    assert of.chosen == ("rocker",)
+
+
 def test_the_best_conditioned_bar_is_chosen():
     """Coupler and rocker in line make the rocker's angle a bad coordinate, and vice versa."""
     crank, folded = 0.3 * np.exp(0.6j), 1 + 0.7 * np.exp(2.9j)

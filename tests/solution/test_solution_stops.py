@@ -7,6 +7,7 @@ from solution_mechanisms import mechanism
 
 import linkages
 from linkages import IncompleteError
+from linkages.errors import InputError
 from linkages.kernel.dyads import LEAST_MARGIN
 
 
@@ -285,3 +286,18 @@ def test_steps_run_out():
     assert "Raise max_steps" in str(error)
     assert 0.05 < error.time < 0.5
     assert (error.solution.data.time <= error.time).all()
+
+
+def test_coordinates_that_move_no_mass_together_are_named():
+    """Both bars of a stretched pair move the mass at its end the same way, the third its own."""
+    text = """
+joints: {O: [0, 0], C: [5, 0]}
+bars:
+  one: {joints: [O, P], length: 1}
+  two: {joints: [P, Q], length: 1}
+  other: {joints: [C, R], length: 1, mass: 1}
+masses: {Q: 1}
+free: {other: {angle: 0}, one: {angle: 0}, two: {angle: 0}}
+"""
+    with pytest.raises(InputError, match="no mass moves with one and two at t = 0"):
+        linkages.simulate(mechanism(text), end=1.0, samples=3)

@@ -1,5 +1,6 @@
 """What holds for all tests: none depends on how busy the machine is, or on what ran before it."""
 
+import os
 import signal
 
 import pytest
@@ -15,15 +16,20 @@ settings.register_profile(
 )
 settings.load_profile("any machine")
 
+# What shells and services say of a terminal that tests do not have: rich and typer believe it.
+TERMINAL = ("FORCE_COLOR", "NO_COLOR", "PY_COLORS", "COLUMNS", "TTY_COMPATIBLE", "GITHUB_ACTIONS")
+
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let Ctrl-C be heard, and matplotlib find its fonts before workers start.
+    """Forget the terminal, let Ctrl-C be heard, and matplotlib find its fonts before workers start.
 
     A shell has its background jobs ignore Ctrl-C: tests that press it would run for ever.
 
     Fonts are looked for once for each user. Where that takes longer than five seconds matplotlib
     says so on standard error, where programs that tests start must have nothing to say.
     """
+    for name in TERMINAL:
+        os.environ.pop(name, None)
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):

@@ -251,6 +251,28 @@ def test_link_in_a_guide_reaches_along_its_axis(side, size):
     assert scale == pytest.approx(abs(gap), rel=1e-15, abs=0)
 
 
+@SIDES
+def test_guide_turns_and_its_slider_moves_as_the_gap_does(side):
+    base = 0.2 + 0.1j
+    gx, gy, bx, by, ex, ey, s, vx, vy = inputs(9)
+    dyad = LinkInGuide.solve(Vector(gx, gy), Vector(bx, by), Vector(ex, ey), 1.0, s)
+    rates = dyad.rates(Vector(vx, vy))
+
+    def forward(t):
+        return side * np.sqrt(abs(gap_at(t)) ** 2 - (base / AXIS).imag ** 2)
+
+    def coordinates(t):
+        """Angle of the guide and position along it: gap = e^iθ (base + position·axis)."""
+        position = forward(t) - (base / AXIS).real
+        return np.array([np.angle(gap_at(t) / (base + position * AXIS)), position])
+
+    numbers = [v for z in (GAP, base, AXIS, side, RATE) for v in (z.real, z.imag)]
+    del numbers[7]  # the side has no imaginary part
+    turning, moving, growing = evaluated([*rates, dyad.margin_rate(rates)], *numbers)
+    assert [turning, moving] == pytest.approx(first_derivative(coordinates), abs=1e-12)  # see H
+    assert growing == pytest.approx(first_derivative(forward), abs=1e-12)
+
+
 # --- two sliders --------------------------------------------------------------------------------
 
 

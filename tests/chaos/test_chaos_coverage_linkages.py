@@ -1,4 +1,4 @@
-"""Errors of exponents of linkages cover the truth, as those of maps do (`test_chaos_coverage.py`)."""
+"""Errors of exponents of linkages cover the truth, as those of maps do."""
 
 import numpy as np
 import pytest

@@ -23,7 +23,7 @@ from chaos_systems import (
 
 from linkages.chaos.averages import mean_error
 from linkages.chaos.certificate import pair_sums
-from linkages.chaos.exponents import lyapunov_spectrum
+from linkages.chaos.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.systems import Map, Ode
 
 TURN = 2 * math.pi
@@ -179,3 +179,26 @@ def test_system_built_for_another_number_of_tangents():
     system = Fixed(henon()._function, henon()._jacobian, [0.1, 0.1])
     with pytest.raises(ValueError, match="carries 1 tangents, 2 are needed"):
         lyapunov_spectrum(system, interval=1, intervals=64)
+
+
+def stepped(errors, seed):
+    """Noise whose first quarter is higher by so many standard errors of a quarter."""
+    growth = np.random.default_rng(seed).normal(size=(4096, 1))
+    growth[:1024] += errors / 32
+    return Exponents(growth, np.zeros((4097, 1)), np.arange(4097.0))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_drift_is_what_exceeds_six_errors(seed):
+    """Means of quarters scatter by one error each, and errors are 0 to 20 % too large."""
+    assert stepped(0, seed).settled
+    assert stepped(2, seed).settled
+    assert not stepped(12, seed).settled
+
+
+@pytest.mark.parametrize(("ratio", "known"), [(1e8, True), (1e10, False)])
+def test_tangents_that_come_too_far_apart(ratio, known):
+    """Of numbers of 16 digits one has seven left where another is 1e9 times as large."""
+    growth = np.tile([math.log(ratio), 0.0], (64, 1))
+    found = Exponents(growth, np.zeros((65, 2)), np.arange(65.0))
+    assert found.settled is known

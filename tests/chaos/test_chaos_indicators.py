@@ -8,7 +8,7 @@ from chaos_systems import henon, henon_heiles, lorenz
 
 from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.indicators import ROUND_OFF, Verdict, classify, fast_indicators
-from linkages.chaos.systems import Ode
+from linkages.chaos.systems import Map, Ode
 
 
 def verdict_by_fli(found):
@@ -99,3 +99,19 @@ def test_thresholds():
 def test_arguments(wrong):
     with pytest.raises(ValueError, match="must be"):
         fast_indicators(henon(), **({"intervals": 10, "interval": 1} | wrong))
+
+
+def test_one_tangent_is_enough_for_fli():
+    """It is the largest sum so far of what the exponent of that tangent averages, and GALI is 1."""
+    found = fast_indicators(henon(), intervals=300, interval=1, count=1)
+    growth = lyapunov_spectrum(henon(), intervals=300, interval=1, count=1).growth[:, 0]
+    # two orders of summation of three hundred numbers
+    assert found.fli == pytest.approx(np.maximum.accumulate(np.cumsum(growth).clip(0)), abs=1e-11)
+    assert found.gali == pytest.approx(np.ones(300), abs=1e-15)
+
+
+def test_fli_is_the_largest_stretching_so_far():
+    """A tangent is doubled and halved in turn: FLI stays at ln 2."""
+    breathing = Map(lambda x: x + 1, lambda x: [[2.0 if x[0] % 2 == 0 else 0.5]], [0.0])
+    found = fast_indicators(breathing, intervals=8, interval=1, count=1)
+    assert found.fli == pytest.approx(np.full(8, math.log(2)), abs=1e-15)

@@ -224,6 +224,40 @@ def test_tangents_are_derivatives_of_the_motion():
         assert tangents.tangents[:, column] == pytest.approx(expected, rel=1e-5, abs=1e-4)
 
 
+def test_tangents_are_integrated_accurately_where_the_motion_asks_for_no_steps():
+    """A pendulum at rest upside down: exponents are ±√(g/l), and steps are those of tangents.
+
+    Each of some steps errs by the tolerance of tangents, 1e-6 of their length.
+    """
+    text = """\
+name: Upside down
+gravity: [-9.81, 0]
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1}}
+masses: {P: 1 kg}
+free: {arm: {angle: 0, speed: 0}}
+simulate: {end: 1, rtol: 1e-9}
+"""
+    found = exponents_of(from_document(parse(text, "up.yaml")), periods=40, skip=20)
+    assert found.values == pytest.approx([np.sqrt(9.81), -np.sqrt(9.81)], abs=2e-5)
+
+
+def test_fast_indicator_of_a_map_follows_one_tangent(monkeypatch):
+    columns = []
+    made = LinkageTangents.__init__
+
+    def counted(self, system, tangents=1, *arguments, **options):
+        columns.append(tangents)
+        made(self, system, tangents, *arguments, **options)
+
+    monkeypatch.setattr(LinkageTangents, "__init__", counted)
+    axes = parse_range("free.upper.speed=0:0.1:2"), parse_range("free.lower.speed=0:0.1:2")
+    for indicator, count in (("exponent", 1), ("fli", 1), ("gali", 2)):
+        columns.clear()
+        chaos_map(pendulum(3.0), *axes, indicator=indicator, periods=4, executor=Threads(1))
+        assert columns == [count] * 4
+
+
 def test_bifurcation_is_the_section_of_every_value():
     sizes = [1e-4, 2e-4, 3e-4]
     data = linkages.bifurcation(ninebar(), {"clearances.r1.size": sizes}, periods=5, skip=2)

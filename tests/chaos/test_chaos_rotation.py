@@ -39,6 +39,12 @@ def test_rotation(sense):
     assert found.longest_stay < 5.0
 
 
+def test_error_of_the_rate_is_the_difference_of_the_halves():
+    """2 rad/s for half of the time, then 3 rad/s; a bend in the middle costs a sample's share."""
+    found = classify_angle(TIME, 2.0 * TIME + np.clip(TIME - 50, 0, None))
+    assert found.rate_error == pytest.approx(1.0, abs=1e-3)
+
+
 def test_rotation_that_steps_back():
     """An angle may go back on its way: 0.55 rad here, and still it rotates."""
     found = classify_angle(TIME, 1.0 * TIME + 1.5 * np.sin(TIME))

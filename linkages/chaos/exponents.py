@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -130,6 +130,7 @@ def lyapunov_spectrum(
     interval: float,
     count: int | None = None,
     skip: int = 0,
+    certify: Callable[[Exponents], tuple[Invariant, ...]] | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> Exponents:
     """Lyapunov exponents from tangents that are made orthonormal again after every interval.
@@ -147,6 +148,8 @@ def lyapunov_spectrum(
         How many exponents, the largest ones; all of them by default.
     skip
         Intervals before the average begins: motion and tangents find their attractor in them.
+    certify
+        What makes their certificate.
     watch
         Called now and then with the fraction done.
 
@@ -179,6 +182,11 @@ def lyapunov_spectrum(
     growth = np.empty((intervals, columns))
     states, times = np.empty((intervals + 1, size)), np.empty(intervals + 1)
     done = 0
+
+    def found() -> Exponents:
+        part = Exponents(growth=growth[:done], states=states[: done + 1], times=times[: done + 1])
+        return part if certify is None else replace(part, certificate=certify(part))
+
     try:
         for number in range(-skip, intervals):
             if number == 0:
@@ -191,18 +199,14 @@ def lyapunov_spectrum(
             if watch is not None:
                 watch((number + skip + 1) / (intervals + skip))
     except (ComputationError, KeyboardInterrupt) as error:
-        kept = {}
-        if done >= FEWEST_INTERVALS:
-            kept["exponents"] = Exponents(
-                growth=growth[:done], states=states[: done + 1], times=times[: done + 1]
-            )
+        kept = {"exponents": found()} if done >= FEWEST_INTERVALS else {}
         if isinstance(error, KeyboardInterrupt):
             text = f"at t = {system.time:.9g} s: interrupted"
             raise Interrupted(text, time=system.time, kept=kept) from None
         if not kept:
             raise
         raise UnfinishedExponentsError(error, kept["exponents"]) from None
-    return Exponents(growth=growth, states=states, times=times)
+    return found()
 
 
 def _orthonormalise(system: TangentSystem, interval: float) -> Floats:

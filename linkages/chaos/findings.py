@@ -109,7 +109,11 @@ class ChaosReport:
                 for name, spectrum in self.spectra.items()
             },
             "rotation": {
-                name: {"kind": str(found.kind), "rate": found.rate}
+                name: {
+                    "kind": str(found.kind),
+                    "rate": found.rate,
+                    "error": found.rate_error,
+                }
                 for name, found in self.rotation.items()
             },
             "dimension": None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -211,17 +210,19 @@ def run_exponents(
             settings.max_steps,
             samples_within(periods * parts) if columns == whole else 0,
         )
-        exponents = lyapunov_spectrum(
+
+        def certify(exponents: Exponents) -> tuple[Invariant, ...]:
+            return certificate(tangents, exponents, skip * parts)
+
+        return lyapunov_spectrum(
             tangents,
             intervals=periods * parts,
             interval=length / parts,
             count=columns,
             skip=skip * parts,
+            certify=certify if columns == whole else None,
             watch=watch,
         )
-        if columns < whole:
-            return exponents
-        return replace(exponents, certificate=certificate(tangents, exponents, skip * parts))
 
     parts, most = max(PARTS, math.ceil(FEWEST_INTERVALS / periods)), math.log(FURTHEST_APART)
     found = run(parts)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,14 +15,6 @@ REPEATS = 3
 """How often a period must be seen."""
 
 _SETTLING = 0.5
-
-
-class Repetition(StrEnum):
-    """How section points repeat."""
-
-    FIXED = "fixed"
-    PERIODIC = "periodic"
-    NONE = "none"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +39,6 @@ class Period:
     deviation: float
     cycle: Floats
     settling: int | None
-
-    @property
-    def repetition(self) -> Repetition:
-        """Fixed point of the section, periodic, or none."""
-        if self.count is None:
-            return Repetition.NONE
-        return Repetition.FIXED if self.count == 1 else Repetition.PERIODIC
 
 
 def find_period(

@@ -38,8 +38,6 @@ class Rotation:
         Mean rate in rad/s, counter-clockwise positive, and the difference of the two halves.
     forward, backward
         Completed turns counter-clockwise and clockwise.
-    longest_stay
-        Longest time in seconds without a completed turn.
     range
         Highest less lowest angle in radians.
     """
@@ -49,17 +47,7 @@ class Rotation:
     rate_error: float
     forward: int
     backward: int
-    longest_stay: float
     range: float
-
-    @property
-    def sense(self) -> int:
-        """1 for a counter-clockwise rotation, -1 for a clockwise one, 0 for anything else."""
-        return int(np.sign(self.rate)) if self.kind is Kind.ROTATION else 0
-
-    def winding_number(self, drive_rate: float) -> float:
-        """Turns per turn of a drive with this rate in rad/s."""
-        return self.rate / drive_rate
 
 
 def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) -> Rotation:
@@ -106,7 +94,6 @@ def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) 
         rate_error=abs(halves[1] - halves[0]),
         forward=int(np.sum(senses > 0)),
         backward=int(np.sum(senses < 0)),
-        longest_stay=stay,
         range=float(np.ptp(theta)),
     )
 

@@ -54,11 +54,6 @@ class PowerSpectrum:
         total = float(self.density.sum()) * self.resolution
         return min(1.0, float(self.powers.sum()) / total) if total > 0 else 1.0
 
-    @property
-    def broadband_share(self) -> float:
-        """Part of the mean square between lines."""
-        return 1.0 - self.line_share
-
 
 def power_spectrum(series: ArrayLike, interval: float) -> PowerSpectrum:
     """Spectrum of equidistant samples by one periodogram with a Blackman–Harris window.

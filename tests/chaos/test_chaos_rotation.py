@@ -11,8 +11,6 @@ TIME = np.linspace(0.0, 100.0, 8001)
 def test_resting():
     found = classify_angle(TIME, np.full_like(TIME, 9.0))
     assert found.kind is Kind.RESTING
-    assert found.sense == 0
-    assert found.longest_stay == 100
 
 
 @pytest.mark.parametrize("amplitude", [1e-3, 1.0, 3.1])
@@ -31,12 +29,9 @@ def test_rotation(sense):
     """The weights find the mean rate to 1e-5 in 16 oscillations; end points alone to 1e-2."""
     found = classify_angle(TIME, sense * (2.0 * TIME + 0.9 * np.sin(TIME) + 0.3 * np.cos(3 * TIME)))
     assert found.kind is Kind.ROTATION
-    assert found.sense == sense
     assert found.rate == pytest.approx(2.0 * sense, abs=1e-5)
     assert found.rate_error < 1e-3
     assert (found.forward, found.backward)[::sense] == (31, 0)  # 200 rad are 31.8 turns
-    assert found.winding_number(0.5) == pytest.approx(4 * sense, abs=1e-4)
-    assert found.longest_stay < 5.0
 
 
 def test_error_of_the_rate_is_the_difference_of_the_halves():
@@ -58,7 +53,6 @@ def test_tumbling_in_both_senses():
     assert found.kind is Kind.MIXED
     assert found.forward == 8  # 2 to the first top, 4 from trough to top, 2 to the end
     assert found.backward == 8
-    assert found.sense == 0
 
 
 def test_swing_and_then_a_turn():
@@ -66,7 +60,6 @@ def test_swing_and_then_a_turn():
     turning = np.clip(TIME - 70, 0, None) * 3
     found = classify_angle(TIME, np.sin(TIME) + turning)
     assert found.kind is Kind.MIXED
-    assert 69 < found.longest_stay < 75
     assert found.backward == 0
 
 

@@ -18,6 +18,7 @@ from linkages.chaos.exponents import Exponents
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
+from linkages.kernel.system import System
 
 Floats = NDArray[np.float64]
 
@@ -40,8 +41,10 @@ GOES_ON = 0.5
 """Part of the speed at the beginning that a motion keeps which does not come to rest."""
 
 
-def samples_within(intervals: int) -> int:
-    """How many states to keep of each interval: a power of two."""
+def samples_within(system: System, intervals: int) -> int:
+    """How many states to keep of each interval: its end, or a power of two if there is damping."""
+    if Volumes(system).conservative:
+        return 1
     return int(min(SAMPLES, 2 ** max(1, int(np.log2(MOST_SAMPLES / intervals)))))
 
 
@@ -92,7 +95,7 @@ def _sum(
     lengths = np.diff(exponents.times)
     moved = np.diff(logarithms) / lengths
     expected = -moved - _means(damping, parts)
-    coarse = -moved - _means(damping[::2], parts // 2)
+    coarse = expected if parts == 1 else -moved - _means(damping[::2], parts // 2)
     found, mean = float(exponents.growth.sum(axis=1).mean()), float(expected.mean())
     return Invariant(
         name="sum of all exponents",

@@ -208,7 +208,7 @@ def run_exponents(
             settings.atol,
             settings.step,
             settings.max_steps,
-            samples_within(periods * parts) if columns == whole else 0,
+            samples_within(system, periods * parts) if columns == whole else 0,
         )
 
         def certify(exponents: Exponents) -> tuple[Invariant, ...]:

@@ -57,6 +57,16 @@ class LoadNodes(ABC):
     def acting(self) -> list[Scalar]:
         """Force or torque as it acts, one for each label."""
 
+    @property
+    @abstractmethod
+    def given(self) -> list[Scalar]:
+        """What of it follows from time and positions: not finite where the load has no value."""
+
+    @property
+    def undefined(self) -> str:
+        """Why it may have no value, as the end of a sentence."""
+        return "it has no finite value"
+
     @abstractmethod
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""
@@ -128,6 +138,11 @@ class _AxialForce(_Axial):
     def force(self) -> Scalar:
         return value_of(self.load.force, self.model.inputs)
 
+    @property
+    def given(self) -> list[Scalar]:
+        """The force."""
+        return self.acting
+
 
 class _AxialDamper(_Axial):
     load: AxialDamper
@@ -136,6 +151,11 @@ class _AxialDamper(_Axial):
     @property
     def force(self) -> Scalar:
         return -(self.model.inputs.parameter(self.load.damping) * self.rate(self.model.velocities))
+
+    @property
+    def given(self) -> list[Scalar]:
+        """Nothing: it depends on the velocity alone."""
+        return []
 
 
 class _PointForce(Pull):
@@ -155,6 +175,11 @@ class _PointForce(Pull):
     def acting(self) -> list[Scalar]:
         """Both components."""
         return [self.vector.x, self.vector.y]
+
+    @property
+    def given(self) -> list[Scalar]:
+        """Both components."""
+        return self.acting
 
     @property
     def vector(self) -> Vector:
@@ -190,6 +215,11 @@ class _Torque(_Turning):
     @property
     def force(self) -> Scalar:
         return value_of(self.load.torque, self.model.inputs)
+
+    @property
+    def given(self) -> list[Scalar]:
+        """The torque."""
+        return self.acting
 
 
 class _Elastic(Conjugate):
@@ -253,6 +283,19 @@ class _Spring(_Elastic, Pull):
     def acting(self) -> list[Scalar]:
         """How it pulls its ends together."""
         return [-self.force]
+
+    @property
+    def given(self) -> list[Scalar]:
+        """The elastic force, which has no direction where the ends meet."""
+        return [self._elastic_vector.x, self._elastic_vector.y]
+
+    @property
+    def undefined(self) -> str:
+        """Where its ends meet."""
+        return (
+            f"its ends {self.load.first} and {self.load.second} meet, so its force has no "
+            "direction; expected ends that are apart, or a spring relaxed there: 'length: 0'"
+        )
 
     @property
     def _between(self) -> Vector:
@@ -340,6 +383,11 @@ class TorsionSpringNodes(_Turning, _Elastic):
     def __init__(self, model: Model, load: TorsionSpring) -> None:
         super().__init__(model, load)
         self.stiffness, self.damping = load.stiffness, load.damping
+
+    @property
+    def given(self) -> list[Scalar]:
+        """The torque of the spring, which is finite for all angles."""
+        return []
 
     @property
     def difference(self) -> Scalar:

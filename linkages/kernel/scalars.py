@@ -129,6 +129,12 @@ class ScalarGraph:
         """A constant; −0.0 counts as 0.0."""
         return self._node("constant", (float(value) + 0.0,), Level.CONSTANT)
 
+    def _folded(self, value: float, operation: str, *arguments: Scalar) -> Scalar:
+        """A constant, or the operation itself where it is not finite: no text stands for that."""
+        return (
+            self.number(value) if math.isfinite(value) else self._operation(operation, *arguments)
+        )
+
     def lift(self, value: Scalar | float) -> Scalar:
         """A node for a plain number; nodes stay as they are."""
         return value if isinstance(value, Scalar) else self.number(value)
@@ -144,7 +150,7 @@ class ScalarGraph:
         if b.constant == 0.0:
             return a
         if a.constant is not None and b.constant is not None:
-            return self.number(a.constant + b.constant)
+            return self._folded(a.constant + b.constant, "add", a, b)
         if b.operation == "neg":
             return self.subtract(a, b.arguments[0])
         if a.operation == "neg":
@@ -160,7 +166,7 @@ class ScalarGraph:
         if a.constant == 0.0:
             return self.negate(b)
         if a.constant is not None and b.constant is not None:
-            return self.number(a.constant - b.constant)
+            return self._folded(a.constant - b.constant, "sub", a, b)
         if b.operation == "neg":
             return self.add(a, b.arguments[0])
         if a.operation == "neg":
@@ -170,7 +176,7 @@ class ScalarGraph:
     def multiply(self, a: Scalar, b: Scalar) -> Scalar:
         """The product a·b."""
         if a.constant is not None and b.constant is not None:
-            return self.number(a.constant * b.constant)
+            return self._folded(a.constant * b.constant, "mul", a, b)
         for x, y in ((a, b), (b, a)):
             if x.constant == 0.0:
                 return self.zero
@@ -191,7 +197,7 @@ class ScalarGraph:
         if b.constant == 1.0:
             return a
         if a.constant is not None and b.constant:
-            return self.number(a.constant / b.constant)
+            return self._folded(a.constant / b.constant, "div", a, b)
         if a.operation == "neg":
             return self.negate(self.divide(a.arguments[0], b))
         return self._operation("div", a, b)
@@ -223,7 +229,11 @@ class ScalarGraph:
         if name not in FUNCTIONS:
             raise ValueError(f"no elementary function {name!r}")
         if a.constant is not None:
-            return self.number(getattr(math, name)(a.constant))
+            try:
+                value = float(getattr(math, name)(a.constant))
+            except (ValueError, OverflowError):
+                value = math.nan
+            return self._folded(value, name, a)
         return self._operation(name, a)
 
     def select(self, condition: Scalar, first: Scalar, second: Scalar) -> Scalar:

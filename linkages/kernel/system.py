@@ -76,6 +76,18 @@ class System:
         self.assembly: Assembly = assemble(self._place, near)
         self.state: NDArray[np.float64] = self._settled(self.assembly)
         require_consistent(self)
+        if near is None:
+            self._require_loads()
+
+    def _require_loads(self) -> None:
+        """Loads must have a value at the start, as the laws of drives must."""
+        found = []
+        for load in self.model.loads:
+            if not np.isfinite(self._place.values(load.given, self.assembly)).all():
+                message = f"cannot act at t = {self.time:g} s: {load.undefined}"
+                found.append((load.load.path, message))
+        if found:
+            raise self.mechanism.error(found)
 
     def _given(self) -> NDArray[np.float64]:
         """Free coordinates and their rates as they are given; zero for those carried along."""

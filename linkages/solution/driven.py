@@ -19,6 +19,7 @@ from linkages.solution.determined import is_determined
 from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
 from linkages.solution.motion import Motion, Piece, Settings, block_failure, passed_text
 from linkages.solution.turns import with_turns
+from linkages.solution.undefined import undefined_load
 from linkages.solution.work import with_work
 
 _LAW_PLACES = 20001
@@ -92,18 +93,19 @@ def driven_motion(system: System, settings: Settings) -> Motion:
 
 
 def _undefined(system: System, times: Floats) -> _Undefined | None:
-    """Where the law of a drive first has no finite value or derivative."""
+    """Where the law of a drive first has no finite value or derivative, or a load no value."""
     found = []
     for name, law in system.model.positions.laws.items():
         values = system.evaluate([law.value, law.rate, law.acceleration], times)
         finite = np.isfinite(values).all(axis=0)
         if not finite.all():
-            found.append((int(np.argmin(finite)), name))
-    if not found:
-        return None
-    index, name = min(found)
-    text = f"at t = {times[index]:.9g} s: the law of drive {name} has no finite value or derivative"
-    return _Undefined(index, f"{text}. End before, or change the law.")
+            first = int(np.argmin(finite))
+            text = f"at t = {times[first]:.9g} s: the law of drive {name} has no finite value or "
+            found.append((first, f"{text}derivative. End before, or change the law."))
+    load = undefined_load(system, times)
+    if load is not None:
+        found.append(load)
+    return _Undefined(*min(found)) if found else None
 
 
 def _piece(system: System, times: Floats, flipped: tuple[int, ...]) -> Piece:

@@ -25,6 +25,7 @@ from linkages.solution.motion import (
 )
 from linkages.solution.passage import Crossing, Passage
 from linkages.solution.switching import better_system, movable
+from linkages.solution.undefined import loads_at_stop
 from linkages.solvers.integrate import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
@@ -316,4 +317,12 @@ def failure_text(system: System, trajectory: Trajectory, way_on: str = STOPS_THE
         where = (trajectory.block, trajectory.stop_time)
         text = block_failure(system.model, *where, singular, way_on)
         return f"{text}. {outcome.remedy}"
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        names = loads_at_stop(system, trajectory)
+        if names:
+            has = "has" if len(names) == 1 else "have"
+            return (
+                f"at t = {trajectory.stop_time:.9g} s: {', '.join(names)} {has} no finite value "
+                "there, or none just before or behind. End before, or change the load."
+            )
     return f"at t = {trajectory.stop_time:.9g} s: {outcome}"

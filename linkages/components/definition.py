@@ -19,6 +19,7 @@ from linkages.reading.overrides import apply
 from linkages.reading.wording import nearest
 from linkages.spec.conversion import QuantityError
 from linkages.spec.quantities import NameRule
+from linkages.spec.table_files import with_tables
 from linkages.spec.validation import validated
 
 
@@ -43,7 +44,8 @@ def load(file: str | FilePath, set: Mapping[str, object] | None = None) -> Mecha
 
 def from_document(document: Document) -> Mechanism:
     """Build the mechanism that a document defines; raises InputError like `load`."""
-    gathered = _Gathered(document)
+    document, faulty_tables = with_tables(document)
+    gathered = _Gathered(document, problems=faulty_tables)
     gathered.top_level()
     for key, section in SECTIONS.items():
         if key in document.content:

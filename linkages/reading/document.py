@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -35,12 +35,15 @@ class Document:
         (line, column) of the key of each mapping entry and of each list entry, counted from 1.
     overridden
         For each path whose value is not the file's, the assignment it comes from.
+    folder
+        Where the file stands, and others that it names; None for a text that is no file.
     """
 
     source: str
     content: dict[str, Any]
     positions: Mapping[Path, tuple[int, int]]
     overridden: Mapping[Path, str] = field(default_factory=dict)
+    folder: FilePath | None = field(default=None, compare=False)
 
     def value(self, path: Path) -> Any:
         """Return what stands at a path, or None where nothing does."""
@@ -94,7 +97,7 @@ def read(path: FilePath) -> Document:
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 10**6} MB; expected the definition of a mechanism"
         raise InputError(source, [Problem(message=message)])
-    return parse(data, source)
+    return replace(parse(data, source), folder=path.parent)
 
 
 def _recorded(path: FilePath) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from linkages.errors import InputError, Problem
@@ -74,7 +75,7 @@ def _assigned(document: Document, text: str, value: object) -> Document:
     overridden = {p: o for p, o in document.overridden.items() if not _within(p, path)}
     new = {path[:length]: origin for length in range(created, len(path) + 1)}
     positions = {p: at for p, at in document.positions.items() if not _within(p, path)}
-    return Document(document.source, content, positions, overridden | new)
+    return replace(document, content=content, positions=positions, overridden=overridden | new)
 
 
 def _check_new(content: Any, steps: Path, assigned: list[Path]) -> None:

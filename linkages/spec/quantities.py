@@ -132,7 +132,27 @@ class NameRule(FieldType):
         }
 
 
+@dataclass(frozen=True)
+class TextRule(FieldType):
+    """One line of text."""
+
+    def read(self, value: Any) -> str:
+        """Return the text; numbers are the text that was written."""
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise QuantityError(self.expected(), shown(value))
+        return str(value)
+
+    def expected(self) -> str:
+        """Return ``"text"``."""
+        return "text"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return text, which YAML may take for a number."""
+        return {"type": ["string", "number"]}
+
+
 Name = Annotated[str, NameRule()]
+Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
 Number = Annotated[float, Quantity(dimensions.NUMBER)]
 Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]

@@ -13,7 +13,7 @@ from linkages.components.functions import Table
 from linkages.components.interpolation import Interpolation, extremes
 from linkages.components.laws.named import NamedLaw, Value
 from linkages.components.terms import Path
-from linkages.spec.quantities import Instant
+from linkages.spec.quantities import Instant, Text
 
 
 @component
@@ -30,15 +30,35 @@ class Points(Generic[Value]):
         Whether the law repeats; the first and the last value are then equal.
     interpolation
         ``linear``, ``pchip`` or ``spline``; pchip for loads and spline for drives if not given.
+    file
+        A CSV file in the folder of the definition file, in the place of times and values.
+    columns
+        Its columns with times and values: their names, or their numbers from 1; the first two if
+        not given.
+    units
+        Units of both columns; SI if not given.
     """
 
-    times: tuple[Instant, ...]
-    values: tuple[Value, ...]
+    times: tuple[Instant, ...] = ()
+    values: tuple[Value, ...] = ()
     periodic: bool = False
     interpolation: Interpolation | None = None
+    file: Text | None = None
+    columns: tuple[Text, Text] | None = None
+    units: tuple[Text, Text] | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> Any:
+        if self.file is not None:
+            raise ValueError(
+                "files are read with a definition file only, in its folder; expected 'times' and "
+                "'values'"
+            )
+        given = {"times": self.times, "values": self.values}
+        missing = [key for key, numbers in given.items() if not numbers]
+        if missing or self.columns or self.units:
+            key = "file" if self.columns or self.units else missing[0]
+            raise ValueError(f"missing key {key!r}: expected 'times' and 'values', or 'file'")
         least = "two" if self.interpolation == "linear" else "three"
         if len(self.times) < {"two": 2, "three": 3}[least]:
             raise ValueError(f"expected at least {least} times, found {len(self.times)}")

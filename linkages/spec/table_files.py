@@ -1,0 +1,206 @@
+"""Tables of laws that stand in CSV files beside the definition file.
+
+A table ``{file: gas.csv, columns: [time, force], units: [ms, kN]}`` is replaced in the document by
+the times and values that it names, so that a mechanism needs the file only while it is loaded.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path as FilePath
+from typing import Any
+
+from linkages.errors import InputError, Problem
+from linkages.reading.decoding import decode
+from linkages.reading.document import MAX_BYTES, Document
+from linkages.reading.paths import Path
+from linkages.reading.wording import listed, nearest, shown
+from linkages.spec.units import UnitError, unit
+
+MAX_ROWS = 10_000
+"""More points are more than a law needs, and each is an argument of the kernel."""
+
+_SECTIONS = ("drives", "loads")
+_OWN = ("file", "columns", "units")
+_NUMBER = re.compile(r"[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"[-+−]?\d+,\d+")
+
+Row = tuple[int, list[str]]
+
+
+class _RefusedError(Exception):
+    """Why a table cannot be read; the place is a key of its mapping, if there is one."""
+
+    def __init__(self, message: str, *place: str | int) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+def with_tables(document: Document) -> tuple[Document, list[Problem]]:
+    """Return the document with the tables of files in it, and what is wrong with them.
+
+    A table that cannot be read is replaced by one without a fault, so that it is reported once.
+    """
+    problems: list[Problem] = []
+
+    def filled(node: Any, path: Path) -> Any:
+        if isinstance(node, list):
+            return [filled(entry, (*path, index)) for index, entry in enumerate(node)]
+        if not isinstance(node, dict):
+            return node
+        found = {key: filled(value, (*path, key)) for key, value in node.items()}
+        table = found.get("table")
+        if isinstance(table, dict) and "file" in table:
+            place = (*path, "table")
+            kept = {key: value for key, value in table.items() if key not in _OWN}
+            try:
+                times, values = _read(table, document.folder)
+            except _RefusedError as reason:
+                problems.append(document.problem((*place, *reason.place), str(reason)))
+                times, values = ["0", "1", "2"], ["0", "0", "0"]
+            found["table"] = {**kept, "times": times, "values": values}
+        return found
+
+    content = {
+        key: filled(value, (key,)) if key in _SECTIONS else value
+        for key, value in document.content.items()
+    }
+    return replace(document, content=content), problems
+
+
+def _read(table: Mapping[str, Any], folder: FilePath | None) -> tuple[list[Any], list[Any]]:
+    """Times and values in SI; the first of each as text with its unit, which is checked there."""
+    doubled = [key for key in ("times", "values") if key in table]
+    if doubled:
+        raise _RefusedError(f"'file' and {doubled[0]!r} are both given; expected one of them")
+    if folder is None:
+        raise _RefusedError(
+            "the definition is no file itself, so there is no folder to look for this one in; "
+            "expected 'times' and 'values'",
+            "file",
+        )
+    name = table["file"]
+    if not isinstance(name, str):
+        raise _RefusedError(f"expected the name of a CSV file, found {shown(name)}", "file")
+    rows = _rows(name, _text(name, folder / name))
+    names = [cell.strip() for cell in rows[0][1]]
+    header = names if not any(map(_is_number, names)) else None
+    places = [
+        _column(name, header, len(names), key, index)
+        for index, key in enumerate(_pair(table, "columns", ("1", "2")))
+    ]
+    lines = rows if header is None else rows[1:]
+    times, values = ([_number(name, line, cells[k]) for line, cells in lines] for k in places)
+    if not times:
+        raise _RefusedError(f"{name} has one line of names and no numbers", "file")
+    for (before, after), (line, _) in zip(pairwise(times), lines[1:], strict=True):
+        if after <= before:
+            found = f"expected increasing times, found {after:g} after {before:g}"
+            raise _RefusedError(f"{name}, line {line}: {found}", "file")
+    units = _pair(table, "units", (None, None))
+    return _in_units(times, units[0], 0), _in_units(values, units[1], 1)
+
+
+def _text(name: str, path: FilePath) -> str:
+    try:
+        if not path.is_file():
+            raise _RefusedError(f"no such file: {name} in {path.parent}", "file")
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise _RefusedError(f"{name} cannot be read: {error.strerror or error}", "file") from None
+    if len(data) > MAX_BYTES:
+        raise _RefusedError(f"{name} is larger than {MAX_BYTES // 10**6} MB", "file")
+    try:
+        return decode(data, name)
+    except InputError as error:
+        message = str(error.problems[0]).replace("a YAML file", "a CSV file")
+        raise _RefusedError(f"{name}, {message}", "file") from None
+
+
+def _rows(name: str, text: str) -> list[Row]:
+    """Line numbers, from 1, and cells; empty lines and those that begin with # are left out."""
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        raise _RefusedError(f"{name} is empty; expected lines with a time and a value", "file")
+    if len(lines) > MAX_ROWS:
+        message = f"{name} has {len(lines)} lines; expected at most {MAX_ROWS}: fewer points"
+        raise _RefusedError(message, "file")
+    first = lines[0][1]
+    separator = next((mark for mark in ";\t" if mark in first), ",")
+    rows = [(number, next(csv.reader([line], delimiter=separator))) for number, line in lines]
+    for number, cells in rows:
+        if len(cells) != len(rows[0][1]):
+            raise _RefusedError(
+                f"{name}, line {number}: expected {len(rows[0][1])} cells as in line "
+                f"{rows[0][0]}, found {len(cells)}; cells are separated by commas, semicolons or "
+                "tabs, and decimals written with a point",
+                "file",
+            )
+    return rows
+
+
+def _pair(table: Mapping[str, Any], key: str, usual: tuple[Any, Any]) -> Sequence[Any]:
+    found = table.get(key)
+    if found is None:
+        return usual
+    if not isinstance(found, list) or len(found) != 2:
+        what = "names or numbers" if key == "columns" else "units"
+        message = f"expected two {what}, of times and of values, found {shown(found)}"
+        raise _RefusedError(message, key)
+    return found
+
+
+def _column(name: str, header: list[str] | None, count: int, key: Any, index: int) -> int:
+    """The place of a column, by its name or by its number from 1."""
+    text = str(key).strip()
+    if header is not None and text in header:
+        if header.count(text) > 1:
+            message = f"{name} has {header.count(text)} columns {text!r}; expected their number"
+            raise _RefusedError(message, "columns", index)
+        return header.index(text)
+    if text.isascii() and text.isdigit() and 1 <= int(text[:9]) <= count:
+        return int(text) - 1
+    if header is None:
+        expected = f"its first line has no names; expected a number from 1 to {count}"
+    else:
+        near = nearest(text, header)
+        expected = f"did you mean {near!r}?" if near else f"expected one of: {listed(header)}"
+    raise _RefusedError(f"{name} has no column {shown(key)}; {expected}", "columns", index)
+
+
+def _is_number(cell: str) -> bool:
+    return bool(_NUMBER.fullmatch(cell.strip()) or _DECIMAL_COMMA.fullmatch(cell.strip()))
+
+
+def _number(name: str, line: int, cell: str) -> float:
+    text = cell.strip()
+    if _NUMBER.fullmatch(text):
+        value = float(text.replace("−", "-"))
+        if math.isfinite(value):
+            return value
+    hint = "; decimals are written with a point" if _DECIMAL_COMMA.fullmatch(text) else ""
+    message = f"{name}, line {line}: expected a number, found {shown(text)}{hint}"
+    raise _RefusedError(message, "file")
+
+
+def _in_units(numbers: list[float], text: str | None, index: int) -> list[Any]:
+    if text is None:
+        return list(numbers)
+    try:
+        found = unit(str(text))
+    except UnitError as error:
+        raise _RefusedError(
+            f"expected a unit, found {shown(text)}: {error}", "units", index
+        ) from None
+    first = [f"{number!r} {text}" for number in numbers[:1]]
+    return [*first, *(found.convert(number) for number in numbers[1:])]

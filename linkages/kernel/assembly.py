@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from linkages.errors import InputError
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
-from linkages.kernel.loads import TorsionSpringNodes
 from linkages.kernel.model import Model
 from linkages.kernel.modes import Assembly, Choice, Place
 from linkages.kernel.scalars import Scalar
+from linkages.kernel.springs import TorsionSpringNodes
 from linkages.topology.blocks import ITERATED, Block
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.kernel.acting import LoadNodes
 from linkages.kernel.inertia import Inertia
 from linkages.kernel.inputs import Inputs
-from linkages.kernel.loads import LoadNodes, load_nodes
+from linkages.kernel.loads import load_nodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph

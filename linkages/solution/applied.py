@@ -17,7 +17,8 @@ from linkages.components.terms import (
     Torque,
     TorsionSpring,
 )
-from linkages.kernel.loads import Conjugate, Pull, load_nodes
+from linkages.kernel.acting import Conjugate, Pull
+from linkages.kernel.loads import load_nodes
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 from linkages.solution.evaluation import evaluate_nodes

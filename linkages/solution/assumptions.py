@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkages.kernel.assembly import placed_joints
-from linkages.kernel.loads import TorsionSpringNodes
+from linkages.kernel.springs import TorsionSpringNodes
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
 from linkages.topology.blocks import Block

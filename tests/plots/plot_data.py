@@ -43,6 +43,8 @@ SERIES = {
     "clearance_speed": ("clearance", "rad/s", 200.0),
     "clearance_force": ("clearance", "N", 4e3),
     "drive_effort": ("drive", "N m", 30.0),
+    "load_force": ("force", "N", 500.0),
+    "load_torque": ("torque", "N m", 2.0),
     "bar_angle": ("bar", "rad", 1.0),
     "bar_speed": ("bar", "rad/s", 3.0),
 }
@@ -50,6 +52,8 @@ NAMES = {
     "slider": ["ram"],
     "clearance": ["r1"],
     "drive": ["crank"],
+    "force": ["loads[0]", "loads[1].x"],
+    "torque": ["loads[2]"],
     "bar": ["crank", "coupler", "rocker", "rod"],
     "joint": list(JOINTS),
     "axis": ["x", "y"],

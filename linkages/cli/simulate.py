@@ -18,6 +18,7 @@ from linkages.cli.terminal import console, number, print_json, print_notes, prog
 from linkages.errors import InputError, Interrupted, Problem
 from linkages.interrupts import exit_code
 from linkages.solution.horizon import Horizon, cost_factor
+from linkages.solution.requests import ALL
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solvers.choice import AUTO
@@ -27,6 +28,12 @@ DEAREST = 3.0
 
 COARSE = 0.05
 """Part of a largest value that may be missing between samples before a note says so."""
+
+RESOLVED = 1e-3
+"""Part that may be missing before the value is marked."""
+
+LATE, OPEN = "*", "~"
+"""Marks of values beyond the horizon, and of peaks that samples do not resolve."""
 
 SUMMARY = (
     "slider_position_error",
@@ -82,6 +89,7 @@ def run_simulate(
         except KeyboardInterrupt:
             failure, code = "interrupted before it was known until when this holds", exit_code()
     rows = shown_maxima(solution, names)
+    _mark_late(solution, horizon)
     notes = [*solution.notes, *_warnings(solution, rows)]
     with published("simulate", folder, mechanism, solution.options, complete=not code) as run:
         solution.save(run.folder)
@@ -109,6 +117,35 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     return horizon
 
 
+def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
+    """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
+    for row in solution.maxima:
+        known = horizon is not None
+        row["beyond_horizon"] = (
+            not horizon.whole and abs(row["time"]) > abs(horizon.time) if known else None
+        )
+
+
+def _marks(row: dict[str, Any]) -> str:
+    """What a reader of a value must know."""
+    late = LATE if row.get("beyond_horizon") else ""
+    return late + (OPEN if row["missed"] > RESOLVED else "")
+
+
+def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str]:
+    """What the marks in a table mean, those that are there."""
+    marks = {mark for row in rows for mark in _marks(row)}
+    found = []
+    if LATE in marks and horizon is not None:
+        found.append(
+            f"{LATE} later than t = {number(horizon.time)} s, to which the motion is predictable: "
+            "right in kind only, another run has another value"
+        )
+    if OPEN in marks:
+        found.append(f"{OPEN} a peak that samples do not resolve: it may be higher")
+    return found
+
+
 def shown_maxima(
     solution: Solution, asked: Sequence[str] | str | None = None
 ) -> list[dict[str, Any]]:
@@ -121,10 +158,14 @@ def shown_maxima(
     asked
         Names of outputs, if some were.
     """
-    chosen = SUMMARY if asked in (None, "all") else tuple(asked or ())
     kinds = {body.kind for body in solution.mechanism.bodies.values()}
-    if asked is None and "slider" not in kinds:
-        chosen = (*WITHOUT_SLIDERS, *SUMMARY)
+    summary = SUMMARY if "slider" in kinds else (*WITHOUT_SLIDERS, *SUMMARY)
+    if asked is None:
+        chosen: Sequence[str] = summary
+    elif asked == "all":
+        chosen = list(dict.fromkeys([*summary, *ALL]))
+    else:
+        chosen = [asked] if isinstance(asked, str) else asked
     rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
     return rows if asked else [row for row in rows if _varies(solution, row)]
 
@@ -177,12 +218,20 @@ def _report(
     screen = console()
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
     cells = [
-        [row["long_name"], row["element"], number(row["value"]), row["units"], number(row["time"])]
+        [
+            row["long_name"],
+            row["element"],
+            number(row["value"]) + _marks(row),
+            row["units"],
+            number(row["time"]),
+        ]
         for row in rows
     ]
     screen.print(
         table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], cells)
     )
+    for line in _legend(rows, horizon):
+        screen.print(line, markup=False, soft_wrap=True)
     if solution.settings.method == AUTO and solution.motion.reason:
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
     if horizon is not None:

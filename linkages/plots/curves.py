@@ -23,19 +23,22 @@ BUSY = 80  # turning points, beyond which a thinner line shows more
 
 
 class Peak(NamedTuple):
-    """Where a curve is farthest from zero, in SI units."""
+    """Where a curve is farthest from zero, in SI units, and whether that is not predictable."""
 
     time: float
     value: float
+    late: bool = False
 
 
-def peak_of(time: Array, values: Array) -> Peak | None:
+def peak_of(time: Array, values: Array, horizon: float | None = None) -> Peak | None:
     """Where a curve is farthest from zero; None if no sample is finite.
 
     Parameters
     ----------
     time, values
         Shape (n,), times equally spaced.
+    horizon
+        Time to which the motion is predictable, if that is known and not its end.
 
     Returns
     -------
@@ -46,7 +49,8 @@ def peak_of(time: Array, values: Array) -> Peak | None:
     if not finite.any():
         return None
     index = int(np.argmax(np.where(finite, np.abs(values), -1.0)))
-    sample = Peak(float(time[index]), float(values[index]))
+    late = horizon is not None and bool(abs(time[index]) > abs(horizon))
+    sample = Peak(float(time[index]), float(values[index]), late)
     if not 2 <= index < len(values) - 2:
         return sample
     bends = np.diff(values[index - 2 : index + 3], 2)
@@ -56,7 +60,8 @@ def peak_of(time: Array, values: Array) -> Peak | None:
     slope = 0.5 * (values[index + 1] - values[index - 1])
     shift = -slope / bends[1]
     step = float(time[index + 1] - time[index])
-    return Peak(sample.time + float(shift) * step, sample.value + 0.5 * float(slope * shift))
+    top = sample.value + 0.5 * float(slope * shift)
+    return Peak(sample.time + float(shift) * step, top, late)
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -158,5 +163,6 @@ def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
 
 
 def peak_text(peak: Peak, scales: tuple[Scale, Scale]) -> str:
-    """A peak in words."""
-    return f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
+    """A peak in words; a star where it is not predictable."""
+    text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
+    return f"{text} *" if peak.late else text

@@ -12,6 +12,9 @@ from linkages.solvers.collocation import cardinals
 ROUND_OFF = 1e-9
 """Part of the scale of a series below which its values are round-off, and have no peaks."""
 
+_TRUSTED = 0.01
+"""Part of a peak up to which polynomials must agree on it; else the largest sample is given."""
+
 _PLACES = np.linspace(-1.0, 1.0, 41)
 """Where a peak is looked for, in samples from the largest one nearby."""
 
@@ -49,30 +52,50 @@ def largest(series: Floats, scale: float) -> Peak:
     sizes = np.abs(series)
     index = int(np.argmax(sizes))
     sampled = Peak(float(series[index]), float(index), 0.0)
-    if len(series) < 5 or not ROUND_OFF * scale < sizes[index] < np.inf:
+    if not ROUND_OFF * scale < sizes[index] < np.inf:
         return sampled
+    bound = _bound(series, index)
     peaks = _tops(sizes)
     if not peaks.size:
-        return sampled
+        return sampled._replace(missed=bound)
     places, heights = _through(series, peaks, _FIVE)
     missed = np.max(
         [np.abs(_through(series, peaks, stencil)[1] - heights) for stencil in (_BEFORE, _BEHIND)],
         axis=0,
     )
     best = int(np.argmax(heights))
-    if not heights[best] >= sizes[index]:  # the largest sample is an end, or beside a jump
-        return sampled._replace(missed=_excess(heights + missed, sizes[index]))
+    # the largest sample may be an end; a peak of one or two samples is not resolved
+    if not heights[best] >= sizes[index] or missed[best] > _TRUSTED * heights[best]:
+        return sampled._replace(missed=min(1.2 * bound, _excess(heights + missed, sizes[index])))
     sign = np.sign(series[peaks[best]])
     value, time = float(sign * heights[best]), float(peaks[best] + places[best])
-    return Peak(value, time, _excess(heights + missed, heights[best]))
+    return Peak(value, time, min(bound, _excess(heights + missed, heights[best])))
 
 
 def _excess(most: Floats, found: float) -> float:
     return max(0.0, float(most.max() / found - 1.0))
 
 
+def _bound(series: Floats, index: int) -> float:
+    """Part by which a motion may exceed the largest of its samples.
+
+    A peak half way between two samples that are h apart is h²|f″|/8 above both. Of m peaks that are
+    as high, one is likely to be m times as close to a sample.
+    """
+    if not 0 < index < len(series) - 1:
+        return 0.0
+    bend = series[index - 1] - 2 * series[index] + series[index + 1]
+    single = float(abs(bend / (8 * series[index])))
+    sizes = np.abs(series)
+    inner = sizes[1:-1]
+    peaks = (inner >= sizes[:-2]) & (inner > sizes[2:]) & (inner >= (1 - single) * sizes[index])
+    return single / max(1, int(peaks.sum())) ** 2
+
+
 def _tops(sizes: Floats) -> NDArray[np.int64]:
     """Samples that are larger than their neighbours, if a peak near them may be the largest."""
+    if len(sizes) < 5:
+        return np.zeros(0, dtype=np.int64)
     inner = sizes[2:-2]
     tops = (inner >= sizes[1:-3]) & (inner > sizes[3:-1])
     bends = 2 * inner - sizes[1:-3] - sizes[3:-1]

@@ -15,6 +15,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
+from linkages.solution.peaks import largest
 from linkages.solution.requests import ALL
 
 if TYPE_CHECKING:
@@ -62,13 +63,15 @@ class Solution:
 
     @cached_property
     def maxima(self) -> list[dict[str, Any]]:
-        """Largest absolute values among the samples with their times, like the paper's table.
+        """Largest absolute values with their times, like the paper's table.
+
+        They are located between samples, by interpolation; residuals, which are noise, at samples.
 
         Returns
         -------
         A row per series, of velocities, accelerations and reactions of joints per magnitude:
         ``variable, element, value, time, units, long_name``, and ``missed``: by what part of it
-        the motion may exceed it between samples.
+        the motion may exceed it, where samples do not resolve the peak.
         """
         return [row for name in self.data.data_vars for row in _maxima(self.data[name])]
 
@@ -160,34 +163,22 @@ def _maxima(array: xr.DataArray) -> list[dict[str, Any]]:
         return []
     table = values.reshape(array.sizes["time"], -1)
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
+    time = array["time"].to_numpy()
+    finite = np.abs(table[np.isfinite(table)])
+    noise = str(array.name).endswith("residual")
+    scale = np.inf if noise else float(finite.max(initial=0.0))
     rows = []
     for element, series in zip(names, table.T, strict=True):
-        index = int(np.argmax(np.abs(series)))
+        peak = largest(series, scale)
         rows.append(
             {
                 "variable": str(array.name),
                 "element": element,
-                "value": float(series[index]),
-                "time": float(array["time"][index]),
+                "value": peak.value,
+                "time": float(np.interp(peak.time, np.arange(len(time)), time)),
                 "units": array.attrs["units"],
                 "long_name": array.attrs["long_name"],
-                "missed": _missed(series, index),
+                "missed": peak.missed,
             }
         )
     return rows
-
-
-def _missed(series: NDArray[np.float64], index: int) -> float:
-    """Part by which a motion may exceed the largest of its samples.
-
-    A peak half way between two samples that are h apart is h²|f″|/8 above both. Of m peaks that are
-    as high, one is likely to be m times as close to a sample.
-    """
-    if not 0 < index < len(series) - 1 or series[index] == 0:
-        return 0.0
-    bend = series[index - 1] - 2 * series[index] + series[index + 1]
-    single = float(abs(bend / (8 * series[index])))
-    sizes = np.abs(series)
-    inner = sizes[1:-1]
-    peaks = (inner >= sizes[:-2]) & (inner > sizes[2:]) & (inner >= (1 - single) * sizes[index])
-    return single / max(1, int(peaks.sum())) ** 2

@@ -158,8 +158,10 @@ def test_maxima(everything):
         values = np.abs(series.to_numpy())
         if series.dims[-1] == "axis":
             values = np.linalg.norm(values, axis=-1)
-        assert abs(row["value"]) == values.max()
-        assert row["time"] == float(everything.data.time[int(np.argmax(values))])
+        # located between samples: at the largest of them, or where one is nearly as large
+        assert values.max() <= abs(row["value"]) <= values.max() * 1.01
+        beside = np.abs(everything.data.time.to_numpy() - row["time"]) <= 0.001
+        assert values[beside].max() >= 0.8 * values.max()
         assert row["units"] == series.attrs["units"]
 
 

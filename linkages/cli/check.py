@@ -10,7 +10,8 @@ from linkages.cli.check_report import print_report
 from linkages.cli.contributions import drives, loads, relations
 from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.terminal import console, print_json
-from linkages.components.terms import Body, axis_label
+from linkages.components.mechanism import Mechanism
+from linkages.components.terms import Body, Spring, axis_label
 from linkages.kernel.modes import Assembly
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
@@ -138,9 +139,20 @@ def _notes(system: System) -> list[str]:
             f"constraints at {', '.join(redundant)} are redundant: they repeat what others hold, "
             "and joint reactions are not determined by rigid bodies alone"
         )
-    ends = system.topology.free_ends
+    held = _held(system.mechanism)
+    ends = [joint for joint in system.topology.free_ends if joint not in held]
     notes += [f"joint {joint} is a free end: only one body has it" for joint in ends]
     return notes
+
+
+def _held(mechanism: Mechanism) -> set[str]:
+    """Joints that a spring or damper pulls at, or that the axis of a slider goes through."""
+    springs = [load for load in mechanism.loads if isinstance(load, Spring)]
+    held = {joint for spring in springs for joint in (spring.first, spring.second)}
+    for guide in (body.guide for body in mechanism.bodies.values() if body.guide is not None):
+        places = mechanism.ground if guide.body is None else mechanism.bodies[guide.body].points
+        held |= {joint for joint, place in places.items() if place == guide.origin}
+    return held
 
 
 def _kernel(system: System) -> dict[str, Any]:

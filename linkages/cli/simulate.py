@@ -120,10 +120,10 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
 def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
     """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
     for row in solution.maxima:
-        known = horizon is not None
-        row["beyond_horizon"] = (
-            not horizon.whole and abs(row["time"]) > abs(horizon.time) if known else None
-        )
+        late = None
+        if horizon is not None:
+            late = not horizon.whole and abs(row["time"]) > abs(horizon.time)
+        row["beyond_horizon"] = late
 
 
 def _marks(row: dict[str, Any]) -> str:
@@ -259,7 +259,9 @@ def _how(solution: Solution) -> str:
     time = solution.data["time"].to_numpy()
     span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
     if not solution.motion.method:
-        return f"{span}, all coordinates driven, nothing integrated"
+        driven = solution.system.topology.driven
+        why = "all coordinates driven" if driven else "a structure, which cannot move"
+        return f"{span}, {why}, nothing integrated"
     settings, cost = solution.settings, solution.motion.cost
     if settings.step is not None:
         how = f"{solution.motion.method}, step {number(settings.step)} s"

@@ -133,7 +133,10 @@ def _transmission_angles(model: Model) -> list[Scalar]:
 
 
 def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
-    """Effort that a body exerts per effort of a drive: the reciprocal of their speeds' ratio."""
+    """Effort that a body delivers per effort of a drive: the reciprocal of their speeds' ratio.
+
+    Power in is power out, M_in ω_in = M_out ω_out, with M_out on what resists the body.
+    """
 
     def nodes(model: Model) -> list[Scalar]:
         partials = [model.partial(name) for name in model.topology.driven]
@@ -186,8 +189,9 @@ def _closure(model: Model) -> list[Scalar]:
     for loop in model.topology.closing:
         total = Vector(model.graph.zero, model.graph.zero)
         for sign, way in zip((1.0, -1.0), ground_loop(model.topology, loop), strict=True):
-            if way and way[0].start in model.mechanism.anchors:
-                total = total + model.positions.joints[way[0].start] * sign
+            place = way[0].start if way else loop.apex
+            if place in model.mechanism.anchors:
+                total = total + model.positions.joints[place] * sign
             for step in way:
                 total = total + along(step) * sign
         residuals.append(total)
@@ -234,16 +238,16 @@ VARIABLES: dict[str, Variable] = {
     "mechanical_advantage": Variable(
         ("drive", "bar"),
         "1",
-        "torque of a bar per torque of a drive",
+        "torque that a bar delivers per torque of a drive",
         _advantages("bar"),
-        ("m", "torque of a bar per force of a drive"),
+        ("m", "torque that a bar delivers per force of a drive"),
     ),
     "slider_mechanical_advantage": Variable(
         ("drive", "slider"),
         "1/m",
-        "force of a slider per torque of a drive",
+        "force that a slider delivers per torque of a drive",
         _advantages("slider"),
-        ("1", "force of a slider per force of a drive"),
+        ("1", "force that a slider delivers per force of a drive"),
     ),
     "drive_effort": Variable(("drive",), "N m", "driving torque", _efforts, ("N", "driving force")),
     "load_force": Variable(("force",), "N", "force of a load", _of_loads("force")),

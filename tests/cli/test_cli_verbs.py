@@ -156,6 +156,21 @@ def test_check_mentions_free_ends_and_what_it_chose(cli, tmp_path):
     assert any(note.startswith("rod was chosen as a free coordinate") for note in notes)
 
 
+def test_a_joint_that_a_spring_or_an_axis_holds_is_no_free_end(cli, tmp_path):
+    """S is where a spring pulls at the rod, X where the axis of a block begins; T has neither."""
+    (tmp_path / "m.yaml").write_text(
+        "joints: {O: [0, 0], W: [1, 1]}\n"
+        "bars:\n  rod: {points: {O: [0, 0], S: [1, 0], X: [0.5, 0], T: [0, 1]}}\n"
+        "sliders: {block: {joint: E, on: rod, through: X, mass: 1}}\n"
+        "springs: [{between: [S, W], stiffness: 10, length: 1}]\n"
+        "drives: {rod: {angle: 0, speed: 1}}\nfree: {block: {position: 0.2}}\n"
+    )
+    notes = json.loads(cli("check", "m.yaml", "--json").out)["notes"]
+    ends = [note.split()[1] for note in notes if "is a free end" in note]
+    assert "T" in ends
+    assert not {"S", "X"} & set(ends)
+
+
 EVERYTHING = """\
 gravity: [0, -9.81]
 joints: {O: [0, 0], D: [0.5, 0]}
@@ -365,6 +380,59 @@ def test_table_of_maxima(cli):
     for words in ("driving torque", "displacement", "velocity", "acceleration", "piston", "at t"):
         assert words in text
     assert "2 files in results/slider-crank" in text
+
+
+def test_table_of_all_outputs_has_all_maxima(cli):
+    """What a single output shows is there when all are asked for."""
+    arguments = ("simulate", "slider-crank", "--no-figures", *SHORT, "--outputs")
+    everything = plain(cli(*arguments, "all").out).splitlines()
+    alone = plain(cli(*arguments, "joint_reaction").out).splitlines()
+    rows = [" ".join(line.split()) for line in alone if line.startswith("joint reaction")]
+    assert len(rows) == 3
+    assert set(rows) <= {" ".join(line.split()) for line in everything}
+
+
+def test_maxima_beyond_the_horizon_are_marked(cli):
+    """A double pendulum that is predictable for some seconds of 30; its peak speed comes later."""
+    how = ("--set", "simulate.end=30", "--set", "simulate.rtol=1e-6", "--verify", "--no-figures")
+    text = plain(cli("simulate", "double-pendulum", *how).out)
+    (horizon,) = re.findall(r"predictable to t = ([\d.]+) s:", text)
+    rows = re.findall(
+        r"^angular speed +\w+ +(-?[\d.]+)(\**)~? +rad/s +([\d.]+)$", text, re.MULTILINE
+    )
+    assert any(stars for _, stars, _ in rows)
+    for _, stars, time in rows:
+        assert bool(stars) == (float(time) > float(horizon))
+    assert f"* later than t = {horizon} s, to which the motion is predictable" in text
+    content = json.loads(cli("simulate", "double-pendulum", *how, "--json").out)
+    for row in content["maxima"]:
+        assert row["beyond_horizon"] == (row["time"] > content["horizon"]["time"])
+
+
+def test_peaks_that_samples_do_not_resolve_are_marked(cli):
+    """Twelve samples a turn of a slider-crank."""
+    few = ("--set", "simulate.end=0.04", "--set", "simulate.samples=7", "--no-figures")
+    text = plain(cli("simulate", "slider-crank", *few).out)
+    assert re.search(r"^velocity +piston +-?[\d.]+~ ", text, re.MULTILINE)
+    assert "~ a peak that samples do not resolve: it may be higher" in text
+    text = plain(cli("simulate", "slider-crank", "--no-figures").out)
+    assert "~" not in text
+
+
+STRUCTURE = """\
+joints: {A: [0, 0], B: [1, 0]}
+bars:
+  left: {joints: [A, C], length: 1}
+  right: {joints: [B, C], length: 1, mass: 2}
+assembly: {C: left}
+simulate: {end: 1, samples: 3}
+"""
+
+
+def test_a_structure_is_called_one(cli, tmp_path):
+    (tmp_path / "m.yaml").write_text(STRUCTURE)
+    text = plain(cli("simulate", "m.yaml", "--no-figures").out)
+    assert "a structure, which cannot move, nothing integrated" in text
 
 
 PARALLELOGRAM = """\

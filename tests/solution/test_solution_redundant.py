@@ -45,6 +45,12 @@ def both(text, extra, instead, *sections, places, **arguments):
     ]
 
 
+def test_a_mechanism_that_moves_is_no_structure():
+    """Grübler's formula gives 0 for two couplers, but the closure's rank says that they move."""
+    with pytest.raises(InputError, match="mobility is 1, but 0 coordinates are driven and 0 free"):
+        linkages.simulate(mechanism(COUPLERS + SECOND, LEFT))
+
+
 def test_two_couplers_driven():
     found, wanted = both(COUPLERS, SECOND, CARRIED, DRIVEN, places=LEFT, end=1.0, samples=201)
     assert found.system.topology.redundant
@@ -141,9 +147,53 @@ def test_no_note_without_redundancy_or_without_reactions():
     assert not [n for n in linkages.simulate(found, end=0.1, samples=3).notes if "redundant" in n]
 
 
-@pytest.mark.parametrize("length", [0.31, 0.3001, 0.3 + 1e-6])
+@pytest.mark.parametrize("length", [0.31, 0.3001, 0.3 + 1e-6, 0.3 + 1e-7])
 def test_contradiction_is_refused(length):
     """A second coupler of another length: nothing could move."""
     text = COUPLERS + SECOND.replace("0.3,", f"{length!r},")
     with pytest.raises(InputError, match=r"redundant|constraints|mobility|assembled"):
         linkages.simulate(mechanism(text, DRIVEN, LEFT), end=0.1)
+
+
+def test_a_length_within_round_off_of_a_file_is_taken():
+    """Nine digits, as programs print them, are enough."""
+    text = COUPLERS + SECOND.replace("0.3,", "0.3000000003,")
+    assert linkages.simulate(mechanism(text, DRIVEN, LEFT), end=0.1, samples=3).completed
+
+
+def turned_pin(off):
+    """The second coupler's pin Q moved across it: its length is right to off²/2, not its motion."""
+    x, y = 0.05 + off * np.sin(0.5), 0.04 + off * np.cos(0.5)
+    return (COUPLERS + SECOND).replace("Q: [0.05, 0.04]", f"Q: [{float(x)!r}, {float(y)!r}]")
+
+
+@pytest.mark.parametrize("off", [1e-3, 1e-5, 1e-6])
+def test_constraints_that_contradict_each_other_in_velocity_alone_are_refused(off):
+    """They miss by off/0.1 of the speed of a pin, where 1e-7 is allowed, and by off² in place."""
+    assert off**2 / 2 < 1e-6
+    with pytest.raises(InputError, match=r"would not let crank move|contradict"):
+        linkages.simulate(mechanism(turned_pin(off), DRIVEN, LEFT), end=0.1)
+
+
+def test_velocities_within_round_off_of_a_file_are_taken():
+    found = mechanism(turned_pin(1e-11), DRIVEN, LEFT)
+    assert linkages.simulate(found, end=0.1, samples=3).completed
+
+
+FRAME = """\
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  frame: {points: {O: [0, 0], C: [LENGTH, 0], P: [0.5, 0.5]}}
+  crank: {joints: [P, Q], length: 0.2}
+welds: {O: {bars: [ground, frame], angle: 0}}
+drives: {crank: {angle: 0, speed: 1}}
+"""
+
+
+def test_loops_that_determine_nothing_are_part_of_the_residual():
+    """A frame welded to the ground and pinned to it, 5 nm too long."""
+    text = FRAME.replace("LENGTH", "1.000000005")
+    data = linkages.simulate(mechanism(text), end=0.1, samples=3).data
+    assert data.closure_residual.to_numpy() == pytest.approx(5e-9, abs=1e-14)
+    with pytest.raises(InputError, match="contradict each other"):
+        linkages.simulate(mechanism(FRAME.replace("LENGTH", "1.0000001")), end=0.1)

@@ -64,3 +64,36 @@ def test_units_of_a_driven_slider():
     assert data.mechanical_advantage.attrs["units"] == "m"
     turning = linkages.simulate(linkages.load("slider-crank"), outputs=["drive_effort"]).data
     assert turning.drive_effort.attrs["units"] == "N m"
+
+
+def test_mechanical_advantage_is_what_a_bar_delivers():
+    """Norton's crank-rocker: 2, 7, 9, 6 at 30°, ω₄/ω₂ = a sin(θ₂ − θ₃)/(c sin(θ₄ − θ₃)).
+
+    A load of +5 N m on the rocker is held by −5 ω₄/ω₂ on the crank.
+    """
+    a, b, c, d, crank = 2.0, 7.0, 9.0, 6.0, np.radians(30)
+    gap = d - a * np.exp(1j * crank)
+    coupler = np.angle(gap) + np.arccos((abs(gap) ** 2 + b**2 - c**2) / (2 * abs(gap) * b))
+    rocker = np.angle(a * np.exp(1j * crank) + b * np.exp(1j * coupler) - d)
+    ratio = a * np.sin(crank - coupler) / (c * np.sin(rocker - coupler))
+    found = from_document(parse(
+        """
+joints: {O2: [0, 0], O4: [6, 0]}
+bars:
+  crank: {joints: [O2, A], length: 2}
+  coupler: {joints: [A, B], length: 7}
+  rocker: {joints: [O4, B], length: 9}
+drives: {crank: {angle: 30 deg, speed: 1}}
+assembly: {B: left}
+loads: [{bar: rocker, torque: 5}]
+""",
+        "norton.yaml",
+    ))  # fmt: skip
+    outputs = ["mechanical_advantage", "drive_effort", "bar_speed"]
+    data = linkages.simulate(found, end=0.01, samples=2, outputs=outputs).data.isel(time=0)
+    advantage = data.mechanical_advantage.sel(drive="crank", bar="rocker").item()
+    assert advantage == pytest.approx(1 / ratio, rel=1e-12)
+    assert advantage == pytest.approx(-2.505, abs=5e-4)
+    assert data.bar_speed.sel(bar="rocker").item() == pytest.approx(ratio, rel=1e-12)
+    assert data.drive_effort.item() == pytest.approx(-5 / advantage, rel=1e-12)
+    assert "delivers" in data.mechanical_advantage.attrs["long_name"]

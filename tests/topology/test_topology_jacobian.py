@@ -218,3 +218,10 @@ def test_derivative_of_a_step_and_its_way_back():
     assert step.reversed == Step("link", "B", "A")
     own = axis_label("piston")
     assert Step("piston", own, "B").reversed == Step("piston", "B", own)
+
+
+def test_mobility_counts_singular_values_that_are_no_round_off():
+    """Columns have unit length: 1e-6 is a bad condition, 1e-12 is what rounding leaves of 0."""
+    for smallest, mobility in ((1e-3, 0), (1e-6, 0), (1e-8, 0), (1e-10, 1), (1e-15, 1), (0.0, 1)):
+        assert numerical_mobility(np.diag([1.0, 0.5, smallest])) == mobility
+    assert numerical_mobility(np.diag([1.0, 0.5, 1e-8])[:, [0, 1, 2, 2]]) == 1

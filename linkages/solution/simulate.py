@@ -282,7 +282,8 @@ def _add_errors(
     except InputError as error:
         notes.append(f"no errors against the ideal mechanism: {error}")
         return
-    followed = compute_motion(ideal, replace(settings, times=motion.time, work=False, watch=None))
+    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None)
+    followed = compute_motion(ideal, plain)
     if followed.interrupted:
         raise KeyboardInterrupt
     if followed.failure is not None:

@@ -73,7 +73,11 @@ class Solution:
         ``variable, element, value, time, units, long_name``, and ``missed``: by what part of it
         the motion may exceed it, where samples do not resolve the peak.
         """
-        return [row for name in self.data.data_vars for row in _maxima(self.data[name])]
+        return [
+            row
+            for name in self.data.data_vars
+            for row in _maxima(self.data[name], _least_scale(self.data, str(name)))
+        ]
 
     @cached_property
     def horizon(self) -> Horizon | None:
@@ -152,8 +156,24 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     return xr.Dataset(variables, coordinates, attrs)
 
 
-def _maxima(array: xr.DataArray) -> list[dict[str, Any]]:
-    """A row for each series; of some vectors, for their magnitudes."""
+def _least_scale(data: xr.Dataset, name: str) -> float:
+    """Size below which accelerations are small: that of speeds over the time between samples.
+
+    A steady motion has accelerations that are round-off alone.
+    """
+    before, found, _ = name.partition("_acceleration")
+    speed = next((s for s in (f"{before}_speed", f"{before}_velocity") if s in data), None)
+    if not found or speed is None or data.sizes["time"] < 2:
+        return 0.0
+    spacing = abs(float(data["time"][1] - data["time"][0]))
+    return float(np.nanmax(np.abs(data[speed].to_numpy()), initial=0.0)) / spacing
+
+
+def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
+    """A row for each series; of some vectors, for their magnitudes.
+
+    `least` is a size of which small parts are round-off.
+    """
     if not array.sizes["time"]:
         return []
     values, dims = array.to_numpy(), array.dims[1:]
@@ -166,7 +186,7 @@ def _maxima(array: xr.DataArray) -> list[dict[str, Any]]:
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
     noise = str(array.name).endswith("residual")
-    scale = np.inf if noise else float(finite.max(initial=0.0))
+    scale = np.inf if noise else max(least, float(finite.max(initial=0.0)))
     rows = []
     for element, series in zip(names, table.T, strict=True):
         peak = largest(series, scale)

@@ -1,5 +1,7 @@
 """Largest values among samples, and what samples may miss."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -70,6 +72,14 @@ def test_round_off_has_no_peaks():
     assert rows["plate"]["missed"] == 0.0
     assert rows["plate"]["value"] in noise
     assert row_of(noise, "energy_residual")["missed"] == 0.0
+
+
+def test_a_steady_motion_has_no_peaks_to_miss():
+    """Three parallel cranks: speeds are constant, the plate translates, the rest is round-off."""
+    path = Path(__file__).parents[1] / "data" / "redundant" / "three-cranks.yaml"
+    for row in linkages.simulate(linkages.load(path)).maxima:
+        if row["variable"] in ("bar_speed", "bar_acceleration"):
+            assert row["missed"] < 1e-9, row
 
 
 def test_maxima_do_not_depend_on_samples():

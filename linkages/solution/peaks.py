@@ -15,6 +15,9 @@ ROUND_OFF = 1e-9
 _TRUSTED = 0.01
 """Part of a peak up to which polynomials must agree on it; else the largest sample is given."""
 
+_ALIKE = 1e-7
+"""Part by which peaks must differ to be told apart: the first of those alike is given."""
+
 _PLACES = np.linspace(-1.0, 1.0, 41)
 """Where a peak is looked for, in samples from the largest one nearby."""
 
@@ -63,9 +66,10 @@ def largest(series: Floats, scale: float) -> Peak:
         [np.abs(_through(series, peaks, stencil)[1] - heights) for stencil in (_BEFORE, _BEHIND)],
         axis=0,
     )
-    best = int(np.argmax(heights))
-    # the largest sample may be an end; a peak of one or two samples is not resolved
-    if not heights[best] >= sizes[index] or missed[best] > _TRUSTED * heights[best]:
+    best = int(np.argmax(heights >= heights.max() * (1 - _ALIKE)))  # the first of those alike
+    # the largest sample may be an end, or the peak; one or two samples do not resolve a peak
+    higher = heights[best] > sizes[index] * (1 + _ALIKE)
+    if not higher or missed[best] > _TRUSTED * heights[best]:
         return sampled._replace(missed=min(1.2 * bound, _excess(heights + missed, sizes[index])))
     sign = np.sign(series[peaks[best]])
     value, time = float(sign * heights[best]), float(peaks[best] + places[best])

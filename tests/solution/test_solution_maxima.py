@@ -74,6 +74,16 @@ def test_round_off_has_no_peaks():
     assert row_of(noise, "energy_residual")["missed"] == 0.0
 
 
+def test_of_peaks_alike_the_first_is_given():
+    """It begins at its largest value, and comes back to it between samples and at one."""
+    times = np.linspace(0, 6, 181)
+    row = row_of(np.cos(np.pi * times))
+    assert (row["value"], row["time"], row["missed"] < 1e-4) == (1.0, 0.0, True)
+    row = row_of(np.sin(np.pi * times + 0.01))
+    assert row["value"] == pytest.approx(1.0, abs=1e-6)
+    assert row["time"] == pytest.approx(0.1 * (0.5 - 0.01 / np.pi) * 30, abs=0.01)
+
+
 def test_a_steady_motion_has_no_peaks_to_miss():
     """Three parallel cranks: speeds are constant, the plate translates, the rest is round-off."""
     path = Path(__file__).parents[1] / "data" / "redundant" / "three-cranks.yaml"

@@ -120,7 +120,8 @@ def _console(content: str) -> Iterator[Output]:
 
 def _command(words: list[str]) -> tuple[str, int]:
     if words[0] == "ls":
-        return "".join(f"{name}\n" for name in sorted(os.listdir(words[1]))), 0
+        shown = sorted(name for name in os.listdir(words[1]) if not name.startswith("."))
+        return "".join(f"{name}\n" for name in shown), 0
     if words[:3] != ["python", "-m", "linkages"]:
         raise AssertionError(f"do not know how to run {words[0]!r}")
     from linkages.cli.main import main

@@ -157,8 +157,8 @@ def progress(
         nonlocal started
         keep_from_now_on()
         if visible and not started and time.monotonic() - begin > PATIENCE:
+            started = True  # first: an interrupt may come while it starts
             bar.start()
-            started = True
         bar.update(task, completed=fraction)
 
     try:

@@ -63,22 +63,22 @@ def folder(tmp_path):
     return tmp_path
 
 
-def command(verb, arguments, *before):
-    words = ["-m", "linkages", *before, verb, "pendulum.yaml", "--no-figures", *arguments.split()]
-    return [sys.executable, *words]
+@pytest.fixture
+def complete(cli, folder):  # noqa: ARG001
+    """Run a verb to its end, in this process."""
 
+    def run(verb):
+        result = cli(verb, "pendulum.yaml", "--no-figures", *RUNS[verb][0].split())
+        assert result.code == 0, result.err
 
-def complete(folder, verb):
-    done = subprocess.run(
-        command(verb, RUNS[verb][0]), cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    return run
 
 
 def interrupted(folder, verb, number):
     """Exit code and last lines of a long run that got a signal once it had something to keep."""
+    words = ["-m", "linkages", "-v", verb, "pendulum.yaml", "--no-figures", *RUNS[verb][1].split()]
     with subprocess.Popen(
-        command(verb, RUNS[verb][1], "-v"),
+        [sys.executable, *words],
         cwd=folder,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
@@ -98,8 +98,8 @@ def state(folder):
 
 
 @pytest.mark.parametrize("verb", ["simulate", "map", "bifurcation", "poincare"])
-def test_sigterm_keeps_what_there_is_beside_what_is_complete(folder, verb):
-    complete(folder, verb)
+def test_sigterm_keeps_what_there_is_beside_what_is_complete(folder, complete, verb):
+    complete(verb)
     before = state(folder)
     code, said = interrupted(folder, verb, signal.SIGTERM)
     assert code == 128 + signal.SIGTERM
@@ -110,7 +110,7 @@ def test_sigterm_keeps_what_there_is_beside_what_is_complete(folder, verb):
     with xr.open_dataset(unfinished / FILES[verb], engine="h5netcdf") as data:
         assert data.attrs["complete"] == "no"
         assert RUNS[verb][1].split()[1] in data.attrs["command"]
-    complete(folder, verb)
+    complete(verb)
     assert not unfinished.exists()
     assert state(folder).keys() == before.keys()
 
@@ -164,8 +164,8 @@ from linkages import interrupts
 interrupts.end_at_once()
 interrupts.keep_from_now_on()
 rest = threading.Event()
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     rest.wait()
 except KeyboardInterrupt:
     print("first", flush=True)

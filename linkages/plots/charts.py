@@ -155,12 +155,12 @@ def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
 
 def load_force(source: Source, ax: Axes | None = None) -> Axes:
     """Forces of all loads over time."""
-    return _over_time(_data(source), "load_force", ax)
+    return _over_time(source, "load_force", ax)
 
 
 def load_torque(source: Source, ax: Axes | None = None) -> Axes:
     """Torques of all loads over time."""
-    return _over_time(_data(source), "load_torque", ax)
+    return _over_time(source, "load_torque", ax)
 
 
 @styled

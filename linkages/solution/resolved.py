@@ -47,8 +47,9 @@ def per_swing(data: xr.Dataset, names: Sequence[str]) -> float:
     """
     most = 0
     for name in names:
-        values = np.asarray(data[name], dtype=float).reshape(data.sizes["time"], -1)
-        most = max([most, *(turning_points(column) for column in values.T)])
+        values = np.asarray(data[name], dtype=float)
+        if values.size:
+            most = max([most, *map(turning_points, values.reshape(len(values), -1).T)])
     return np.inf if most < 2 else 2.0 * data.sizes["time"] / most
 
 

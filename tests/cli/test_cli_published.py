@@ -173,7 +173,7 @@ def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, mon
     assert simulate().code == 0
     before = contents(folder)
 
-    def broken(*_):
+    def broken(*_, **given):  # noqa: ARG001
         raise failure
 
     monkeypatch.setattr("linkages.plots.figures.save_figures", broken)

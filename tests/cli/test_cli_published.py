@@ -167,6 +167,18 @@ def test_leftovers_of_killed_processes_are_removed_and_no_others(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {*others[2:], "m.csv"}
 
 
+def test_what_a_killed_run_has_written_aside_is_removed_by_the_next(simulate, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", "import os; print(os.getpid())"], capture_output=True, check=True
+    )
+    records = tmp_path / "results/m/.linkages"
+    aside = records / f".linkages-{HOST}-{int(done.stdout)}-a1"
+    aside.mkdir(parents=True)
+    (aside / "simulate.nc").write_bytes(b"half")
+    assert simulate("--no-figures").code == 0
+    assert [path.name for path in records.iterdir()] == ["simulate.json"]
+
+
 @pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()], ids=["os", "key"])
 def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, monkeypatch, failure):
     folder = tmp_path / "results/m"

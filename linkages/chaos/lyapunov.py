@@ -25,6 +25,7 @@ from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Settings
 from linkages.solvers.integrate import MAX_STEPS
 
@@ -171,8 +172,8 @@ def exponents_of(
     return run_exponents(
         System(mechanism),
         section_settings(mechanism, method, rtol, max_steps),
-        periods=periods,
-        skip=skip,
+        periods=whole_number("periods", periods),
+        skip=whole_number("skip", skip),
         count=count,
         interval=interval,
         watch=watch,

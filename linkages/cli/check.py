@@ -38,7 +38,7 @@ def run_check(
         require_folder(out)
     require_settings(mechanism)
     system = System(mechanism)
-    content = _content(system)
+    content = check_content(system)
     if kernel:
         content["kernel"] = _kernel(system)
     if modes or out is not None:
@@ -52,7 +52,8 @@ def run_check(
     return 0
 
 
-def _content(system: System) -> dict[str, Any]:
+def check_content(system: System) -> dict[str, Any]:
+    """What the report says, as plain data for JSON."""
     topology, mechanism = system.topology, system.mechanism
     places = system.places()
     return {
@@ -133,11 +134,10 @@ def side_of(assembly: Assembly, block: Block) -> str | None:
 
 def _notes(system: System) -> list[str]:
     notes = [*assumptions(system), *doubts(system.mechanism)]
-    redundant = system.topology.redundant
-    if redundant:
+    if system.topology.redundant:
         notes.append(
-            f"constraints at {', '.join(redundant)} are redundant: they repeat what others hold, "
-            "and joint reactions are not determined by rigid bodies alone"
+            f"constraints at {system.topology.redundant_places} are redundant: they repeat what "
+            "others hold, and joint reactions are not determined by rigid bodies alone"
         )
     held = _held(system.mechanism)
     ends = [joint for joint in system.topology.free_ends if joint not in held]

@@ -97,16 +97,17 @@ def simulate(
             "default: pass if a coordinate other than a clearance is free."
         ),
     ] = None,
+    max_steps: Annotated[
+        int | None,
+        typer.Option(min=1, help="Steps after which a run gives up; default: 100 million."),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
     from linkages.cli.simulate import run_simulate
 
     wanted = None if change_points is None else change_points.value
-    raise typer.Exit(
-        run_simulate(
-            file, assignments or [], out, json, figures, outputs, verify, wanted, form.value
-        )
-    )
+    asked = assignments or [], out, json, figures, outputs, verify, wanted, form.value, max_steps
+    raise typer.Exit(run_simulate(file, *asked))
 
 
 @app.command()

@@ -22,6 +22,7 @@ from linkages.solution.requests import ALL
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solvers.choice import AUTO
+from linkages.solvers.integrate import MAX_STEPS
 
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
@@ -66,6 +67,7 @@ def run_simulate(
     verify: bool | None,
     change_points: str | None = None,
     format: str = "png",  # noqa: A002
+    max_steps: int | None = None,
 ) -> int:
     """Simulate a file and save everything, figures in a format; returns the exit code."""
     mechanism = mechanism_from(file, assignments)
@@ -75,7 +77,13 @@ def run_simulate(
     failure, code = None, 0
     try:
         with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
-            solution = simulate(mechanism, outputs=names, watch=watch, change_points=change_points)
+            solution = simulate(
+                mechanism,
+                outputs=names,
+                watch=watch,
+                change_points=change_points,
+                max_steps=max_steps or MAX_STEPS,
+            )
     except IncompleteError as error:
         solution, failure, code = error.solution, str(error), error.exit_code
     except Interrupted as error:

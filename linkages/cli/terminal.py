@@ -142,7 +142,7 @@ def progress(
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
-        TaskProgressColumn(),
+        TaskProgressColumn("[progress.percentage]{task.percentage:>4.3g}%"),  # 1.2e-05% creeps, too
         TextColumn(f"{what}, remaining"),
         TimeRemainingColumn(),
         console=console(error=True),

@@ -74,6 +74,12 @@ def axis_label(slider: str) -> str:
     return f"{slider}.axis"
 
 
+def point_words(point: str, joint: str = "joint ") -> str:
+    """What messages call a point: a joint, or the axis of a slider, which has no name in files."""
+    slider = point.removesuffix(".axis")
+    return f"{joint}{point}" if slider == point else f"the axis of {slider}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Body:
     """A rigid body with one coordinate: an angle, or a displacement along ``guide``.

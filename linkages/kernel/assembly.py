@@ -13,7 +13,13 @@ from linkages.kernel.model import Model
 from linkages.kernel.modes import Assembly, Choice, Place
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.springs import TorsionSpringNodes
+from linkages.reading.wording import TOO_LARGE
 from linkages.topology.blocks import ITERATED, Block
+from linkages.topology.explanation import explained
+
+
+class SeveralPlacesError(InputError):
+    """A mechanism fits together in several ways, and the definition does not say in which."""
 
 
 def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None) -> Assembly:
@@ -116,13 +122,18 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
         return
     model, loop = place.model, block.loops[0]
     one, other = block.unknowns
-    if isinstance(dyad, TwoLinks):
+    if np.isinf(place.values([dyad.margin_scale], assembly)[0]):
+        message = f"{one} and {other} are too long for double precision. {TOO_LARGE}"
+    elif isinstance(dyad, TwoLinks):
         nodes = [dyad.gap_square, dyad.first_square, dyad.second_square]
         bridge, first, second = (value**0.5 for value in place.values(nodes, assembly))
+        expected = f"expected between {abs(first - second):.6g} m and {first + second:.6g} m"
+        if bridge == 0:
+            expected = "expected two places: nothing says in which direction they are"
         message = (
             f"{one} and {other} ({first:.6g} m and {second:.6g} m) cannot meet at {loop.apex}: "
             f"their other ends {loop.start} and {loop.end} are {bridge:.6g} m apart at t = 0; "
-            f"expected between {abs(first - second):.6g} m and {first + second:.6g} m"
+            f"{expected}"
         )
     elif isinstance(dyad, LinkAndSlider):
         across, length = place.values([dyad.across, dyad.margin_scale], assembly)
@@ -146,7 +157,7 @@ def _no_solution(model: Model, block: Block) -> InputError:
     message = f"cannot be assembled: no position of {bodies} closes the {block.label} at t = 0"
     if block.surplus:
         known = len(model.topology.driven) + len(model.topology.free)
-        joints = ", ".join(model.topology.redundant)
+        joints = model.topology.redundant_places
         message += (
             f"; more constraints than coordinates at {joints}, and they contradict each other: "
             f"the mobility is {model.topology.mobility}, and {known} coordinates are driven or "
@@ -210,7 +221,7 @@ def _check_hints(model: Model) -> None:
             continue
         found.append((hint.path, _no_sides(model, joint, block)))
     if found:
-        raise model.mechanism.error(found)
+        raise explained(model.mechanism, model.mechanism.error(found))
 
 
 def _meets(joint: str, block: Block) -> bool:
@@ -247,9 +258,15 @@ def _missing_hint(
     place: Place, block: Block, assembly: Assembly, choices: list[Choice]
 ) -> InputError:
     model = place.model
+
+    def places_of(joint: str) -> list[list[float]]:
+        nodes = _place_nodes(model, [joint])
+        return [place.values(nodes, assembly.with_choice(block, choice)) for choice in choices]
+
     joint = _meeting_joint(model, block)
-    nodes = _place_nodes(model, [joint])
-    found = [place.values(nodes, assembly.with_choice(block, choice)) for choice in choices]
+    if block.kind == ITERATED:  # the joint that tells the ways apart best
+        joint = max(placed_joints(model, block), key=lambda j: np.ptp(places_of(j), axis=0).max())
+    found = places_of(joint)
     places = [", ".join(f"{value:.4g}" for value in values) for values in found]
     if block.kind == ITERATED:
         listed = ", ".join(f"[{text}]" for text in places)
@@ -262,4 +279,5 @@ def _missing_hint(
             f"joint {joint} can be in two places; expected '{joint}: left' (at [{places[0]}]) or "
             f"'{joint}: right' (at [{places[1]}])"
         )
-    return model.mechanism.error([(("assembly",), message)])
+    problem = model.mechanism.problem(("assembly",), message)
+    return SeveralPlacesError(model.mechanism.source, [problem])

@@ -36,8 +36,9 @@ def iterate_block(positions: Positions, block: Block) -> Iterated:
         positions.correct(name, value, update)
     radicand = None
     if block.surplus:
-        allowed = (CONTRADICTION * scale) ** 2 * len(missed)
-        radicand = allowed - graph.total(residual.square for residual in missed)
+        relative = [residual * (1.0 / scale) for residual in missed]
+        allowed = CONTRADICTION**2 * len(missed)
+        radicand = allowed - graph.total(residual.square for residual in relative)
     values = tuple(positions.coordinate(name) for name in unknowns)
     return Iterated(values, LinearSystem(columns(positions, block)), iteration, radicand)
 

@@ -14,7 +14,7 @@ from linkages.kernel.iterated import Columns, Iterated
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
-from linkages.topology.blocks import Block, Step
+from linkages.topology.blocks import Block, Loop, Step
 
 
 class _Field(ABC):
@@ -75,10 +75,16 @@ class _Field(ABC):
     def _gap(self, block: Block, index: int) -> Vector:
         """Derivative of what the unknowns must bridge, as far as it is known."""
         loop = block.loops[index]
-        gap = self.joints[loop.end] - self.joints[loop.start]
+        gap = self._bridged(loop)
         for step in loop.steps:
             gap = gap - self._along(step, block)
         return -gap if block.kind in ("RRP", "PP") else gap
+
+    def _bridged(self, loop: Loop) -> Vector:
+        """Of what the links of a loop bridge: a loop may end where it starts, in its own block."""
+        if loop.start == loop.end:
+            return Vector(self.graph.zero, self.graph.zero)
+        return self.joints[loop.end] - self.joints[loop.start]
 
     def _slides(self, step: Step) -> tuple[int, Vector]:
         """Direction of a way along a slider's displacement (0 if it is none), and of its axis."""
@@ -121,7 +127,7 @@ class Rates(_Field):
         """For each loop of a block, how fast it opens."""
         found = []
         for loop in block.loops:
-            gap = self.joints[loop.end] - self.joints[loop.start]
+            gap = self._bridged(loop)
             for step in loop.steps:
                 gap = gap - self._along(step)
             found.append(gap)

@@ -184,7 +184,9 @@ class Positions:
         return angle
 
     def gap(self, loop: Loop) -> Vector:
-        """What the links of a loop bridge."""
+        """What the links of a loop bridge: it may end where it starts, in its own block."""
+        if loop.start == loop.end:
+            return Vector(self.graph.zero, self.graph.zero)
         return self.joints[loop.end] - self.joints[loop.start]
 
     def correct(self, name: str, value: Scalar, update: Scalar) -> None:

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from linkages.components.terms import point_words
 from linkages.errors import InputError
 from linkages.kernel.iteration import CONTRADICTION, block_size, residuals
 from linkages.kernel.motion import Rates
 from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import Block
+from linkages.topology.explanation import wrong_mobility
 from linkages.topology.jacobian import numerical_mobility
-from linkages.topology.topology import wrong_mobility
 
 if TYPE_CHECKING:
     from linkages.kernel.system import System
@@ -57,19 +58,20 @@ def _require_closed(system: System, block: Block) -> None:
     missed = _largest(system, residuals(positions, block))
     if missed <= CONTRADICTION * block_size(positions, block):
         return
-    joints = ", ".join(system.topology.redundant)
+    joints = system.topology.redundant_places
     loop = block.loops[0]
+    met = point_words(loop.apex, "")
     message = (
         f"cannot be assembled: nothing is left to be moved so that {loop.steps[-1].body} "
-        f"meets {loop.apex}; more constraints than coordinates at {joints}, and they "
-        "contradict each other"
+        f"meets {met}; more constraints than coordinates at {joints}, and they contradict "
+        "each other"
     )
     path = system.mechanism.bodies[loop.steps[-1].body].path
     raise system.mechanism.error([(path, message)])
 
 
 def _contradiction(system: System, name: str) -> InputError:
-    joints = ", ".join(system.topology.redundant)
+    joints = system.topology.redundant_places
     message = (
         f"more constraints than coordinates at {joints}: they would not let {name} move; "
         "expected the drives and free coordinates to be independent of each other, or "

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from linkages.components.free import FreeAngle
 from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
-from linkages.components.terms import Body
+from linkages.components.terms import Body, point_words
 from linkages.errors import InputError
-from linkages.kernel.assembly import assemble
+from linkages.kernel.assembly import SeveralPlacesError, assemble
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.model import Model
 from linkages.kernel.modes import Assembly, Place, all_modes, parameter_values
 from linkages.kernel.redundancy import require_consistent
 from linkages.kernel.scalars import Scalar
+from linkages.reading.wording import TOO_LARGE
+from linkages.topology.explanation import explained
 from linkages.topology.graph import gruebler_mobility, topology_graph, unreachable_bodies
 from linkages.topology.jacobian import block_condition, closure_jacobian
 from linkages.topology.topology import Topology, build_topology
@@ -67,17 +69,28 @@ class System:
             self.topology = build_topology(self.mechanism, whole=True)
             try:
                 self._assemble(near)
+            except SeveralPlacesError:
+                raise
             except InputError:
-                raise error from None
+                raise explained(self.mechanism, error) from None
 
     def _assemble(self, near: Mapping[str, NDArray[np.float64]] | None) -> None:
         self.model = Model(self.topology)
         self._place = Place(self.model, self.time, self._given())
-        self.assembly: Assembly = assemble(self._place, near)
-        self.state: NDArray[np.float64] = self._settled(self.assembly)
-        require_consistent(self)
-        if near is None:
-            self._require_loads()
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            self.assembly: Assembly = assemble(self._place, near)
+            self.state: NDArray[np.float64] = self._settled(self.assembly)
+            self._require_places()
+            require_consistent(self)
+            if near is None:
+                self._require_loads()
+
+    def _require_places(self) -> None:
+        """Make sure that all points are somewhere."""
+        for point, place in self.places().items():
+            if not np.isfinite(place).all():
+                message = f"the place of {point_words(point)} is not a finite number. {TOO_LARGE}"
+                raise self.mechanism.error([((), message)])
 
     def _require_loads(self) -> None:
         """Loads must have a value at the start, as the laws of drives must."""

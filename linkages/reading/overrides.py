@@ -42,8 +42,9 @@ def apply(document: Document, overrides: Mapping[str, object]) -> Document:
         What the file says.
     overrides
         Value by dotted path. Text is read as it would be after ``key:`` in the file; numbers are
-        SI; lists, mappings and arrays are taken as they are. Missing mappings on the way are
-        created; whether the result makes sense is for validation to say.
+        SI; quantities of pint carry their unit; lists, mappings and arrays are taken as they are.
+        Missing mappings on the way are created; whether the result makes sense is for validation
+        to say.
 
     Raises
     ------
@@ -55,7 +56,7 @@ def apply(document: Document, overrides: Mapping[str, object]) -> Document:
     for text, value in overrides.items():
         try:
             _check_new(document.content, split(str(text)) or (), assigned)
-            document = _assigned(document, str(text), value)
+            document = _assigned(document, str(text), _written(value))
         except _RefusedError as reason:
             message = f"{reason} (from set {_assignment(text, value)})"
             problems.append(Problem(message=message, path=str(text)))
@@ -150,6 +151,18 @@ def _from_text(text: str) -> Any:
     if result.problems:
         raise _RefusedError("; ".join(problem.message for problem in result.problems))
     return result.content["value"]
+
+
+def _written(value: Any) -> Any:
+    """A quantity of pint as a file would have it: its number, then its unit."""
+    if not (hasattr(value, "magnitude") and hasattr(value, "units")):
+        return value
+    magnitude = value.magnitude
+    if hasattr(magnitude, "tolist"):
+        magnitude = magnitude.tolist()
+    if isinstance(magnitude, list):
+        return [_written(value[index]) for index in range(len(magnitude))]
+    return f"{magnitude!r} {value.units:C}".removesuffix(" dimensionless").strip()
 
 
 def _raw(value: Any, depth: int) -> Any:

@@ -7,6 +7,12 @@ from collections.abc import Iterable
 
 _LONGEST_SHOWN = 60
 
+TOO_LARGE = (
+    "Expected masses, lengths, speeds and times whose products double precision can hold: numbers "
+    "from 1e-308 to 1e308."
+)
+"""What to say where a result is not a finite number."""
+
 
 def nearest(word: str, words: Iterable[str]) -> str | None:
     """Return the word that was most likely meant, or None when none is near.

@@ -2,37 +2,48 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-from math import dist
-
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body
+from linkages.solution.forgotten_units import forgotten_units, longest
 from linkages.solution.law_ranges import law_notes
+from linkages.topology.graph import bodies_at, single_joints
 
 LARGEST_PLAY = 0.05
 """Of the length of a bar; a larger clearance is less like play in a joint than like a link."""
 
 
 def doubts(mechanism: Mechanism) -> list[str]:
-    """A sentence for each clearance that is large beside the bar whose end it displaces.
+    """A sentence for each clearance, number, name and law that hardly is what was meant."""
+    return [
+        *_large_clearances(mechanism),
+        *forgotten_units(mechanism),
+        *_capitals(mechanism),
+        *law_notes(mechanism),
+    ]
 
-    Others follow for tables that leave the range of their values, or jump.
-    """
+
+def _large_clearances(mechanism: Mechanism) -> list[str]:
+    """Clearances that are large beside the bar whose end they displace."""
     bodies = mechanism.bodies.values()
     found = []
     for link in (body for body in bodies if body.kind == "clearance"):
         _, displaced = link.points
         bar = next(body for body in bodies if body is not link and displaced in body.points)
-        size, length = _length(link), _length(bar)
+        size, length = longest(link), longest(bar)
         if size > LARGEST_PLAY * length:
             found.append(
                 f"clearance {link.name} of {size:g} m is large beside {bar.name} of {length:g} m; "
                 "numbers without a unit are metres"
             )
-    return [*found, *law_notes(mechanism)]
+    return found
 
 
-def _length(body: Body) -> float:
-    """The largest distance between two of its joints."""
-    places = [(x.value, y.value) for x, y in body.points.values()]
-    return max((dist(one, other) for one, other in combinations(places, 2)), default=0.0)
+def _capitals(mechanism: Mechanism) -> list[str]:
+    """Joints on one body only that are called like another one but for capitals."""
+    joints = list(bodies_at(mechanism))
+    found = []
+    for joint, body in reversed(single_joints(mechanism).items()):
+        near = [j for j in joints if j != joint and j.casefold() == joint.casefold()]
+        if near and near[0] not in mechanism.bodies[body].points:
+            found.append(f"joint {joint} is on one body only, {body}; did you mean {near[0]!r}?")
+            joints.remove(joint)
+    return found

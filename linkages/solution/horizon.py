@@ -24,6 +24,9 @@ WRONG = 0.5e-3
 
 ADDED_UP = 1e3
 
+_MORE_STEPS = 10
+"""What a tighter tolerance may take in steps: order 4 needs 3 times as many."""
+
 
 @dataclass(frozen=True)
 class Horizon:
@@ -85,6 +88,7 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     times = motion.time
+    settings = replace(settings, max_steps=_MORE_STEPS * settings.max_steps)
     if settings.step is not None:
         return replace(settings, times=times, step=settings.step / 2, work=False, watch=None)
     if settings.rtol <= LEAST_RTOL:

@@ -17,7 +17,6 @@ from linkages.solution.passage import vanishes
 _GRID_ANGLE = math.radians(1.0)
 _CHUNK = 8192
 _REFINEMENT, _DEPTH = 65, 8
-_MOST_PLACES = 1e12  # a day of computing
 _NEAR = 0.06
 """Relative margins between which outputs are interpolated across a change point."""
 _CONTINUES = 0.5
@@ -48,20 +47,27 @@ class DrivenPassage:
 
 
 def chunks(
-    times: Floats, fastest: float, begun: float, angle: float = _GRID_ANGLE
+    times: Floats,
+    fastest: float,
+    begun: float,
+    angle: float = _GRID_ANGLE,
+    most: float = math.inf,
 ) -> Iterator[Floats]:
     """Times to look at in the order of the motion, from `begun` to the last sample.
 
-    Between two of them no drive turns further than `angle` in radians.
+    Between two of them no drive turns further than `angle` in radians; more than `most` are refused.
 
     Chunks share their ends. A chunk at a time, so that a long motion needs no more memory than a
     short one.
     """
     end = float(times[-1]) if len(times) else 0.0
     turned = abs(end - begun) * fastest / angle
-    if turned > _MOST_PLACES:
-        degrees = math.degrees(turned * angle)
-        raise ValueError(f"drives would turn by {degrees:.3g} degrees; expected a shorter time")
+    if not turned <= most:
+        raise ValueError(
+            f"drives turn by {math.degrees(turned * angle):.3g} degrees, and {turned:.3g} places "
+            f"are looked at on the way; expected a slower drive, a shorter time, or max_steps "
+            f"beyond {most:g}"
+        )
     intervals = max(1, math.ceil(turned))
     ordered = np.sort(times)
     if intervals < len(times) and not begun:
@@ -103,7 +109,7 @@ class Limits:
         """Search the motion in order, a chunk at a time."""
         if not self._margin_blocks:
             return None
-        for chunk in chunks(settings.times, self._fastest, begun):
+        for chunk in chunks(settings.times, self._fastest, begun, most=settings.max_steps):
             stop = self._stop_in(chunk, depth=0)
             if stop is not None:
                 return stop

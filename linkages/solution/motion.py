@@ -204,6 +204,18 @@ class Motion:
         """
         return np.concatenate([p.interpolated(p.state) for p in self.pieces], axis=1)
 
+    def until(self, sample: int) -> Motion:
+        """The same before a sample."""
+        kept = []
+        for piece in self.pieces:
+            if piece.samples is None:
+                part = piece.part(slice(0, sample))
+            else:
+                part = replace(piece, samples=piece.samples[:sample])
+            kept.append(part)
+            sample -= len(part.wanted)
+        return replace(self, pieces=tuple(kept))
+
 
 def compute_motion(system: System, settings: Settings) -> Motion:
     """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.kernel.system import System
+from linkages.reading.wording import TOO_LARGE
+from linkages.solution.arguments import real_number, whole_number
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import ANGLES, evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.soundness import sound_part
 from linkages.solution.switching import movable
 from linkages.solvers.choice import AUTO
 from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
@@ -65,7 +68,8 @@ def simulate(
     step
         Step of a fixed-step method in seconds.
     max_steps
-        A run that needs more ends with an error.
+        A run that needs more ends with an error, and keeps what it has. Where nothing is
+        integrated, places at which the way of the mechanism is looked for count: one per degree.
     change_points
         ``"pass"`` to go on smoothly where the mechanism could go on in two ways, as inertia would
         have it, or ``"stop"``. If neither is said, motions with a free coordinate other than a
@@ -106,16 +110,21 @@ def simulate(
     counting = any(name in ANGLES for name in names)
     settings = replace(settings, passing=passes(system, change_points), counting=counting)
     _require_inertia(system)
-    motion = compute_motion(system, settings)
-    plain = [name for name in names if name not in DERIVED]
-    values = evaluate_variables(motion, plain)
-    notes = [*assumptions(system), *doubts(mechanism), *motion.notes]
-    interrupted = str(motion.failure) if motion.interrupted else ""
-    if motion.failure is None or len(motion.time):
-        try:
-            _add_derived(system, settings, motion, names, values, notes)
-        except KeyboardInterrupt:
-            interrupted = interrupted or "interrupted after the motion, before all of its outputs"
+    notes = [*assumptions(system), *doubts(mechanism)]
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
+        motion = compute_motion(system, settings)
+        plain = [name for name in names if name not in DERIVED]
+        values = evaluate_variables(motion, plain)
+        notes += motion.notes
+        interrupted = str(motion.failure) if motion.interrupted else ""
+        if motion.failure is None or len(motion.time):
+            try:
+                _add_derived(system, settings, motion, names, values, notes)
+            except KeyboardInterrupt:
+                interrupted = (
+                    interrupted or "interrupted after the motion, before all of its outputs"
+                )
+    motion, values = sound_part(system, motion, values)
     solution = Solution(
         data=labelled(system, motion, {name: values[name] for name in names if name in values}),
         mechanism=system.mechanism,
@@ -145,36 +154,42 @@ def _settings(
 ) -> Settings:
     """Arguments over the defaults of the file, checked."""
     defaults = mechanism.simulation
-    end = defaults.end if end is None else float(end)
-    samples = defaults.samples if samples is None else samples
+    given = {"samples": samples, "rtol": rtol, "method": method, "step": step}
+
+    def refused(key: str, message: str) -> Exception:
+        """What the definition says is an input error at its line, an argument is a ValueError."""
+        by_file = given[key] is None
+        return _input(mechanism, key, message) if by_file else ValueError(message)
+
+    end = defaults.end if end is None else real_number("end", end)
+    samples = defaults.samples if samples is None else whole_number("samples", samples)
     method = defaults.method if method is None else method
-    step = defaults.step if step is None else step
+    step = defaults.step if step is None else real_number("step", step)
+    rtol = defaults.rtol if rtol is None else real_number("rtol", rtol)
+    atol = defaults.atol if atol is None else real_number("atol", atol)
+    max_steps = whole_number("max_steps", max_steps)
     if not (math.isfinite(end) and end != 0):
         raise ValueError(f"end must be a time in seconds other than 0, found {end}")
-    rtol = defaults.rtol if rtol is None else rtol
     if not 2 <= samples <= MAX_SAMPLES:
         message = f"samples must be at least 2 and at most {MAX_SAMPLES}, found {samples:g}"
-        raise _refused(mechanism, "samples", samples == defaults.samples, message)
+        raise refused("samples", message)
     if max_steps < 1:
         raise ValueError(f"max_steps must be at least 1, found {max_steps}")
     if not LEAST_RTOL <= rtol < 1:
-        message = f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}"
-        raise _refused(mechanism, "rtol", rtol == defaults.rtol, message)
+        raise refused("rtol", f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}")
     if method not in (*METHODS, AUTO):
-        known = ", ".join([*METHODS, AUTO])
-        raise _input(mechanism, "method", f"unknown method {method!r}; expected one of: {known}")
+        known = [*METHODS, AUTO]
+        raise refused("method", f"unknown method {method!r}; expected one of: {', '.join(known)}")
     if method in FIXED_STEP_METHODS and step is None:
-        raise _input(
-            mechanism, "step", f"method {method!r} needs a step; expected a time in seconds"
-        )
+        raise refused("method", f"method {method!r} needs a step; expected a time in seconds")
     if method in FIXED_STEP_METHODS and step is not None and abs(end) > max_steps * step > 0:
         message = f"step {step:g} s needs more than {max_steps} steps to reach {end:g} s"
-        raise _refused(mechanism, "step", step == defaults.step, message)
+        raise refused("step", message)
     return Settings(
         times=np.linspace(0.0, end, samples),
         method=method,
         rtol=rtol,
-        atol=defaults.atol if atol is None else atol,
+        atol=atol,
         step=step if method in FIXED_STEP_METHODS else None,
         max_steps=max_steps,
         work=work,
@@ -215,9 +230,14 @@ def _require_inertia(system: System) -> None:
     for i, row in enumerate(system.model.mass_matrix):
         matrix[i, : i + 1] = system.evaluate(row)[:, 0]
     diagonal = np.diag(matrix)
+    unsound = [name for name, row in zip(free, matrix, strict=True) if not np.isfinite(row).all()]
+    if unsound:
+        message = f"the inertia of {unsound[0]} at t = 0 is not a finite number. {TOO_LARGE}"
+        raise system.mechanism.error([(system.mechanism.initial[unsound[0]].path, message)])
     idle = [name for name, value in zip(free, diagonal, strict=True) if value == 0]
     if not idle and len(free):
-        scaled = matrix / np.sqrt(np.outer(diagonal, diagonal))
+        sizes = np.sqrt(diagonal)
+        scaled = matrix / sizes / sizes[:, None]
         values, vectors = np.linalg.eigh(scaled, UPLO="L")
         if values[0] < 1e-14:
             idle = [name for name, part in zip(free, vectors[:, 0], strict=True) if abs(part) > 0.1]
@@ -225,11 +245,6 @@ def _require_inertia(system: System) -> None:
         message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
         paths = [system.mechanism.initial[name].path for name in idle]
         raise system.mechanism.error([(paths[0], message)])
-
-
-def _refused(mechanism: Mechanism, key: str, from_file: bool, message: str) -> Exception:
-    """What the definition says is an input error at its line, an argument is a ValueError."""
-    return _input(mechanism, key, message) if from_file else ValueError(message)
 
 
 def _input(mechanism: Mechanism, key: str, message: str) -> InputError:
@@ -260,7 +275,7 @@ def _add_derived(
 
         values["joint_reaction"] = joint_reactions(motion)
         if system.topology.redundant:
-            joints = ", ".join(system.topology.redundant)
+            joints = system.topology.redundant_places
             notes.append(
                 f"constraints at {joints} are redundant: rigid bodies do not determine all joint "
                 "reactions; those with the least sum of squares are given"

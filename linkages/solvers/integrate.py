@@ -24,7 +24,8 @@ LOGGER = logging.getLogger(__name__)
 
 # Below this the round-off of a step exceeds what is asked for.
 LEAST_RTOL = 1e-14
-MAX_STEPS = 10**9
+MAX_STEPS = 10**8
+"""Unless told otherwise. It takes minutes to use them up: whoever needs more knows it."""
 
 
 def integrate(

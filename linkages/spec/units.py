@@ -152,6 +152,8 @@ def _named(name: str) -> Unit:
         one = _registry().Quantity(1.0, name).to_root_units()
         zero = _registry().Quantity(0.0, name).to_root_units()
     except (pint.errors.PintError, AttributeError, ValueError, TypeError, ArithmeticError):
+        if powered := re.fullmatch(r"([^\W\d]+)([2-4])", name):  # kg mm2, as CAD prints
+            return Unit(1.0, ()).times(_named(powered[1]), int(powered[2]))
         raise UnitError(f"unknown unit {name!r}{near_unit(name)}") from None
     if zero.magnitude != 0:
         raise UnitError(f"{name} has its zero elsewhere; expected a unit that scales")

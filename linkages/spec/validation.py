@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cache
@@ -18,6 +19,7 @@ from linkages.spec.expectation import annotation_at, example, expectation, keys,
 
 Model = TypeVar("Model")
 _UNKNOWN_KEY = ("unexpected_keyword_argument", "extra_forbidden")
+_DECIMALS = re.compile(r"\d+( *[^\W\d].*)?")
 _OWN_WORDS = ("value_error", "assertion_error")
 # What pydantic finds wrong with the shape of a value; the annotation says it better.
 _SHAPE = (
@@ -170,6 +172,8 @@ def _missing(key: str | int, model: type, path: Path, found: object) -> str:
 
 
 def _unknown_key(key: str, model: Any, given: Collection[str]) -> str:
+    if _DECIMALS.fullmatch(key):  # {length: 30,5 mm}
+        return f"unknown key {shown(key)}; decimals are written with a point, as in 0.5, not 0,5"
     known = [name for name in keys(model) if name not in given]
     start = f"unknown key {shown(key)}"
     if near := nearest(key, known):

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, axis_label
+from linkages.components.terms import Body, axis_label, point_words
 from linkages.topology.decomposition import Group
 from linkages.topology.orientation import Orientation
 
@@ -111,7 +111,7 @@ class Block:
     @property
     def label(self) -> str:
         """The title and where it is."""
-        return f"{self.title} at joint {self.loops[0].apex}"
+        return f"{self.title} at {point_words(self.loops[0].apex)}"
 
 
 class BlockBuilder:
@@ -145,7 +145,7 @@ class BlockBuilder:
         """The block that solves a group, given all groups added before."""
         before = self._anchors | set(self.placing)
         closings, placements = self._place(group, before)
-        loops = tuple(self._loop(joint, body, before) for joint, body in closings)
+        loops = tuple(self._loop(last, before) for last in closings)
         unknowns = group.unknowns
         kind = ""
         if unknowns:
@@ -170,18 +170,18 @@ class BlockBuilder:
 
     def _place(
         self, group: Group, before: Collection[str]
-    ) -> tuple[list[tuple[str, str]], tuple[tuple[str, str, tuple[str, ...]], ...]]:
+    ) -> tuple[list[Step], tuple[tuple[str, str, tuple[str, ...]], ...]]:
         """Breadth first from what is known.
 
         Returns
         -------
-        The (point, body) that close loops, and the placements.
+        The steps that close loops, and the placements.
         """
         points = self._points(group)
         sliding = [body for body in points if not self._body(body).rotates]
         front = [(points[b][0], b) for b in sliding if points[b][0] in before]
         front += [(point, body) for body in points for point in points[body] if point in before]
-        closings: list[tuple[str, str]] = []
+        closings: list[Step] = []
         placed: dict[str, tuple[str, tuple[str, ...]]] = {}
         reached = set(before)
         while front:
@@ -191,7 +191,7 @@ class BlockBuilder:
                     continue
                 self.entry.setdefault(body, entry)
                 others = [point for point in points[body] if point != entry]
-                closings += [(point, body) for point in others if point in reached]
+                closings += [Step(body, entry, point) for point in others if point in reached]
                 fresh = tuple(point for point in others if point not in reached)
                 reached.update(fresh)
                 self.placing |= dict.fromkeys(fresh, body)
@@ -200,11 +200,11 @@ class BlockBuilder:
             front = following
         return closings, tuple((body, *found) for body, found in placed.items())
 
-    def _loop(self, joint: str, closing: str, before: Collection[str]) -> Loop:
-        """From the known end on the placing side over `joint` to that of the closing side."""
+    def _loop(self, last: Step, before: Collection[str]) -> Loop:
+        """From the known end on the placing side over the last step's end to that of its start."""
+        joint = last.end
         out, start = self._chain(joint, before)
-        last = Step(closing, self.entry[closing], joint)
-        back, end = self._chain(self.entry[closing], before)
+        back, end = self._chain(last.start, before)
         back = [*back, last]
         while out and back and out[0] == back[0]:  # the part that both sides share cancels
             start = end = out[0].end

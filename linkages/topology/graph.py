@@ -17,6 +17,12 @@ def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     return {joint: tuple(names) for joint, names in meeting.items()}
 
 
+def single_joints(mechanism: Mechanism) -> dict[str, str]:
+    """Joint that one body has only → that body; a ground joint that none uses is not one."""
+    meeting = bodies_at(mechanism).items()
+    return {j: first for j, (first, *others) in meeting if not others and first != GROUND}
+
+
 def pairs(mechanism: Mechanism) -> tuple[Revolute, ...]:
     """All revolute pairs; a pin shared by k bodies gives k − 1."""
     return tuple(

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import networkx as nx
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.revolute import GROUND
-from linkages.components.terms import Path, Relation
-from linkages.errors import InputError
+from linkages.components.terms import Relation, point_words
 from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
+from linkages.topology.explanation import explained, undetermined, wrong_mobility
 from linkages.topology.graph import (
     bodies_at,
     gruebler_mobility,
     loop_count,
+    single_joints,
     topology_graph,
     unreachable_bodies,
 )
@@ -73,6 +73,11 @@ class Topology:
     mobility: int
     loops: int
     redundant: tuple[str, ...]
+
+    @property
+    def redundant_places(self) -> str:
+        """What messages call the places where constraints repeat others."""
+        return ", ".join(point_words(joint, "") for joint in self.redundant)
 
     @property
     def iterated(self) -> tuple[str, ...]:
@@ -133,7 +138,7 @@ class Topology:
     @property
     def free_ends(self) -> tuple[str, ...]:
         """Points that only one body has; a ground joint that none uses is not one."""
-        return tuple(_single(self.mechanism))
+        return tuple(single_joints(self.mechanism))
 
     def path(self, joint: str) -> tuple[list[Step], str]:
         """Way from the ground to a point along the bodies that place it, and where it starts."""
@@ -165,19 +170,24 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     loose = unreachable_bodies(graph)
     if loose:
         message = "not connected to the ground by any chain of joints"
-        raise mechanism.error([(mechanism.bodies[body].path, message) for body in loose])
+        found = [(mechanism.bodies[body].path, message) for body in loose]
+        raise explained(mechanism, mechanism.error(found))
     known = (*mechanism.prescribed, *mechanism.initial)
     mobility = gruebler_mobility(mechanism)
     if mobility > len(known):
-        raise wrong_mobility(mechanism, mobility)
+        raise explained(mechanism, wrong_mobility(mechanism, mobility))
     followers = slaves(mechanism)
-    found = orientations(mechanism, followers)
+    turned = orientations(mechanism, followers)
     try:
-        order = solution_order(mechanism, (*known, *followers), found, whole)
+        order = solution_order(mechanism, (*known, *followers), turned, whole)
     except StructureError as error:
-        raise _undetermined(mechanism, error) from None
+        raise explained(mechanism, undetermined(mechanism, error)) from None
     sliding = [name for group in order.groups for name in group.sliding]
-    builder = BlockBuilder(mechanism, found, sliding)
+    builder = BlockBuilder(mechanism, turned, sliding)
+    blocks = tuple(builder.add(group) for group in order.groups)
+    if not whole and any(block.surplus < 0 for block in blocks):
+        # bodies that repeat each other: one would be turned before it is placed
+        return build_topology(mechanism, whole=True)
     return Topology(
         mechanism=mechanism,
         graph=graph,
@@ -185,52 +195,12 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
         free=tuple(b for b in mechanism.bodies if b in mechanism.initial),
         dependent=tuple(b for b in mechanism.bodies if b not in known),
         slaves=followers,
-        orientations=found,
+        orientations=turned,
         turned=frozenset(turned_bodies(mechanism)),
-        blocks=tuple(builder.add(group) for group in order.groups),
+        blocks=blocks,
         placing=builder.placing,
         entry=builder.entry,
         mobility=mobility,
         loops=loop_count(graph),
         redundant=order.redundant,
     )
-
-
-def wrong_mobility(mechanism: Mechanism, mobility: int) -> InputError:
-    """Drives and free coordinates do not match the mobility."""
-    driven, free = len(mechanism.prescribed), len(mechanism.initial)
-    are = "coordinate is" if driven == 1 else "coordinates are"
-    found = f"mobility is {mobility}, but {driven} {are} driven and {free} free"
-    if driven + free > mobility:
-        remedy = "expected as many as the mobility: remove a drive or a free coordinate"
-    else:
-        remedy = (
-            "expected as many as the mobility: add a drive, or name a bar under 'free' with its "
-            "initial angle"
-        )
-        ends = ", ".join(f"{joint} (of {body})" for joint, body in _single(mechanism).items())
-        if ends:
-            remedy += f"; or is one of the joints mistyped that a single body has: {ends}?"
-    path: Path = ("drives",) if mechanism.prescribed else ("free",) if mechanism.initial else ()
-    return mechanism.error([(path, f"{found}; {remedy}")])
-
-
-def _single(mechanism: Mechanism) -> dict[str, str]:
-    """Points that only one body has, with that body."""
-    meeting = bodies_at(mechanism).items()
-    return {j: first for j, (first, *others) in meeting if not others and first != GROUND}
-
-
-def _undetermined(mechanism: Mechanism, error: StructureError) -> InputError:
-    found = [
-        (mechanism.bodies[body].path, f"nothing determines the coordinate of {body!r}")
-        for body in error.surplus
-    ]
-    if error.contested:
-        joints = ", ".join(error.contested)
-        message = (
-            f"more constraints than coordinates at {joints}; expected the drives and free "
-            "coordinates to be independent of each other"
-        )
-        found.append(((), message))
-    return mechanism.error(found)

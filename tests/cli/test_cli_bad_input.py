@@ -123,7 +123,8 @@ CASES = {
     "side-of-crank-pin": four("B: left", "A: left", 12, "one possible place only"),
     # mobility
     "two-drives": four(
-        "assembly:\n  B: left", "  rocker: {angle: 1, speed: 1}", 7, "cannot be assembled",
+        "assembly:\n  B: left", "  rocker: {angle: 1, speed: 1}", 11,
+        "mobility is 1, but 2 coordinates are driven (crank, rocker) and 0 free; remove 1 of them",
         "more constraints than coordinates at B",
     ),
     "no-drive": four(
@@ -180,7 +181,9 @@ CASES = {
         5,
     ),
     "end-astronomic": Case(
-        FOUR_BAR.replace("end: 0.2", "end: 1e300"), ("degrees; expected a shorter time",)
+        FOUR_BAR.replace("end: 0.2", "end: 1e300"), (
+            "places are looked at on the way; expected a slower drive, a shorter time",
+        )
     ),
     "samples-1": four("samples: 11", "samples: 1", 13, "at least 2", "found 1"),
     "samples-0": four("samples: 11", "samples: 0", 13, "a whole number > 0"),

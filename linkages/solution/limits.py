@@ -55,7 +55,8 @@ def chunks(
 ) -> Iterator[Floats]:
     """Times to look at in the order of the motion, from `begun` to the last sample.
 
-    Between two of them no drive turns further than `angle` in radians; more than `most` are refused.
+    Between two of them no drive turns further than `angle` in radians. More than `most` of them are
+    refused.
 
     Chunks share their ends. A chunk at a time, so that a long motion needs no more memory than a
     short one.

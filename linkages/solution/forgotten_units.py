@@ -129,7 +129,7 @@ class _Machine:
             meant = f"; did you mean {written.value:g} deg? Numbers without a unit are radians"
             return written.note("rad", meant)
         if kind == "speed" and (size > FASTEST or (size >= FROM and size % ROUND == 0)):
-            rpm = f" ({written.value * 30 / math.pi:.4g} rpm)"
+            rpm = f" ({written.value * 30 / math.pi:.0f} rpm)"
             meant = f"{rpm}; did you mean {written.value:g} rpm? Numbers without a unit are rad/s"
             return written.note("rad/s", meant)
         if kind in ("length", "place", "stroke") and size > 0 and self._sizes:

@@ -527,3 +527,21 @@ def test_second_run_replaces_the_first(cli, tmp_path):
     folder = tmp_path / "results/four-bar"
     assert {p.name for p in folder.iterdir() if p.is_file()} == {"simulate.csv", "simulate.nc"}
     assert len(table_of(folder / "simulate.csv")[1]) == 1001
+
+
+def test_a_run_gives_up_after_some_steps_with_what_it_has(cli):
+    result = cli("simulate", "pendulum", "--max-steps", "10", "--no-figures", "--json")
+    assert result.code == 1
+    found = json.loads(result.out)
+    assert "allowed number of steps was used up" in found["stopped"]["reason"]
+    assert 0 < found["samples"] < 1201
+    assert found["horizon"]["whole"]  # the comparison may take more steps
+
+
+def test_places_of_a_driven_motion_count_as_steps(cli):
+    fast = ("four-bar", "--set", "drives.crank.speed=1000.5", "--set", "simulate.end=1")
+    result = cli("simulate", *fast, "--max-steps", "50000", "--no-figures")
+    assert result.code == 2  # 1000.5 rad are 57324 degrees
+    assert "drives turn by 5.73e+04 degrees" in result.err
+    assert "max_steps beyond 50000" in result.err
+    assert cli("simulate", *fast, "--max-steps", "60000", "--no-figures").code == 0

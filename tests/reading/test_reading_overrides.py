@@ -1,5 +1,7 @@
+import numpy as np
 import pytest
 
+import linkages
 from linkages.errors import InputError
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply, parse_assignment
@@ -150,3 +152,27 @@ def test_text_that_is_no_assignment(text):
     with pytest.raises(InputError, match="expected path=value") as caught:
         parse_assignment(text)
     assert caught.value.source == "--set"
+
+
+def test_quantities_of_pint_carry_their_unit():
+    import pint
+
+    unit = pint.UnitRegistry()
+    values = {
+        "bars.crank.length": 40 * unit.mm,
+        "bars.rocker.inertia": unit.Quantity(300.0, "kg mm^2"),
+        "drives.crank.speed": np.float64(90) * unit.rpm,
+        "joints.O4": unit.Quantity([10.0, -2.5], "cm"),
+        "bars.rocker.mass": unit.Quantity(2, "lb"),
+        "simulate.samples": unit.Quantity(11, ""),
+    }
+    mechanism = linkages.load("four-bar", set=values)
+    assert mechanism.bodies["crank"].points["A"][0].value == 0.04
+    assert mechanism.bodies["rocker"].inertia.value == pytest.approx(3e-4, rel=1e-15)
+    assert [x.value for x in mechanism.ground["O4"]] == [0.1, -0.025]
+    assert mechanism.bodies["rocker"].mass.value == pytest.approx(0.90718474, rel=1e-15)
+    assert mechanism.simulation.samples == 11
+    speeds = [c.speed for c in mechanism.components if isinstance(c, linkages.Drive)]
+    assert speeds == [pytest.approx(3 * np.pi, rel=1e-15)]
+    with pytest.raises(InputError, match="kg is a mass, not a length"):
+        linkages.load("four-bar", set={"bars.crank.length": 1 * unit.kg})

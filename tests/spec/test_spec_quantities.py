@@ -257,3 +257,19 @@ def test_units_that_another_process_is_writing(rest, tmp_path, monkeypatch):
         content = path.read_bytes()
         path.write_bytes(content[: int(rest * len(content))])
     assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [("300 kg mm2", "300 kg*mm**2"), ("5 g cm2", "5 g*cm^2"), ("0.5 kg m2", "0.5 kg*m²")],
+)
+def test_powers_without_a_sign_as_drawing_programs_print_them(text, plain):
+    read = q.Quantity(d.INERTIA).read
+    assert read(text) == read(plain)
+    assert q.Quantity(d.ACCELERATION).read("9.81 m/s2") == 9.81
+
+
+@pytest.mark.parametrize("text", ["1 kg mm5", "1 kg mm1", "1 kg xy2", "1 kg mm22"])
+def test_other_digits_are_no_powers(text):
+    with pytest.raises(QuantityError, match="unknown unit"):
+        q.Quantity(d.INERTIA).read(text)

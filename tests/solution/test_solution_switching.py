@@ -71,6 +71,14 @@ def test_motion_does_not_depend_on_the_coordinate(crank_free, piston_free, name,
     assert found == pytest.approx(wanted, abs=1e-9 * scale)
 
 
+def test_progress_goes_on_over_a_change():
+    seen = []
+    solution = linkages.simulate(free_piston(), end=1.0, samples=3, watch=seen.append)
+    assert len(changes(solution)) == 1
+    assert seen == sorted(seen)
+    assert seen[-1] == 1.0
+
+
 def test_angles_go_on_over_a_change(piston_free):
     angle = piston_free.data.bar_angle.sel(bar="crank").to_numpy()
     assert (np.diff(angle) > 0).all()

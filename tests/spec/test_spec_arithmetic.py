@@ -100,6 +100,11 @@ def test_what_follows_the_number(text, rest):
     assert leading_number(text)[1] == rest
 
 
+def test_what_is_just_not_too_deep_is_read():
+    """The number itself is the last of 32 levels."""
+    assert leading_number("(" * 31 + "1" + ")" * 31)[0] == 1.0
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -111,6 +116,7 @@ def test_what_follows_the_number(text, rest):
         ("(" * 199, "nested more than 32 deep"),
         ("-" * 199, "nested more than 32 deep"),
         ("2**" * 60 + "1", "nested more than 32 deep"),
+        ("(" * 32 + "1" + ")" * 32, "nested more than 32 deep"),
         ("1/0", "division by zero"),
         ("0**-1", "is not a real number"),
         ("(-8)**(1/3)", "is not a real number"),
@@ -118,6 +124,7 @@ def test_what_follows_the_number(text, rest):
         ("", "expected a number at the end"),
         ("nan", "expected a number before 'nan'"),
         (".inf", "expected a number before"),
+        ("2 * */3", r"expected a number before '\*'"),
         ("__import__('os')", "expected a number before '__import__'"),
         ("1 + x", "expected a number before 'x'"),
         ("pile", "expected a number before 'pile'"),

@@ -75,7 +75,7 @@ def test_a_load_that_is_time_itself(law):
     assert not unknown_names(printed(law))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(FORMULAS)
 def test_all_names_of_a_kernel_are_known(law):
     try:

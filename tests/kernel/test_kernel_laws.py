@@ -160,7 +160,7 @@ def test_monotone_tables_are_those_of_scipy(held):
     assert found[2] == pytest.approx(bend, abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.lists(st.tuples(st.floats(0.01, 1), st.floats(-1e3, 1e3)), min_size=3, max_size=8),
     st.booleans(),

@@ -174,5 +174,5 @@ def test_quantities_of_pint_carry_their_unit():
     assert mechanism.simulation.samples == 11
     speeds = [c.speed for c in mechanism.components if isinstance(c, linkages.Drive)]
     assert speeds == [pytest.approx(3 * np.pi, rel=1e-15)]
-    with pytest.raises(InputError, match="kg is a mass, not a length"):
+    with pytest.raises(InputError, match="kilogram is a mass, not a length"):
         linkages.load("four-bar", set={"bars.crank.length": 1 * unit.kg})

@@ -6,6 +6,7 @@ from pydantic.dataclasses import dataclass
 
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
+from linkages.spec.expectation import annotation_at
 from linkages.spec.quantities import Inertia, Length, Mass, Name, Point, PositiveLength
 from linkages.spec.validation import validated
 
@@ -161,3 +162,9 @@ def test_value_that_is_wrapped_for_validation_keeps_its_path():
     wrapped = {"shape": document.content["gravity"]}
     assert validated(Marker, wrapped, document, ("gravity",), problems) is None
     assert problems[0].path == "gravity"
+
+
+def test_a_path_beyond_a_list_of_so_many_leads_nowhere():
+    assert annotation_at(tuple[int, str], (1,)) is str
+    assert annotation_at(tuple[int, str], (2,)) is None
+    assert annotation_at(tuple[str, ...], (2,)) is str

@@ -173,6 +173,15 @@ def test_what_cannot_be_assembled_is_a_status():
         assert np.isnan(of.evaluate(of.model.settled, 0.0, state[:, None])).any()
 
 
+def test_a_printed_kernel_says_what_it_writes():
+    _, _, program = kernels(free(TRIAD))
+    written = (
+        "accelerations (5), margins of the blocks (1), their rates (1), "
+        "settled values of 4 coordinates, their rates (4)"
+    )
+    assert written in " ".join(program.text.split())
+
+
 @pytest.mark.parametrize("name", ["leg1", "leg2", "leg3", "plate"])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_correction_that_turns_a_body_far_is_no_position(name, side):

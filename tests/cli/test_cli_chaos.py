@@ -159,6 +159,9 @@ def test_exponents_sum_to_the_divergence(pendulum, tmp_path):
     # the trace of the Jacobian is −0.5 everywhere; the rest is the tolerance of the integration
     assert content["sum"]["value"] == pytest.approx(-0.5, abs=1e-5)
     assert [row["index"] for row in content["exponents"]] == [1, 2]
+    (row,) = content["certificate"]
+    assert (row["name"], row["holds"]) == ("sum of all exponents", True)
+    assert row["expected"] == pytest.approx(-0.5, abs=1e-12)  # from inertia and damping alone
     assert "results/m/lyapunov.png" in result.files
     assert float(rows(tmp_path, "lyapunov.csv")[-1]["exponent 1 (1/s)"]) == pytest.approx(
         content["exponents"][0]["value"], rel=1e-12
@@ -169,7 +172,21 @@ def test_exponents_as_a_table(pendulum):
     result = pendulum("lyapunov", "--periods", "64", "--count", "1", "--no-figures")
     assert (result.code, result.err) == (0, "")
     assert "standard error" in result.out
+    assert "Certificate" not in result.out  # nothing is known of one exponent alone
     assert "2 files in" in result.out
+
+
+def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
+    """No error of integration at all is allowed here, so that the first one violates."""
+    monkeypatch.setattr("linkages.chaos.certificate.SMALL", 0.0)
+    monkeypatch.setattr("linkages.chaos.certificate.STEPS", 0.0)
+    shown = pendulum("lyapunov", "--periods", "64", "--no-figures").out
+    assert "sum of all exponents: VIOLATED" in shown
+    assert "The sum of all exponents must be -0.5" in " ".join(shown.split())
+    report = json.loads(pendulum("chaos", "--quick", "--no-figures", "--json").out)
+    assert report["verdict"] == "undecided"
+    assert any("the exponents cannot be right" in reason for reason in report["reasons"])
+    assert not report["certificate"][0]["holds"]
 
 
 # bifurcation
@@ -332,11 +349,14 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("Driven pendulum: chaotic\n- ")
     assert "mixed" in result.out
+    assert "Certificate of the exponents" in result.out
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 3
     assert '<span class="verdict">chaotic</span>' in page
     content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
     assert content["verdict"] == "chaotic"
+    assert "<td>sum of all exponents</td>" in page
+    assert content["certificate"][0]["holds"]
     assert "results/m/chaos_spectrum.svg" in result.files
 
 

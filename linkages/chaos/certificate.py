@@ -18,7 +18,6 @@ from linkages.chaos.exponents import Exponents
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
-from linkages.kernel.system import System
 
 Floats = NDArray[np.float64]
 
@@ -41,10 +40,8 @@ GOES_ON = 0.5
 """Part of the speed at the beginning that a motion keeps which does not come to rest."""
 
 
-def samples_within(system: System, intervals: int) -> int:
-    """How many states to keep of each interval: its end, or a power of two if there is damping."""
-    if Volumes(system).conservative:
-        return 1
+def samples_within(intervals: int) -> int:
+    """How many states to keep of each interval: a power of two. One is enough without damping."""
     return int(min(SAMPLES, 2 ** max(1, int(np.log2(MOST_SAMPLES / intervals)))))
 
 

@@ -22,6 +22,7 @@ from linkages.chaos.invariants import Invariant
 from linkages.chaos.section import section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
+from linkages.chaos.volumes import Volumes
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -209,7 +210,7 @@ def run_exponents(
             settings.atol,
             settings.step,
             settings.max_steps,
-            samples_within(system, periods * parts) if columns == whole else 0,
+            _samples(system, periods * parts) if columns == whole else 0,
         )
 
         def certify(exponents: Exponents) -> tuple[Invariant, ...]:
@@ -234,6 +235,11 @@ def run_exponents(
         parts *= math.ceil(2 * found.apart / most)
         found = run(parts)
     return found
+
+
+def _samples(system: System, intervals: int) -> int:
+    """States of each interval that a certificate needs: only damping is averaged over them."""
+    return 1 if Volumes(system).conservative else samples_within(intervals)
 
 
 def characteristic_period(mechanism: Mechanism) -> float:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.certificate import certified, samples_within
+from linkages.chaos.certificate import certificate, certified, samples_within
+from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.tangents import LinkageTangents
@@ -182,8 +183,16 @@ def test_states_in_between_change_nothing_and_stay_few():
     times = np.concatenate([time for time, _ in kept.passed])
     assert times == pytest.approx(np.linspace(0, 0.5, 33), abs=1e-15)
     assert kept.passed[-1][1][:, -1] == pytest.approx(kept.state, abs=1e-15)
-    assert samples_within(System(built(DOUBLE)), 100) == 1
-    damped = System(built(DOUBLE, DAMPED))
-    assert samples_within(damped, 100) == 16
-    for count in (10**4, 10**5, 10**6, 10**8):
-        assert samples_within(damped, count) * count <= max(2**20, 2 * count)
+    assert samples_within(100) == 16
+    assert all(samples_within(n) * n <= max(2**20, 2 * n) for n in (10**4, 10**5, 10**6, 10**8))
+
+
+def test_many_samples_only_where_damping_is_averaged():
+    """The sum without damping follows from the ends of intervals, however they are sampled."""
+    once = exponents_of(built(DOUBLE), periods=20, interval=1.0)
+    system = System(built(DOUBLE))
+    tangents = LinkageTangents(system, 4, rtol=1e-9, parts=16)
+    again = lyapunov_spectrum(tangents, intervals=80, interval=0.25)
+    (one, *_), (two, *_) = once.certificate, certificate(tangents, again, 0)
+    assert (again.growth == once.growth).all()
+    assert two.expected == pytest.approx(one.expected, rel=1e-12)

@@ -55,3 +55,25 @@ def test_drift_of_stationary_series_and_of_others():
 def test_too_short():
     with pytest.raises(ValueError, match="at least 16"):
         mean_error(np.zeros(15))
+
+
+def test_long_cycles_are_wrong_by_their_range_alone():
+    """Short blocks see bounded sums as diffusion, up to ten times too large; long ones tell.
+
+    The range of the partial sums is that of one cycle, or a little more where the unfinished one
+    at the end tilts them.
+    """
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        values = rng.normal(size=24)
+        values -= values.mean()
+        bound = np.sqrt(2 / np.pi) * np.ptp(np.append(np.cumsum(values), 0.0)) / 4701
+        error = mean_error(np.resize(values, 4701))[0][0]
+        assert bound < error < 2 * bound
+
+
+@pytest.mark.parametrize(("apart", "alike"), [(5e-5, True), (1e-3, False)])
+def test_parts_that_look_alike_in_print_do_not_drift(apart, alike):
+    """Parts without any scatter of their own, as where tangents converge to those of a rest."""
+    series = np.repeat([1.0 - apart, 1.0, 1.0, 1.0], 20)
+    assert bool(drift(series)[0] == 0) is alike

@@ -20,6 +20,9 @@ from linkages.kernel.system import System
 
 Floats = NDArray[np.float64]
 
+AT_ONCE = 2048
+"""States that are evaluated together: every node of a model takes memory for all of them."""
+
 UNIFORM = 1e-9
 """Relative difference of damping rates below which they count as one."""
 
@@ -70,7 +73,7 @@ class Volumes:
         size = self._size
         if self.conservative:
             return np.zeros((len(time), size, size))
-        damping = self.system.evaluate(self._damping, time, state).T.reshape(-1, size, size)
+        damping = self._values(self._damping, time, state).T.reshape(-1, size, size)
         return np.asarray(np.linalg.solve(self._masses(time, state), damping))
 
     def uniform(self, damping: Floats) -> float | None:
@@ -89,10 +92,19 @@ class Volumes:
         """Logarithm of the volume of momenta per volume of rates, shape (times,)."""
         return np.asarray(np.linalg.slogdet(self._masses(time, state))[1])
 
+    def _values(self, nodes: list[Scalar], time: Floats, state: Floats) -> Floats:
+        """Values of nodes, shape (nodes, times), not of all times at once."""
+        parts = range(0, len(time), AT_ONCE)
+        found = [
+            self.system.evaluate(nodes, time[k : k + AT_ONCE], state[:, k : k + AT_ONCE])
+            for k in parts
+        ]
+        return np.concatenate(found, axis=1)
+
     def _masses(self, time: Floats, state: Floats) -> Floats:
         """The mass matrix at some times, shape (times, n, n)."""
         lower = [entry for row in self._model.mass_matrix for entry in row]
-        values = self.system.evaluate(lower, time, state)
+        values = self._values(lower, time, state)
         masses = np.empty((len(time), self._size, self._size))
         rows, columns = np.tril_indices(self._size)
         masses[:, rows, columns] = masses[:, columns, rows] = values.T

@@ -49,7 +49,7 @@ def law_range(function: Function, end: float) -> LawRange:
         period = function.times[-1] - function.times[0] if function.periodic else None
         return LawRange(*extremes(function, begin, last), period)
     times = np.linspace(begin, last, SAMPLES)
-    return LawRange(-_largest(function, times, -1.0), _largest(function, times, 1.0))
+    return LawRange(0.0 - _largest(function, times, -1.0), 0.0 + _largest(function, times, 1.0))
 
 
 def _largest(function: Function, times: NDArray[np.float64], sign: float) -> float:

@@ -218,7 +218,7 @@ def test_check_lists_welds_gears_loads_and_masses(cli, tmp_path):
         ("weld", "rocker and lever", "welds.B"), ("gear", "crank and wheel", "gears[0]"),
     ]  # fmt: skip
     assert [(r["kind"], r["on"], r["value"]) for r in content["loads"]] == [
-        ("force", "joint B", "[0 N, a law of time (N)]"),
+        ("force", "joint B", "[0 N, -20 to 0 N until t = 1 s]"),
         ("torque", "coupler against crank", "4 N m"),
         ("spring", "joints D and A", "500 N/m, length 0.1 m, damping 3 N s/m"),
         ("torsional spring", "rocker", "5 N m/rad, angle 1 rad"),

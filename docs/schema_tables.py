@@ -83,7 +83,7 @@ def _laws(schema: Schema) -> str:
     for law in laws:
         (key, inner), *others = law["properties"].items()
         found = law if others else inner
-        required = found["required"]
+        required = found.get("required", ())
         rows = [_row(f"`{k}`", v, k in required) for k, v in found["properties"].items()]
         parts.append(f"**{key}.** {_cell(found['description'])}\n")
         parts.append(HEAD + "".join(rows))

@@ -196,9 +196,7 @@ def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
 
 def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
     """A note on largest values that samples may miss."""
-    # what loads amount to is given: `check` says their ranges, and steps are no peaks
-    known = ("load_force", "load_torque", "energy_residual", "closure_residual")
-    missed = [row for row in rows if row["missed"] > COARSE and row["variable"] not in known]
+    missed = [r for r in rows if r["missed"] > COARSE and not r["variable"].endswith("residual")]
     if not missed:
         return ""
     worst = max(missed, key=lambda row: row["missed"])

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 MAGNITUDES = ("joint_velocity", "joint_acceleration", "joint_reaction")
 """Vectors of which the magnitude has a largest value worth a row."""
 
+STEPPING = ("load_force", "load_torque")
+"""Variables that may jump: no polynomial through their samples says what is between them."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
@@ -65,7 +68,8 @@ class Solution:
     def maxima(self) -> list[dict[str, Any]]:
         """Largest absolute values with their times, like the paper's table.
 
-        They are located between samples, by interpolation; residuals, which are noise, at samples.
+        They are located between samples, by interpolation; at samples those of residuals, which are
+        noise, and of loads, which may jump.
 
         Returns
         -------
@@ -185,8 +189,8 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
-    noise = str(array.name).endswith("residual")
-    scale = np.inf if noise else max(least, float(finite.max(initial=0.0)))
+    located = array.name not in STEPPING and not str(array.name).endswith("residual")
+    scale = max(least, float(finite.max(initial=0.0))) if located else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):
         peak = largest(series, scale)

@@ -113,3 +113,13 @@ def test_only_loads_that_vary_stand_in_figures_and_maxima():
     constant = linkages.simulate(mechanism(SLIDER_CRANK), end=0.1, samples=3)
     assert FIGURES["load_force"](constant.data, constant.mechanism) is None
     assert FIGURES["load_torque"](constant.data, constant.mechanism) is None
+
+
+def test_the_largest_load_is_one_that_acts():
+    """A polynomial through samples beside a step finds more than the table has."""
+    table = "{times: [0, 0.1, 0.11, 0.16, 0.17, 0.4], values: [0, 0, 7, 7, -3, 0]}"
+    load = f"loads: [{{bar: crank, torque: {{table: {table}}}}}]"
+    solution = linkages.simulate(mechanism(TEXT, load), end=0.4, samples=29)
+    (row,) = [row for row in solution.maxima if row["variable"] == "load_torque"]
+    assert row["value"] == float(np.abs(solution.data.load_torque).max())
+    assert (row["missed"], row["value"]) == (0.0, pytest.approx(7.0, rel=1e-12))

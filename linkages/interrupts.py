@@ -92,8 +92,9 @@ def interrupts_kept() -> Iterator[Callable[[], None]]:
     hit: list[int] = []
 
     def hold(number: int, _frame: Any) -> None:
-        if hit and kept[number] is _interrupt:  # the second one ends the process
-            signal.signal(number, signal.SIG_DFL)
+        if hit:  # the second one is meant: it ends the process, or Python hears it at once
+            end = signal.SIG_DFL if kept[number] is _interrupt else kept[number]
+            signal.signal(number, end)
             signal.raise_signal(number)
         hit.append(number)
 

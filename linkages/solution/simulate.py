@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
+from linkages.interrupts import interrupts_kept
 from linkages.kernel.system import System
 from linkages.reading.wording import TOO_LARGE
 from linkages.solution.arguments import real_number, whole_number
@@ -28,6 +29,8 @@ from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
 
 MAX_SAMPLES = 10_000_000
 """More would not fit into memory as tables."""
+
+LATE = "interrupted after the motion was computed, before all of its outputs were"
 
 _ERROR = "_error"
 
@@ -114,16 +117,15 @@ def simulate(
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
         motion = compute_motion(system, settings)
         plain = [name for name in names if name not in DERIVED]
-        values = evaluate_variables(motion, plain)
         notes += motion.notes
         interrupted = str(motion.failure) if motion.interrupted else ""
-        if motion.failure is None or len(motion.time):
-            try:
+        try:
+            with interrupts_kept():  # else the motion would be lost
+                values = evaluate_variables(motion, plain)
+            if motion.failure is None or len(motion.time):
                 _add_derived(system, settings, motion, names, values, notes)
-            except KeyboardInterrupt:
-                interrupted = (
-                    interrupted or "interrupted after the motion, before all of its outputs"
-                )
+        except KeyboardInterrupt:
+            interrupted = interrupted or LATE
     motion, values = sound_part(system, motion, values)
     solution = Solution(
         data=labelled(system, motion, {name: values[name] for name in names if name in values}),

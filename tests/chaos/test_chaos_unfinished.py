@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import signal
 
 import numpy as np
 import pytest
@@ -167,6 +168,25 @@ def test_ctrl_c_keeps_the_motion_so_far():
     whole = linkages.simulate(pendulum(), end=2.0, samples=3).data
     # the same steps but for the last
     assert data.bar_speed[:2].to_numpy() == pytest.approx(whole.bar_speed[:2].to_numpy(), abs=1e-7)
+
+
+@pytest.mark.parametrize("step", ["evaluate_variables", "_add_derived"])
+def test_ctrl_c_while_outputs_are_computed_keeps_the_motion(monkeypatch, step):
+    from linkages.solution import simulate as module
+
+    run = getattr(module, step)
+
+    def pressed(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        return run(*arguments)
+
+    monkeypatch.setattr(module, step, pressed)
+    with pytest.raises(Interrupted, match="after the motion was computed") as caught:
+        linkages.simulate(pendulum(), outputs=["bar_angle", "kinetic_energy"])
+    monkeypatch.undo()
+    whole = linkages.simulate(pendulum(), outputs=["bar_angle", "kinetic_energy"])
+    assert caught.value.solution.data.equals(whole.data)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_ctrl_c_while_the_horizon_is_looked_for_is_heard(monkeypatch):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.plots.prefixes import Scale
 from linkages.plots.style import BLACK
+from linkages.solution.peaks import largest
 from linkages.solution.resolved import turning_points
 
 Array = NDArray[np.float64]
@@ -18,7 +19,6 @@ Array = NDArray[np.float64]
 MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
-UNEVEN = 0.5  # ratio of the curvatures of a smooth curve at neighbouring samples, at least
 BUSY = 80  # turning points, beyond which a thinner line shows more
 
 
@@ -42,26 +42,20 @@ def peak_of(time: Array, values: Array, horizon: float | None = None) -> Peak | 
 
     Returns
     -------
-    The top of the parabola through the sample of largest magnitude and its neighbours where the
-    curve is smooth; the sample itself where it is not.
+    As `linkages.solution.peaks.largest` locates it between samples; the largest sample where some
+    are not finite.
     """
     finite = np.isfinite(values)
     if not finite.any():
         return None
-    index = int(np.argmax(np.where(finite, np.abs(values), -1.0)))
-    late = horizon is not None and bool(abs(time[index]) > abs(horizon))
-    sample = Peak(float(time[index]), float(values[index]), late)
-    if not 2 <= index < len(values) - 2:
-        return sample
-    bends = np.diff(values[index - 2 : index + 3], 2)
-    sizes = -np.sign(values[index]) * bends
-    if not (sizes > UNEVEN * sizes[1]).all() or not (UNEVEN * sizes < sizes[1]).all():
-        return sample  # a corner, a jump, a lone sample: nothing says what is beside it
-    slope = 0.5 * (values[index + 1] - values[index - 1])
-    shift = -slope / bends[1]
-    step = float(time[index + 1] - time[index])
-    top = sample.value + 0.5 * float(slope * shift)
-    return Peak(sample.time + float(shift) * step, top, late)
+    if finite.all():
+        found = largest(values, 0.0)
+        place, value = found.time, found.value
+    else:
+        place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
+        value = float(values[int(place)])
+    at = float(np.interp(place, np.arange(len(time)), time))
+    return Peak(at, value, horizon is not None and abs(at) > abs(horizon))
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:

@@ -32,7 +32,7 @@ def test_thinning_survives_gaps():
 @pytest.mark.parametrize("offset", [0.0, 0.2, 0.5, 0.9])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_peak_of_a_smooth_curve_lies_between_samples(offset, sign):
-    """The parabola through samples at −θ/2, θ/2 and 3θ/2 is off by Π|xᵢ|·|f‴|/6 ≤ θ⁴/32."""
+    """A parabola through samples at −θ/2, θ/2 and 3θ/2 is off by Π|xᵢ|·|f‴|/6 ≤ θ⁴/32."""
     step = 2 * np.pi / 40
     time = step * (np.arange(-20, 20) + offset)
     peak = peak_of(time, sign * (1.5 * np.cos(time) + 0.5))
@@ -53,7 +53,7 @@ def test_peak_of_a_smooth_curve_lies_between_samples(offset, sign):
 )
 def test_peak_of_a_curve_that_is_not_smooth_is_a_sample(values):
     peak = peak_of(np.arange(7.0), np.array(values))
-    assert peak == (float(np.nanargmax(values)), 1.0)
+    assert peak[:2] == (float(np.nanargmax(values)), 1.0)
 
 
 def test_peak_is_the_sample_farthest_from_zero():

@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError
 from linkages.chaos.continuation import End, crossing_points, stroboscopic_points
-from linkages.chaos.free_states import PAIRS, free_names
+from linkages.chaos.diagram import Value, diagram
 from linkages.chaos.lyapunov import run_exponents
-from linkages.chaos.section import poincare, require_section, section_settings
-from linkages.chaos.sweep import INTERRUPTED, Executor, Progress, sweep
-from linkages.chaos.varied import Axis, axis, first_possible, units, varied
+from linkages.chaos.section import how, require_section, section_settings
+from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Outcome, Progress, sweep
+from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible, varied
+from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
-from linkages.errors import InputError
-from linkages.kernel.outputs import VARIABLES
+from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
+from linkages.solution.flows import Flows
 from linkages.solution.motion import Settings
 
 if TYPE_CHECKING:
@@ -28,16 +29,15 @@ if TYPE_CHECKING:
 
 STARTS = ("same", "forward", "backward")
 EXPONENT_PERIODS = 100
+ALIGNING = 10
+"""Periods in which tangents turn into the direction that grows fastest, before exponents count."""
+
 SECTION = ("periods", "skip", "phase", "section", "direction")
 
 Floats = NDArray[np.float64]
 
-
-Point = tuple[int, Mapping[str, object]]
-"""Index of a value, and overrides of an initial state."""
-
-Followed = tuple[dict[str, Floats], End | None]
-"""What was found at a value, and from where its neighbour goes on; None if the motion stopped."""
+Point = tuple[int, Mapping[str, object], End | None]
+"""Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
 
 
 @dataclass(frozen=True)
@@ -47,21 +47,25 @@ class _Request:
     mechanism: Mechanism
     axis: Axis
     section: Mapping[str, Any]
+    start: str
     exponent: bool
+    max_steps: int | None
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
         return varied(self.mechanism, {**self.axis.at(index), **overrides})
 
     def system(self, point: Point) -> System:
         """The mechanism at a value, assembled."""
-        return System(self.at(*point))
+        return System(self.at(*point[:2]))
 
     def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
         """The system at the first value that has one; what is wrong everywhere shows here."""
-        points = [[(index, over) for index in range(len(self.axis))] for over in initial]
+        points: list[list[Point]] = [
+            [(index, over, None) for index in range(len(self.axis))] for over in initial
+        ]
         system = first_possible(self.system, points[0])
         for others in points[1:]:
-            first_possible(lambda point: self.at(*point), others)
+            first_possible(lambda point: self.at(*point[:2]), others)
         taken = {key: self.section[key] for key in SECTION}
         try:
             require_section(system, **taken)
@@ -71,52 +75,66 @@ class _Request:
                 points[0],
                 (InputError, NoPeriodError),
             )
+        Flows(system).flow()  # compiled here, once, and not by every thread that waits for it
         return system
 
-    def compute(self, point: Point) -> dict[str, Floats]:
-        """The points of a value from the state of the file."""
-        mechanism = self.at(*point)
-        data = poincare(mechanism, **self.section)
-        found = {str(name): np.asarray(values) for name, values in data.data_vars.items()}
-        return found | self._exponent(mechanism, None)
-
-    def follow(self, point: tuple[int, Mapping[str, object], End | None]) -> Followed:
-        """The points of a value from where another motion ended, and where this one ends."""
+    def compute(self, point: Point) -> Value:
+        """The points of a value, and the exponent of the motion that they belong to."""
         index, overrides, before = point
         mechanism = self.at(index, overrides)
+        settings = self._settings(mechanism, self.section["periods"] + self.section["skip"])
+        continued = self.start != "same"
         if self.section["section"] is None:
-            system = _going_on(mechanism, before)
+            system = System(mechanism) if before is None else before.system(mechanism)
             taken = {key: self.section[key] for key in ("periods", "skip", "phase")}
-            found, end = stroboscopic_points(system, self._settings(mechanism), **taken)
+            ends = self.exponent, continued
+            visited = stroboscopic_points(system, settings, **taken, ends=ends)
         else:
-            settings = self._settings(mechanism)
-            found, end = crossing_points(mechanism, before, settings, self.section)
-        return found | self._exponent(mechanism, before), end
+            section = {**self.section, "max_steps": settings.max_steps}
+            ends_too = self.exponent or continued
+            visited = crossing_points(mechanism, before, settings, section, ends=ends_too)
+        if not self.exponent or visited.refusal is not None or visited.first is None:
+            return Value(visited, refusal=visited.refusal)
+        try:
+            return Value(visited, self._exponent(mechanism, visited.first))
+        except ComputationError as error:
+            return Value(visited, refusal=error)
 
-    def _settings(self, mechanism: Mechanism) -> Settings:
-        return section_settings(mechanism, self.section["method"], self.section["rtol"])
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What was asked for, as attributes of a dataset."""
+        settings = self._settings(self.mechanism, self.section["periods"] + self.section["skip"])
+        taken = {key: "" if found is None else found for key, found in self.section.items()}
+        return {
+            "name": self.mechanism.name,
+            "source": self.mechanism.source,
+            "varied": self.axis.label,
+            "start": self.start,
+            **taken,
+            **how(settings),
+            "max_steps": settings.max_steps,
+            "exponent_periods": EXPONENT_PERIODS if self.exponent else 0,
+        }
 
-    def _exponent(self, mechanism: Mechanism, before: End | None) -> dict[str, Floats]:
-        """The largest exponent and its error, if they are asked for."""
-        if not self.exponent:
-            return {}
+    def _settings(self, mechanism: Mechanism, periods: int) -> Settings:
+        steps = STEPS_PER_PERIOD * periods if self.max_steps is None else self.max_steps
+        return section_settings(mechanism, self.section["method"], self.section["rtol"], steps)
+
+    def _exponent(self, mechanism: Mechanism, first: End) -> tuple[float, float]:
+        """The largest exponent and its error, from where the points begin."""
         exponents = run_exponents(
-            _going_on(mechanism, before),
-            self._settings(mechanism),
+            first.system(mechanism),
+            self._settings(mechanism, ALIGNING + EXPONENT_PERIODS),
             periods=EXPONENT_PERIODS,
-            skip=self.section["skip"],
+            skip=ALIGNING,
             count=1,
         )
-        return {"exponent": exponents.values[0], "error": exponents.errors[0]}
-
-
-def _going_on(mechanism: Mechanism, before: End | None) -> System:
-    return System(mechanism) if before is None else before.system(mechanism)
+        return float(exponents.values[0]), float(exponents.errors[0])
 
 
 def bifurcation(
     mechanism: Mechanism,
-    vary: Mapping[str, Sequence[float] | Floats] | Axis,
+    vary: Vary,
     *,
     periods: int = 200,
     skip: int = 100,
@@ -128,6 +146,7 @@ def bifurcation(
     exponent: bool = False,
     method: str | None = None,
     rtol: float | None = None,
+    max_steps: int | None = None,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
 ) -> xr.Dataset:
@@ -136,55 +155,74 @@ def bifurcation(
     Parameters
     ----------
     mechanism
-        From `linkages.load`.
+        From a file or made in Python.
     vary
-        Dotted path of the definition file → its values in SI; several paths vary together.
+        Dotted path of its definition → values in SI; several paths vary together. Or a range as on
+        the command line, which may have a unit: ``"clearances.r1.size=0.01mm:0.5mm:200"``.
     periods, skip, phase, section, direction, method, rtol
         As `linkages.poincare` takes them.
     start
-        ``"same"``: each value starts from the state of the file; ``"forward"`` or ``"backward"``:
-        from the last state of the value before or behind it, in the same assembly mode and at the
-        start of a period of the drives, which shows hysteresis.
+        ``"same"``: each value starts from the state of the definition; ``"forward"`` or
+        ``"backward"``: from the last state of the value before or behind it, in the same assembly
+        mode and at the start of a period of the drives, which shows hysteresis.
     initial
-        Overrides of the file, one for each initial state that is tried at every value, such as
-        ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
+        Overrides of the definition, one for each initial state that is tried at every value, such
+        as ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
     exponent
-        Whether to compute the largest Lyapunov exponent at every value as well, over 100 periods
-        after the same `skip`.
+        Whether to compute the largest Lyapunov exponent at every value as well: of the motion that
+        the points belong to, over 100 periods that begin 10 after the first point.
+    max_steps
+        Steps of the integration that a value may take, and its exponent once more; one that needs
+        more is left out, with this as its reason. 100,000 for each period if not given.
     executor
-        Where values are computed; the cores of this machine if not given.
+        Where values are computed; the cores that this process may use if not given.
     watch
         Called after each value with the progress.
 
     Returns
     -------
-    Dataset with the free coordinates and their rates (start, value, crossing, …), `time`, and with
-    `exponent` and its `error` (start, value) if asked for; `reason` (start, value) says why a value
-    could not be computed, which leaves nan. The attribute ``interrupted`` is 1 after Ctrl-C.
+    Dataset with the free coordinates and their rates (start, value, crossing, …), and with
+    `exponent` and its `error` (start, value) if asked for. What is varied is a coordinate, in the
+    unit of its attribute ``units``: SI, or that of the range. `reason` (start, value) says why a
+    value could not be computed, which leaves nan, and `stop_time` when its motion stopped; points
+    before that are there. `warning` (start, value) says where there are fewer points than asked
+    for. With clearances, `contact_lost` and `least_force` (start, value, clearance) as
+    `linkages.poincare` has them.
 
     Raises
     ------
     InputError
         If a path names nothing or nothing is free.
-    ValueError
+    ValueError, TypeError
         For arguments that make no sense.
+    Interrupted
+        After Ctrl-C; ``kept["bifurcation"]`` has the values so far.
     """
-    values = vary if isinstance(vary, Axis) else axis(vary)
+    values = axis_of(vary)
     if start not in STARTS:
         raise ValueError(f"start must be one of {', '.join(STARTS)}, found {start!r}")
     taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
-    request = _Request(mechanism, values, taken, exponent)
+    counted = {"periods": periods, "skip": skip, "max_steps": max_steps}
+    require_whole(**{name: given for name, given in counted.items() if given is not None})
+    request = _Request(mechanism, values, taken, start, exponent, max_steps)
     system = request.checked(initial)
-    if start == "same":
-        found, interrupted = _independent(request, initial, executor, watch)
-    else:
-        found, interrupted = _continued(request, initial, start, executor, watch)
-    return _labelled(system, request, found, len(initial), periods, interrupted)
+    compute = _independent if start == "same" else _continued
+    found, interrupted = compute(request, initial, executor, watch)
+    shape = len(initial), len(values)
+    attributes = {**request.attributes, "interrupted": int(interrupted)}
+    data = diagram(
+        system, found, shape, periods, exponent, coordinates(mechanism, values, "value"), attributes
+    )
+    if interrupted:
+        done = sum(outcome is not None for outcome in found)
+        message = f"interrupted after {done} of {len(found)} values"
+        raise Interrupted(message, kept={"bifurcation": data})
+    return data
 
 
-Found = list[tuple[dict[str, Floats] | None, str]]
-"""Per start and value: results and reason."""
+Found = tuple[list[Outcome | None], bool]
+"""For one start after the other the outcomes at all values, and whether that is not all."""
 
 
 def _independent(
@@ -192,40 +230,36 @@ def _independent(
     initial: Sequence[Mapping[str, object]],
     executor: Executor | None,
     watch: Callable[[Progress], None] | None,
-) -> tuple[Found, bool]:
-    """Every value from the state of the file."""
-    points: list[Point] = [(i, over) for over in initial for i in range(len(request.axis))]
+) -> Found:
+    """Every value from the state of the definition."""
+    points: list[Point] = [(i, over, None) for over in initial for i in range(len(request.axis))]
     swept = sweep(request.compute, points, executor=executor, watch=watch)
-    results = [None if o is None else o.value for o in swept.outcomes]
-    return list(zip(results, swept.reasons, strict=True)), swept.interrupted
+    return list(swept.outcomes), swept.interrupted
 
 
 def _continued(
     request: _Request,
     initial: Sequence[Mapping[str, object]],
-    start: str,
     executor: Executor | None,
     watch: Callable[[Progress], None] | None,
-) -> tuple[Found, bool]:
+) -> Found:
     """Every value from the last state of its neighbour, all initial states side by side."""
     count = len(request.axis)
-    order = range(count) if start == "forward" else range(count - 1, -1, -1)
+    order = range(count) if request.start == "forward" else range(count - 1, -1, -1)
     ends: list[End | None] = [None for _ in initial]
-    found: Found = [(None, INTERRUPTED)] * (len(initial) * count)
+    found: list[Outcome | None] = [None] * (len(initial) * count)
     begun = time.monotonic()
     for done, index in enumerate(order):
         swept = sweep(
-            request.follow,
+            request.compute,
             [(index, *start) for start in zip(initial, ends, strict=True)],
             executor=executor,
             watch=_onwards(watch, done * len(initial), count * len(initial), begun),
-            alone=not done,  # later values find everything compiled
         )
         for row, outcome in enumerate(swept.outcomes):
-            if outcome is not None:
-                points, end = (None, None) if outcome.value is None else outcome.value
-                found[row * count + index] = (points, outcome.reason or "")
-                ends[row] = ends[row] if end is None else end
+            found[row * count + index] = outcome
+            if outcome is not None and outcome.value is not None:
+                ends[row] = outcome.value.visited.last or ends[row]
         if swept.interrupted:
             return found, True
     return found, False
@@ -238,53 +272,3 @@ def _onwards(
     if watch is None:
         return None
     return lambda progress: watch(Progress.after(before + progress.done, total, begun))
-
-
-def _labelled(
-    system: System,
-    request: _Request,
-    found: Found,
-    starts: int,
-    points: int,
-    interrupted: bool,
-) -> xr.Dataset:
-    """Arrays padded with nan where fewer points were found."""
-    import xarray as xr
-
-    shape = (starts, len(request.axis))
-    names = free_names(system)
-    variables: dict[str, Any] = {}
-    for dim, elements in names.items():
-        for output in PAIRS[dim]:
-            array = np.full((starts * shape[1], points, len(elements)), np.nan)
-            for row, (result, _) in enumerate(found):
-                if result is not None:
-                    array[row, : len(result[output])] = result[output]
-            entry = VARIABLES[output]
-            attrs = {"units": entry.units, "long_name": entry.long_name}
-            dims = ("start", "value", "crossing", dim)
-            variables[output] = (dims, array.reshape(*shape, points, -1), attrs)
-    if request.exponent:
-        for name, words in (("exponent", "largest Lyapunov exponent"), ("error", "its error")):
-            rows = [np.nan if r is None else float(r[name]) for r, _ in found]
-            attrs = {"units": "1/s", "long_name": words}
-            variables[name] = (("start", "value"), np.reshape(rows, shape), attrs)
-    reasons = np.array([reason for _, reason in found], dtype=object).reshape(shape)
-    variables["reason"] = (("start", "value"), reasons)
-    coordinates: dict[str, Any] = {
-        path: ("value", numbers, {"units": unit})
-        for path, numbers, unit in zip(
-            request.axis.paths,
-            request.axis.values,
-            units(request.mechanism, request.axis),
-            strict=True,
-        )
-    }
-    coordinates |= {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
-    attributes: dict[str, Any] = {
-        "name": request.mechanism.name,
-        "source": request.mechanism.source,
-        "varied": request.axis.label,
-        "interrupted": int(interrupted),
-    }
-    return xr.Dataset(variables, coordinates, attributes)

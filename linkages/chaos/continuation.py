@@ -11,14 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.contact_log import contact_values
 from linkages.chaos.free_states import PAIRS, free_names, free_values
 from linkages.chaos.section import poincare
+from linkages.chaos.strobe import strobe
+from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.assembly import AssemblyHint
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
+from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Settings, compute_motion
-from linkages.solution.simulate import passes
+from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 
 Floats = NDArray[np.float64]
 
@@ -70,10 +73,10 @@ class End:
         return system
 
 
-def end_of(system: System, motion: Motion) -> End:
-    """Where a motion of a system ended, at its last sample."""
-    last = next(piece for piece in reversed(motion.pieces) if len(piece.wanted))
-    piece = last.direct().part(slice(-1, None))
+def end_of(system: System, motion: Motion, sample: int = -1) -> End:
+    """Where a motion of a system was at one of its samples, the last one if it is not said."""
+    piece, place = _piece_at(motion, range(len(motion.time))[sample])
+    piece = piece.direct().part(slice(place, place + 1))
     positions = piece.system.model.positions
     nodes = [node for place in positions.joints.values() for node in (place.x, place.y)]
     carried = system.topology.carried
@@ -82,64 +85,150 @@ def end_of(system: System, motion: Motion) -> End:
         [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
     )[:, 0]
     return End(
-        state=_free_state(system, motion),
+        state=_free_state(system, motion, sample),
         places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
         carried=dict(zip(carried, found[len(nodes) :].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
     )
 
 
-def _free_state(system: System, motion: Motion) -> dict[str, tuple[float, float]]:
-    """Free coordinates and rates at the last sample; angles within one turn unless turns count."""
+def _piece_at(motion: Motion, sample: int) -> tuple[Piece, int]:
+    """The piece that a sample belongs to, and its place there."""
+    for piece in motion.pieces:
+        if sample < len(piece.wanted):
+            return piece, sample
+        sample -= len(piece.wanted)
+    raise IndexError(sample)
+
+
+def _free_state(system: System, motion: Motion, sample: int) -> dict[str, tuple[float, float]]:
+    """Free coordinates and rates at a sample; angles within one turn unless turns count."""
     whole, within = (free_values(system, motion, wrap) for wrap in (False, True))
     state = {}
     for dim, names in free_names(system).items():
         value, rate = PAIRS[dim]
         for column, name in enumerate(names):
             chosen = whole if system.topology.unwrapped(name) else within
-            state[name] = (float(chosen[value][-1, column]), float(whole[rate][-1, column]))
+            state[name] = (float(chosen[value][sample, column]), float(whole[rate][sample, column]))
     return state
 
 
-def stroboscopic_points(
-    system: System, settings: Settings, *, periods: int, skip: int, phase: float
-) -> tuple[dict[str, Floats], End | None]:
-    """Points of a stroboscopic section, and where the motion is at the next whole period.
+@dataclass(frozen=True, eq=False)
+class Visited:
+    """Points of a section, and where the motion was when it came to the first and left the last.
 
-    Returns
-    -------
-    What `poincare` returns of the free coordinates; and the end, None if the motion stops before.
+    Parameters
+    ----------
+    values
+        What `poincare` returns of the free coordinates and of contact.
+    first, last
+        At a whole period of the drives: not behind the first point of a stroboscopic section and
+        not before the first crossing; not before the last point. None if it was not asked for, or
+        the motion did not come so far.
+    refusal
+        What is missing, if the motion stopped.
+    warning
+        What `poincare` says of the points.
+    interval
+        Time in seconds between two looks at the forces in clearances.
+    """
+
+    values: dict[str, Floats]
+    first: End | None
+    last: End | None
+    refusal: ComputationError | None
+    warning: str = ""
+    interval: float = 0.0
+
+
+def stroboscopic_points(
+    system: System,
+    settings: Settings,
+    *,
+    periods: int,
+    skip: int,
+    phase: float,
+    ends: tuple[bool, bool] = (True, True),
+) -> Visited:
+    """Points of a stroboscopic section, and the first and the last end if wanted, from one run.
 
     Raises
     ------
     ComputationError
-        If the motion cannot go on until the last point.
+    Interrupted
+        After Ctrl-C.
     """
     period = common_period(system.mechanism)
-    times = period * (phase + skip + np.arange(periods, dtype=np.float64))
-    if phase:
-        times = np.append(times, period * (skip + periods))
-    motion = _motion(system, settings, times, passing=passes(system))
-    if len(motion.time) < periods:
-        raise ComputationError(str(motion.failure), time=motion.stop_time)
-    values = {name: array[:periods] for name, array in free_values(system, motion).items()}
-    return values, end_of(system, motion) if len(motion.time) == len(times) else None
+    # without a phase the last point is at a whole period itself
+    wanted = period * skip, period * (skip + periods - (not phase))
+    further = tuple(time for time, asked in zip(wanted, ends, strict=True) if asked)
+    found = strobe(system, settings, periods=periods, skip=skip, phase=phase, further=further)
+    motion = found.motion
+    _require_uninterrupted(motion)
+    places = [found.place(time) for time in wanted]
+    first, last = (
+        end_of(system, motion, place) if asked and place is not None else None
+        for place, asked in zip(places, ends, strict=True)
+    )
+    names = labels(system.model, "clearance")
+    return Visited(
+        values=found.values() | (contact_values(found.contacts, names) if names else {}),
+        first=first,
+        last=last,
+        refusal=_refusal(found.failure, motion.stop_time),
+        interval=found.interval,
+    )
 
 
 def crossing_points(
-    mechanism: Mechanism, before: End | None, settings: Settings, section: Mapping[str, Any]
-) -> tuple[dict[str, Floats], End | None]:
-    """Crossings of a section, and where the motion is at the next whole period of the drives.
+    mechanism: Mechanism,
+    before: End | None,
+    settings: Settings,
+    section: Mapping[str, Any],
+    ends: bool = True,
+) -> Visited:
+    """Crossings of a section, and where the motion was at whole periods of the drives.
 
-    Without a common period nothing distinguishes one time from another, and the end is the last
-    crossing itself. Arguments and results as of `stroboscopic_points`.
+    Without a common period nothing distinguishes one time from another, and ends are the crossings
+    themselves. With `ends` the motion is followed once more to find them.
+
+    Raises
+    ------
+    ComputationError
+        If the motion never crosses the section.
+    Interrupted
+        After Ctrl-C.
     """
-    data = poincare(mechanism if before is None else before.mechanism(mechanism), **section)
-    system = System(mechanism) if before is None else before.system(mechanism)
-    time = _whole(mechanism, float(data["time"][-1]))
-    motion = _motion(system, settings, np.array([time]), passing=False)
-    values = {str(name): np.asarray(array) for name, array in data.data_vars.items()}
-    return values, None if motion.failure else end_of(system, motion)
+    refusal: ComputationError | None = None
+    try:
+        data = poincare(mechanism if before is None else before.mechanism(mechanism), **section)
+    except UnfinishedError as error:
+        if not error.kept["poincare"].sizes["crossing"]:
+            raise
+        data, refusal = error.kept["poincare"], _refusal(str(error), error.time)
+    first = last = None
+    if ends and data.sizes["crossing"]:
+        system = System(mechanism) if before is None else before.system(mechanism)
+        times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
+        motion = compute_motion(system, replace(settings, times=np.unique(times), passing=False))
+        _require_uninterrupted(motion)
+        places = [int(np.searchsorted(motion.time, time)) for time in times]
+        first, last = (
+            end_of(system, motion, at) if at < len(motion.time) else None for at in places
+        )
+        refusal = refusal or (None if first else _refusal(motion.failure, motion.stop_time))
+    return Visited(
+        values={str(name): np.asarray(array) for name, array in data.data_vars.items()},
+        first=first,
+        last=last,
+        refusal=refusal,
+        warning=data.attrs["warning"],
+        interval=data["contact_lost"].attrs["interval"] if "contact_lost" in data else 0.0,
+    )
+
+
+def _refusal(failure: str | None, time: float | None) -> ComputationError | None:
+    return None if failure is None else ComputationError(failure, time=time)
 
 
 def _whole(mechanism: Mechanism, time: float) -> float:
@@ -151,8 +240,6 @@ def _whole(mechanism: Mechanism, time: float) -> float:
     return period * math.ceil(time / period - WHOLE)
 
 
-def _motion(system: System, settings: Settings, times: Floats, passing: bool) -> Motion:
-    motion = compute_motion(system, replace(settings, times=times, passing=passing))
+def _require_uninterrupted(motion: Motion) -> None:
     if motion.interrupted:
         raise Interrupted(str(motion.failure), time=motion.stop_time)
-    return motion

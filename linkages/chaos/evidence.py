@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.crossed import NeverCrossedError
 from linkages.chaos.dimension import FEWEST_POINTS, Dimension, correlation_dimension
 from linkages.chaos.free_states import PAIRS, free_names, labelled_states
 from linkages.chaos.lyapunov import characteristic_period
 from linkages.chaos.rotation import Rotation, classify_angle, refined
-from linkages.chaos.section import NeverCrossedError, poincare
+from linkages.chaos.section import poincare
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdict import FEWEST_PERIODS
 from linkages.chaos.zero_one import zero_one

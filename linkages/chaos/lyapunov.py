@@ -10,6 +10,12 @@ import numpy as np
 
 from linkages.chaos.certificate import certificate, samples_within
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.contact_log import (
+    ContactLog,
+    check_interval,
+    contact_values,
+    contact_variables,
+)
 from linkages.chaos.exponents import (
     FEWEST_INTERVALS,
     FURTHEST_APART,
@@ -19,10 +25,11 @@ from linkages.chaos.exponents import (
 )
 from linkages.chaos.free_states import require_free
 from linkages.chaos.invariants import Invariant
-from linkages.chaos.section import section_settings
+from linkages.chaos.section import how, section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.chaos.volumes import Volumes
+from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -77,7 +84,9 @@ def lyapunov(
     Dataset with `exponent` and `error` (index) in 1/s, the largest first, and their `history`
     (time, index). For the whole spectrum also what is known of it otherwise: `found`, `expected`
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
-    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents.
+    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents. With
+    clearances, `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over
+    what is averaged.
 
     Raises
     ------
@@ -91,26 +100,38 @@ def lyapunov(
     Interrupted
         After Ctrl-C, with the same.
     """
+    system, settings = System(mechanism), section_settings(mechanism, method, rtol, max_steps)
+    looked = check_interval(system)
+    log = None if looked is None else ContactLog(system, looked)
+
+    def labelled(exponents: Exponents) -> xr.Dataset:
+        data = labelled_exponents(mechanism, exponents).assign_attrs(skip=skip, **how(settings))
+        if log is None:
+            return data
+        contacts = log.contacts
+        names = [contact.clearance for contact in contacts]
+        values = contact_variables(contact_values(contacts, names), log.interval)
+        return data.assign(values).assign_coords(clearance=np.array(names, dtype=object))
+
     try:
-        exponents = exponents_of(
-            mechanism,
+        exponents = run_exponents(
+            system,
+            settings,
             periods=periods,
             skip=skip,
             count=count,
             interval=interval,
-            method=method,
-            rtol=rtol,
-            max_steps=max_steps,
             watch=watch,
+            log=log,
         )
     except UnfinishedExponentsError as error:
-        kept = {"lyapunov": labelled_exponents(mechanism, error.exponents)}
+        kept = {"lyapunov": labelled(error.exponents)}
         raise UnfinishedError(str(error), kept, time=error.time) from None
     except Interrupted as error:
         part = error.kept.get("exponents")
-        kept = {} if part is None else {"lyapunov": labelled_exponents(mechanism, part)}
+        kept = {} if part is None else {"lyapunov": labelled(part)}
         raise Interrupted(str(error), time=error.time, kept=kept) from None
-    return labelled_exponents(mechanism, exponents)
+    return labelled(exponents)
 
 
 def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset:
@@ -190,9 +211,11 @@ def run_exponents(
     count: int | None = None,
     interval: float | None = None,
     watch: Callable[[float], None] | None = None,
+    log: ContactLog | None = None,
 ) -> Exponents:
-    """Exponents of a motion that is integrated in a certain way."""
+    """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
+    require_whole(periods=periods, skip=skip)
     if periods < 1 or skip < 0:
         raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
     whole = 2 * len(system.topology.free)
@@ -202,6 +225,8 @@ def run_exponents(
     length = characteristic_period(system.mechanism) if interval is None else interval
 
     def run(parts: int) -> Exponents:
+        if log is not None:
+            log.restart(since=system.time + skip * length)
         tangents = LinkageTangents(
             system,
             columns,
@@ -211,6 +236,7 @@ def run_exponents(
             settings.step,
             settings.max_steps,
             _samples(system, periods * parts) if columns == whole else 0,
+            log,
         )
 
         def certify(exponents: Exponents) -> tuple[Invariant, ...]:

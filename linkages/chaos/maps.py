@@ -2,32 +2,44 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkages.chaos.exponents import lyapunov_spectrum
+from linkages.chaos.contact_log import ContactLog, check_interval
+from linkages.chaos.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.free_states import require_free
-from linkages.chaos.indicators import fast_indicators
+from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
 from linkages.chaos.lyapunov import characteristic_period
-from linkages.chaos.section import section_settings
-from linkages.chaos.sweep import Executor, Progress, sweep
+from linkages.chaos.map_data import INDICATORS, MapPoint, map_data
+from linkages.chaos.section import how, section_settings
+from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Progress, sweep
 from linkages.chaos.tangents import LinkageTangents
-from linkages.chaos.varied import Axis, first_possible, require_different, varied
-from linkages.chaos.varied import units as units_of
+from linkages.chaos.varied import (
+    Axis,
+    Vary,
+    axis_of,
+    coordinates,
+    first_possible,
+    require_different,
+    varied,
+)
+from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
+from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.solution.flows import Flows
+from linkages.solution.motion import Settings
 
 if TYPE_CHECKING:
     import xarray as xr
 
-INDICATORS = {
-    "exponent": ("largest Lyapunov exponent", "1/s"),
-    "fli": ("fast Lyapunov indicator", ""),
-    "gali": ("generalised alignment index", ""),
-}
+BEYOND = 3.0
+"""Standard errors beyond which an exponent differs from zero."""
+
 PARTS = 16
 """Intervals within a period."""
 
@@ -44,44 +56,94 @@ class _Request:
     periods: int
     method: str | None
     rtol: float | None
+    max_steps: int | None
 
     def at(self, point: tuple[int, int]) -> Mechanism:
         """The mechanism at a column and a row."""
         column, row = point
         return varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
 
+    @property
+    def tangents(self) -> int:
+        """How many tangents the indicator needs."""
+        return 2 if self.indicator == "gali" else 1
+
     def system(self, point: tuple[int, int]) -> System:
         """The same, assembled."""
         return System(self.at(point))
 
-    def compute(self, point: tuple[int, int]) -> tuple[float, dict[str, str]]:
-        """The indicator and what every free angle does."""
+    def compute(self, point: tuple[int, int]) -> MapPoint:
+        """The indicator, what every free angle does, and forces in clearances."""
         mechanism = self.at(point)
-        settings = section_settings(mechanism, self.method, self.rtol)
-        count = 2 if self.indicator == "gali" else 1
-        system = _Followed(
-            System(mechanism),
+        settings = self.settings(mechanism)
+        count = self.tangents
+        system = System(mechanism)
+        looked = check_interval(system)
+        log = None if looked is None else ContactLog(system, looked)
+        tangents = _Followed(
+            system,
             count,
             settings.method,
             settings.rtol,
             settings.atol,
             settings.step,
+            settings.max_steps,
+            log=log,
         )
         intervals = self.periods * PARTS
         interval = characteristic_period(mechanism) / PARTS
+        error, told = math.nan, 0
         if self.indicator == "exponent":
-            exponents = lyapunov_spectrum(system, intervals=intervals, interval=interval, count=1)
-            return float(exponents.values[0]), system.kinds()
-        series = fast_indicators(system, intervals=intervals, interval=interval, count=count)
-        found = series.fli if self.indicator == "fli" else series.gali
-        return float(found[-1]), system.kinds()
+            exponents = lyapunov_spectrum(tangents, intervals=intervals, interval=interval, count=1)
+            value, error = float(exponents.values[0]), float(exponents.errors[0])
+            told = sign_of(exponents)
+        else:
+            series = fast_indicators(tangents, intervals=intervals, interval=interval, count=count)
+            value = float((series.fli if self.indicator == "fli" else series.gali)[-1])
+        contacts = () if log is None else log.contacts
+        return MapPoint(value, error, told, tangents.kinds(), contacts, looked or 0.0)
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What was asked for, as attributes of a dataset."""
+        settings = self.settings(self.mechanism)
+        return {
+            "name": self.mechanism.name,
+            "source": self.mechanism.source,
+            "kind": self.indicator,
+            "x": self.x.label,
+            "y": self.y.label,
+            "periods": self.periods,
+            **how(settings),
+            "max_steps": settings.max_steps,
+        }
+
+    def settings(self, mechanism: Mechanism) -> Settings:
+        """How a point is integrated."""
+        steps = STEPS_PER_PERIOD * self.periods if self.max_steps is None else self.max_steps
+        return section_settings(mechanism, self.method, self.rtol, steps)
+
+
+def sign_of(exponents: Exponents) -> int:
+    """The sign of the largest exponent; 0 where it cannot be told from zero.
+
+    It differs from zero if it exceeds three standard errors, and if the logarithm of the tangent's
+    length changes by more than that of a power of time while time doubles: regular motions have
+    such tangents, and finite-time exponents that are positive but fall to zero.
+    """
+    growth = exponents.growth[:, 0] * np.diff(exponents.times)
+    doubling = float(growth[len(growth) // 2 :].sum()) / math.log(2.0)
+    value, error = exponents.values[0], exponents.errors[0]
+    if abs(value) <= BEYOND * error or abs(doubling) <= CHAOTIC_POWER or doubling * value < 0:
+        return 0
+    return 1 if value > 0 else -1
 
 
 class _Followed(LinkageTangents):
     """Tangents that remember where free angles were."""
 
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments)
+    def __init__(self, *arguments: Any, **given: Any) -> None:
+        super().__init__(*arguments, **given)
         self._places = [self.unwrapped]
 
     def advance(self, interval: float) -> None:
@@ -104,13 +166,14 @@ class _Followed(LinkageTangents):
 
 def chaos_map(
     mechanism: Mechanism,
-    x: Axis,
-    y: Axis,
+    x: Vary,
+    y: Vary,
     *,
     indicator: str = "exponent",
     periods: int = 100,
     method: str | None = None,
     rtol: float | None = None,
+    max_steps: int | None = None,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
 ) -> xr.Dataset:
@@ -119,10 +182,10 @@ def chaos_map(
     Parameters
     ----------
     mechanism
-        From `linkages.load`.
+        From a file or made in Python.
     x, y
-        Ranges of paths of the definition file, such as ``clearances.r1.angle`` and
-        ``clearances.r1.speed`` for the plane of initial states.
+        As `linkages.bifurcation` takes what is varied: two parameters, or ``clearances.r1.angle``
+        and ``clearances.r1.speed`` for the plane of initial states.
     indicator
         ``"exponent"`` (1/s), ``"fli"`` (grows in proportion to time where motion is chaotic) or
         ``"gali"`` (shrinks to zero there, for motions that conserve energy).
@@ -130,66 +193,51 @@ def chaos_map(
         Length of each run.
     method, rtol
         As `linkages.simulate` takes them.
+    max_steps
+        Steps of the integration that a point may take; one that needs more is left out, with this
+        as its reason. 100,000 for each period if not given.
     executor, watch
         As `linkages.bifurcation` takes them.
 
     Returns
     -------
     Dataset with `indicator` (y, x), `rotation` (y, x, coordinate): what each free angle does, and
-    `reason` (y, x) where nothing could be computed. The attribute ``interrupted`` is 1 after
-    Ctrl-C.
+    `reason` (y, x) where nothing could be computed, with the `stop_time` (y, x) of the motion.
+    Exponents have a standard `error` (y, x) and a `sign` (y, x): 1 or −1, or 0 where they cannot be
+    told from zero. What is varied is a coordinate, in the unit of its attribute ``units``. With
+    clearances, `contact_lost` and `least_force` (y, x, clearance) as `linkages.poincare` has them.
 
     Raises
     ------
     InputError
         If a path names nothing or nothing is free.
-    ValueError
+    ValueError, TypeError
         For arguments that make no sense.
+    Interrupted
+        After Ctrl-C; ``kept["map"]`` has the points so far.
     """
-    import xarray as xr
-
     if indicator not in INDICATORS:
         raise ValueError(f"indicator must be one of {', '.join(INDICATORS)}, found {indicator!r}")
+    require_whole(periods=periods, **({} if max_steps is None else {"max_steps": max_steps}))
     if periods < 4:
         raise ValueError(f"a map needs at least 4 periods, found {periods}")
-    request = _Request(mechanism, x, y, indicator, periods, method, rtol)
-    require_different((x, y))
-    points = [(column, row) for row in range(len(y)) for column in range(len(x))]
+    axes = axis_of(x), axis_of(y)
+    request = _Request(mechanism, *axes, indicator, periods, method, rtol, max_steps)
+    require_different(axes)
+    points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
     first = first_possible(request.system, points)  # what is wrong everywhere shows here
     require_free(first)
+    Flows(first, tangents=request.tangents).flow()  # compiled here, once
     swept = sweep(request.compute, points, executor=executor, watch=watch)
-    found = [None if outcome is None else outcome.value for outcome in swept.outcomes]
-    bodies = first.mechanism.bodies
-    angles = [name for name in first.topology.free if bodies[name].rotates]
-    shape = (len(y), len(x))
-    values = np.array([np.nan if f is None else f[0] for f in found]).reshape(shape)
-    kinds = [["" if f is None else f[1].get(name, "") for name in angles] for f in found]
-    words, units = INDICATORS[indicator]
-    coordinates: dict[str, Any] = {"coordinate": np.array(angles, dtype=object)}
-    for dim, axis in (("x", x), ("y", y)):
-        coordinates |= {
-            path: (dim, numbers, {"units": unit})
-            for path, numbers, unit in zip(
-                axis.paths, axis.values, units_of(mechanism, axis), strict=True
-            )
-        }
-    return xr.Dataset(
-        {
-            "indicator": (("y", "x"), values, {"units": units, "long_name": words}),
-            "rotation": (
-                ("y", "x", "coordinate"),
-                np.array(kinds, dtype=object).reshape(*shape, len(angles)),
-            ),
-            "reason": (("y", "x"), np.array(swept.reasons, dtype=object).reshape(shape)),
-        },
-        coordinates,
-        {
-            "name": mechanism.name,
-            "source": mechanism.source,
-            "kind": indicator,
-            "x": x.label,
-            "y": y.label,
-            "periods": periods,
-            "interrupted": int(swept.interrupted),
-        },
-    )
+    shape = len(request.y), len(request.x)
+    varied_along = {
+        **coordinates(mechanism, request.x, "x"),
+        **coordinates(mechanism, request.y, "y"),
+    }
+    attributes = {**request.attributes, "interrupted": int(swept.interrupted)}
+    data = map_data(first, swept, shape, indicator, varied_along, attributes)
+    if swept.interrupted:
+        done = sum(outcome is not None for outcome in swept.outcomes)
+        message = f"interrupted after {done} of {len(points)} points"
+        raise Interrupted(message, kept={"map": data})
+    return data

@@ -10,35 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
+from linkages.chaos.contact_log import (
+    contact_values,
+    contact_variables,
+)
+from linkages.chaos.crossed import DIRECTIONS, crossed
 from linkages.chaos.free_states import free_values, labelled_states, require_free
-from linkages.chaos.stops import stop_text
-from linkages.chaos.surface import SECTION, Surface, parse_section
+from linkages.chaos.strobe import strobe
+from linkages.chaos.surface import SECTION, parse_section
 from linkages.chaos.unfinished import UnfinishedError
+from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
-from linkages.errors import ComputationError, Interrupted
+from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.solution.flows import Flows, watched
-from linkages.solution.motion import Motion, Piece, Settings, compute_motion
-from linkages.solution.simulate import passes
-from linkages.solvers.events import Event
-from linkages.solvers.flow import Flow
-from linkages.solvers.integrate import MAX_STEPS, integrate
+from linkages.solution.motion import Motion, Settings
+from linkages.solvers.integrate import MAX_STEPS
 from linkages.solvers.methods import FIXED_STEP_METHODS
-from linkages.solvers.outcome import Outcome
-from linkages.solvers.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
 
-DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 ROOM = 2
 """Periods beyond the points asked for until which crossings are looked for."""
-
-
-class NeverCrossedError(ComputationError):
-    """A motion does not reach the section at which points were to be taken."""
 
 
 def poincare(
@@ -79,7 +74,7 @@ def poincare(
     wrap
         Whether angles are taken within one turn.
     method, rtol, max_steps
-        As `linkages.simulate` takes them; those of the file if not given.
+        As `linkages.simulate` takes them; method and tolerance of the file if not given.
     watch
         Called about 20 times a second with the fraction of simulated time done.
 
@@ -87,7 +82,11 @@ def poincare(
     -------
     Dataset with `time` (crossing) and, for each kind of free coordinate, value and rate, such as
     `clearance_angle` and `clearance_speed` (crossing, clearance). The attribute ``warning`` says if
-    there are fewer points than asked for, since the time was over.
+    there are fewer points than asked for, since the time was over. With clearances, `contact_lost`
+    and `least_force` (clearance) say for which share of the time from the first point to the last
+    the massless link would have to push, and the least force in newtons along it; forces are looked
+    at every ``interval`` seconds, an attribute of both: 128 times a period, or as often as
+    `simulate` takes samples where drives have no period.
 
     Raises
     ------
@@ -107,12 +106,17 @@ def poincare(
     settings = replace(section_settings(mechanism, method, rtol, max_steps), watch=watch)
     attributes: dict[str, object]
     if section is None:
-        motion = _stroboscopic(system, settings, periods, skip, phase)
+        found = strobe(system, settings, periods=periods, skip=skip, phase=phase)
+        motion, failure, time, values = found.motion, found.failure, found.time, found.values(wrap)
+        contacts, interval = found.contacts, found.interval
         attributes = {"period": common_period(system.mechanism), "phase": phase, "warning": ""}
     else:
         surface = parse_section(system, section)
         last = _limit(system, periods + skip) if end is None else end
-        motion = _crossed(system, settings, surface, periods, skip, direction, last)
+        met = crossed(system, settings, surface, periods, skip, direction, last)
+        motion, failure, time = met.motion, met.motion.failure, met.motion.time
+        values = free_values(system, motion, wrap)
+        contacts, interval = met.contacts, met.interval
         attributes = {
             "section": section,
             "direction": direction,
@@ -120,15 +124,18 @@ def poincare(
         }
     data = labelled_states(
         system,
-        free_values(system, motion, wrap),
+        values,
         "crossing",
-        {"time": ("crossing", motion.time, {"units": "s", "long_name": "time"})},
-        attributes,
+        {"time": ("crossing", time, {"units": "s", "long_name": "time"})},
+        {**attributes, "skip": skip, **how(settings)},
     )
+    if "clearance" in data.coords:
+        names = [str(name) for name in data["clearance"].to_numpy()]
+        data = data.assign(contact_variables(contact_values(contacts, names), interval))
     if motion.interrupted:
         raise Interrupted(str(motion.failure), time=motion.stop_time, kept={"poincare": data})
-    if motion.failure is not None:
-        raise UnfinishedError(motion.failure, {"poincare": data}, time=motion.stop_time)
+    if failure is not None:
+        raise UnfinishedError(failure, {"poincare": data}, time=motion.stop_time)
     return data
 
 
@@ -151,6 +158,7 @@ def require_section(
         If they do not.
     """
     require_free(system)
+    require_whole(periods=periods, skip=skip)
     if periods < 1 or skip < 0:
         raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
     if not 0.0 <= phase < 1.0:
@@ -203,12 +211,11 @@ def section_settings(
     )
 
 
-def _stroboscopic(
-    system: System, settings: Settings, periods: int, skip: int, phase: float
-) -> Motion:
-    period = common_period(system.mechanism)
-    times = period * (phase + skip + np.arange(periods, dtype=np.float64))
-    return compute_motion(system, replace(settings, times=times, passing=passes(system)))
+def how(settings: Settings) -> dict[str, object]:
+    """How a motion is integrated, as attributes of a dataset; nan for what is not set."""
+    atol = settings.rtol if settings.atol is None else settings.atol
+    step = np.nan if settings.step is None else settings.step
+    return {"method": settings.method, "rtol": settings.rtol, "atol": atol, "step": step}
 
 
 def stroboscopic_period(mechanism: Mechanism) -> float:
@@ -238,83 +245,3 @@ def _shortage(motion: Motion, points: int, end: float) -> str:
         f"{found} of {points} points: the section is not crossed more often within {end:.6g} s; "
         "a later end may give more"
     )
-
-
-def _crossed(
-    system: System,
-    settings: Settings,
-    surface: Surface,
-    points: int,
-    skip: int,
-    direction: str,
-    end: float,
-) -> Motion:
-    """Integrate until enough crossings are found."""
-    flow, function = Flows(system).flow(), watched(system, surface.nodes)
-    wanted = points + skip
-    capacity = wanted
-    while True:
-        event = Event(
-            function=function,
-            direction=DIRECTIONS[direction],
-            terminal=capacity,
-            capacity=capacity,
-        )
-        trajectory = _integrated(system, flow, settings, event, end)
-        piece = _met(system, surface, trajectory)
-        if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
-            break
-        capacity *= 2  # others used it up
-    ended = trajectory.outcome in (Outcome.DONE, Outcome.EVENT)
-    count = len(piece.time)
-    piece = piece.part(slice(skip, wanted))
-    if ended and not len(piece.time):
-        raise NeverCrossedError(
-            f"the section {surface.series.name} = {surface.level:g} is crossed "
-            f"{count} times within {end:.6g} s"
-            + (f", and {skip} are skipped" if count else "")
-            + "; expected a value that the motion reaches",
-            time=float(end),
-        )
-    return Motion(
-        pieces=(piece,),
-        failure=None if ended else stop_text(system, trajectory, trajectory.final_state),
-        stop_time=trajectory.stop_time,
-        interrupted=trajectory.outcome is Outcome.INTERRUPTED,
-    )
-
-
-def _integrated(
-    system: System, flow: Flow, settings: Settings, event: Event, end: float
-) -> Trajectory:
-    """Integrate until a number of crossings are met, or to the end."""
-    return integrate(
-        flow,
-        system.state,
-        [end],
-        start=system.time,
-        method=settings.method,
-        rtol=settings.rtol,
-        atol=settings.atol,
-        step=settings.step,
-        max_steps=settings.max_steps,
-        events=[event],
-        watch=settings.watch,
-    )
-
-
-def _met(system: System, surface: Surface, trajectory: Trajectory) -> Piece:
-    """The crossings of a trajectory, without those of an angle half a turn away."""
-    found = trajectory.crossings[0]
-    piece = Piece(
-        system=system,
-        time=found.time,
-        state=found.state.T,
-        turns=found.turns.T.astype(float),
-        acceleration=np.zeros(found.turns.T.shape),
-    )
-    if not surface.turns:
-        return piece
-    node = surface.series.node(system.model)
-    (angle,) = system.evaluate([node], piece.time, piece.state)
-    return piece.part(np.cos(angle - surface.level) > 0)

@@ -6,17 +6,27 @@ on its own input alone, never on the number of cores or on the order in which th
 
 from __future__ import annotations
 
-import os
+import math
+import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Protocol
 
-from linkages.errors import LinkagesError
+from linkages.chaos.cores import available_cores
+from linkages.errors import InputError, LinkagesError
 
 POLL = 0.1
 INTERRUPTED = "not computed: interrupted"
+
+STEPS_PER_PERIOD = 100_000
+"""Steps that a computation of a sweep may take for each period that it covers, unless it is said.
+
+Motions of mechanisms with clearances take thousands: one that needs more than this is stuck."""
+
+_WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
+_SET = re.compile(r" \(from set .*\)$")
 
 
 @dataclass(frozen=True)
@@ -30,12 +40,15 @@ class Outcome:
     value
         The result; None if it failed.
     reason
-        Why it failed; None if it did not.
+        Why it failed, without the time; None if it did not.
+    stop_time
+        Simulated time in seconds at which it failed, if it had come so far.
     """
 
     index: int
     value: Any
     reason: str | None
+    stop_time: float | None = None
 
 
 class Executor(Protocol):
@@ -52,11 +65,11 @@ class Threads:
     Parameters
     ----------
     workers
-        Number of threads; as many as there are cores if not given.
+        Number of threads; as many as there are cores that this process may use if not given.
     """
 
     def __init__(self, workers: int | None = None) -> None:
-        self.workers = workers or os.cpu_count() or 1
+        self.workers = workers or available_cores()
 
     def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
         """Yield outcomes as they come; those under way are finished when it is closed."""
@@ -92,7 +105,17 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> Outcome:
     try:
         return Outcome(index, task(point), None)
     except (LinkagesError, ValueError) as error:
-        return Outcome(index, None, str(error))
+        return Outcome(index, None, reason_of(error), getattr(error, "time", None))
+
+
+def reason_of(error: Exception) -> str:
+    """Why something failed, in words that are the same wherever it fails for the same reason."""
+    if isinstance(error, InputError):
+        return "; ".join(
+            f"{problem.path}: {_SET.sub('', problem.message)}".removeprefix(": ")
+            for problem in error.problems
+        )
+    return _WHEN.sub("", str(error))
 
 
 @dataclass(frozen=True)
@@ -139,6 +162,12 @@ class Swept:
         """Why there is no result, per point; empty where there is one."""
         return [INTERRUPTED if o is None else (o.reason or "") for o in self.outcomes]
 
+    @property
+    def stop_times(self) -> list[float]:
+        """When motions stopped, per point; nan where none did."""
+        times = [None if outcome is None else outcome.stop_time for outcome in self.outcomes]
+        return [math.nan if time is None else time for time in times]
+
 
 def sweep(
     task: Callable[[Any], Any],
@@ -146,7 +175,6 @@ def sweep(
     *,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
-    alone: bool = True,
 ) -> Swept:
     """Compute a task for many points.
 
@@ -160,9 +188,6 @@ def sweep(
         Where; the cores of this machine if not given.
     watch
         Called after each result.
-    alone
-        Whether the first point is computed before all others, so that what must be compiled is
-        compiled once.
 
     Returns
     -------
@@ -170,19 +195,11 @@ def sweep(
     """
     found: list[Outcome | None] = [None] * len(points)
     begun, interrupted = time.monotonic(), False
-
-    def keep(outcome: Outcome, done: int) -> None:
-        found[outcome.index] = outcome
-        if watch is not None:
-            watch(Progress.after(done, len(points), begun))
-
-    first = 1 if alone else 0
     try:
-        for index, point in enumerate(points[:first]):
-            keep(attempt(task, index, point), index + 1)
-        rest = (executor or Threads()).run(task, points[first:])
-        for done, outcome in enumerate(rest, first + 1):
-            keep(replace(outcome, index=outcome.index + first), done)
+        for done, outcome in enumerate((executor or Threads()).run(task, points), 1):
+            found[outcome.index] = outcome
+            if watch is not None:
+                watch(Progress.after(done, len(points), begun))
     except KeyboardInterrupt:
         interrupted = True
     return Swept(tuple(found), interrupted)

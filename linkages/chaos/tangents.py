@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.stops import stop_text
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
@@ -32,6 +33,8 @@ class LinkageTangents:
         of all advances together.
     parts
         Equal parts of every advance after which `passed` keeps where the motion is; none if 0.
+    log
+        Notes states for what is asked of forces later, if there is one.
 
     Attributes
     ----------
@@ -50,6 +53,7 @@ class LinkageTangents:
         step: float | None = None,
         max_steps: int = MAX_STEPS,
         parts: int = 0,
+        log: ContactLog | None = None,
     ) -> None:
         self.system = system
         self.time = system.time
@@ -65,8 +69,8 @@ class LinkageTangents:
         self.evaluations = 0
         self._turns = np.zeros(self._count)
         self._max_steps, self._steps = max_steps, 0
-        self._ends = np.arange(1, max(parts, 1) + 1) / max(parts, 1)
-        self._keeps = bool(parts)
+        self._parts = max(parts, 1)
+        self._keeps, self._log = bool(parts), log
         self.passed: list[tuple[Floats, Floats]] = []
         self.restart(self._own(system.state), np.eye(2 * self._count)[:, :tangents])
         if parts:
@@ -144,7 +148,9 @@ class LinkageTangents:
         Interrupted
             After Ctrl-C.
         """
-        times = self.time + interval * self._ends
+        each = 1 if self._log is None else self._log.looks(interval / self._parts)
+        count = self._parts * each
+        times = self.time + interval * (np.arange(1, count + 1) / count)
         trajectory = integrate(
             self._flow,
             self._vector,
@@ -165,8 +171,12 @@ class LinkageTangents:
             raise ComputationError(text, time=trajectory.stop_time)
         self._vector, self.time = trajectory.final_state.copy(), float(times[-1])
         self._turns += trajectory.final_turns[: self._count]
+        if self._log is not None:
+            accelerations = trajectory.acceleration.T[: len(self.system.topology.coordinates)]
+            self._log.note(trajectory.time, self._plain(trajectory.state.T), accelerations)
         if self._keeps:
-            self._keep(trajectory.time, trajectory.state.T)
+            kept = slice(each - 1, None, each)
+            self._keep(trajectory.time[kept], trajectory.state.T[:, kept])
 
     def _keep(self, time: Floats, vectors: Floats) -> None:
         self.passed.append((time, self._plain(vectors)))

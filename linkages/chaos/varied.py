@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,9 +80,32 @@ def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
     return Axis(tuple(vary), np.stack(arrays))
 
 
-def units(mechanism: Mechanism, axis: Axis) -> tuple[str, ...]:
-    """Unit of the values along each path: that of the range, else the SI unit of the definition."""
-    return tuple(axis.unit or unit_at(mechanism.definition, path) for path in axis.paths)
+Vary: TypeAlias = Mapping[str, Sequence[float] | NDArray[np.float64]] | Axis | str
+"""What is varied: dotted path → values in SI, a range such as `RANGE`, or an axis."""
+
+
+def axis_of(vary: Vary) -> Axis:
+    """An axis from paths and numbers in SI, from a text such as `RANGE`, or itself."""
+    if isinstance(vary, Axis):
+        return vary
+    if isinstance(vary, str):
+        return parse_range(vary)
+    if isinstance(vary, Mapping):
+        return axis(vary)
+    raise TypeError(
+        f"expected a mapping of paths to values, or a range such as {RANGE!r}, found {vary!r}"
+    )
+
+
+def coordinates(mechanism: Mechanism, axis: Axis, dim: str) -> dict[str, Any]:
+    """Coordinates of a dataset along an axis: values as they were set, with their units.
+
+    These are that of the range where it has one, else the SI unit of the definition.
+    """
+    return {
+        path: (dim, numbers, {"units": axis.unit or unit_at(mechanism.definition, path)})
+        for path, numbers in zip(axis.paths, axis.values, strict=True)
+    }
 
 
 def parse_range(text: str) -> Axis:

@@ -15,6 +15,7 @@ from linkages.cli.options import (
     Format,
     Indicator,
     Json,
+    MaxSteps,
     Method,
     Out,
     Phase,
@@ -167,6 +168,7 @@ def bifurcation(
         bool, typer.Option("--exponent", help="Compute the largest Lyapunov exponent as well.")
     ] = False,
     cores: Cores = None,
+    max_steps: MaxSteps = None,
     method: Method = None,
     rtol: Rtol = None,
 ) -> None:
@@ -189,6 +191,7 @@ def bifurcation(
             section=section,
             direction=direction.value,
             exponent=exponent,
+            max_steps=max_steps,
         )
     )
 
@@ -213,6 +216,7 @@ def map_(
     indicator: Annotated[Indicator, typer.Option(help="What the map shows.")] = Indicator.EXPONENT,
     periods: Annotated[int, typer.Option(help="Length of each run in periods.")] = 100,
     cores: Cores = None,
+    max_steps: MaxSteps = None,
     method: Method = None,
     rtol: Rtol = None,
 ) -> None:
@@ -224,7 +228,8 @@ def map_(
         file=file, assignments=assignments or [], out=out, json=json,
         figures=figures, format=form.value, method=method, rtol=rtol,
     )  # fmt: skip
-    raise typer.Exit(run_map(request, x, y, cores, indicator=indicator.value, periods=periods))
+    run = {"indicator": indicator.value, "periods": periods, "max_steps": max_steps}
+    raise typer.Exit(run_map(request, x, y, cores, **run))
 
 
 def chaos(

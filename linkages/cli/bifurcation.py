@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,13 +14,21 @@ from rich.markup import escape
 from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, initial_states, ranges
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
+from linkages.cli.swept import (
+    contact_columns,
+    contact_content,
+    counted,
+    failure_notes,
+    failures,
+    finished,
+    watched,
+)
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 from linkages.components.mechanism import Mechanism
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.chaos.sweep import Progress
     from linkages.chaos.varied import Axis
 
 BOTH = "both"
@@ -56,10 +64,9 @@ def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
     states = initial_states(swept.initial)
     with request.answering():
         data = _compute(request, mechanism, axis, states, swept, run)
-    failed = _failures(data)
+    failed = failures(data)
     interrupted = bool(data.attrs["interrupted"])
-    total = data.sizes["start"] * data.sizes["value"]
-    nothing = sum(failed.values()) == total
+    nothing = not _counts(data).any()
     if interrupted and nothing:
         raise EndedError(TOO_EARLY)
     with request.publishing(complete=not (interrupted or nothing)) as (aside, place):
@@ -97,7 +104,8 @@ def _compute(
             break
         label = f"{escape(axis.label)} of {escape(mechanism.name)}"
         with progress(label, shown=not request.json, what="of values") as update:
-            data = bifurcation(
+            task = partial(
+                bifurcation,
                 mechanism,
                 axis,
                 start=start,
@@ -107,15 +115,11 @@ def _compute(
                 watch=watched(update),
                 **run,
             )
+            data = finished(task)
         parts.append(data.assign_coords(start=_names(start if len(starts) > 1 else "", states)))
     whole = parts[0] if len(parts) == 1 else xr.concat(parts, "start", data_vars="all")
     whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
     return whole
-
-
-def watched(update: Callable[[float], None]) -> Callable[[Progress], None]:
-    """Show the progress of a sweep as a fraction."""
-    return lambda progress: update(progress.done / progress.total)
 
 
 def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
@@ -163,26 +167,27 @@ def _points(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _values(data: xr.Dataset) -> dict[str, Any]:
-    """Columns with a row for each start and value: how many points, exponent, reason."""
+    """Columns with a row for each start and value: points, exponent, contact, reason."""
     starts, values = data.sizes["start"], data.sizes["value"]
-    first = next(iter(data.data_vars.values()))
-    counts = np.isfinite(first.to_numpy()[..., 0]).sum(axis=2)
     columns: dict[str, Any] = {"start": np.repeat(np.arange(starts) + 1, values)}
     columns |= {head: np.tile(array, starts) for head, array in _parameters(data).items()}
-    columns["points"] = counts.ravel()
+    columns["points"] = _counts(data).ravel()
     if "exponent" in data:
         columns["exponent (1/s)"] = data["exponent"].to_numpy().ravel()
         columns["error (1/s)"] = data["error"].to_numpy().ravel()
+    columns |= contact_columns(data)
     columns["reason"] = data["reason"].to_numpy().ravel()
+    columns["stopped (s)"] = data["stop_time"].to_numpy().ravel()
     return columns
 
 
-def _failures(data: xr.Dataset) -> Counter[str]:
-    """Reason → how often."""
-    return Counter(str(reason) for reason in data["reason"].to_numpy().ravel() if reason)
+def _counts(data: xr.Dataset) -> np.ndarray:
+    """How many points there are, shape (starts, values)."""
+    first = next(array for array in data.data_vars.values() if "crossing" in array.dims)
+    return np.asarray(np.isfinite(first.to_numpy()[..., 0]).sum(axis=2))
 
 
-def _print_json(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> None:
+def _print_json(data: xr.Dataset, written: list[Any], failed: dict[str, int]) -> None:
     values = _values(data)
     print_json(
         {
@@ -191,13 +196,17 @@ def _print_json(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> N
             "starts": [str(name) for name in data["start"].values],
             "interrupted": bool(data.attrs["interrupted"]),
             "values": {head: np.asarray(column).tolist() for head, column in values.items()},
-            "failures": dict(failed),
+            "failures": failed,
+            "warnings": counted(_warnings(data)),
+            "contact": contact_content(data),
             "files": [str(path) for path in written],
         }
     )
 
 
-def _print(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> None:
+def _print(data: xr.Dataset, written: list[Any], failed: dict[str, int]) -> None:
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
+
     screen = console()
     path = data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
@@ -216,11 +225,16 @@ def _print(data: xr.Dataset, written: list[Any], failed: Counter[str]) -> None:
         rows.append(row)
     heads += ["exponent positive"] if "exponent" in data else []
     screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
-    notes = [
-        f"{count} value{'s' * (count > 1)}: {reason}" for reason, count in failed.most_common()
-    ]
-    print_notes(notes, screen)
+    notes = failure_notes(failed, "value") + failure_notes(counted(_warnings(data)), "value")
+    print_notes([*contact_sentences(data), *notes], screen)
+    if kept := contact_kept(data):
+        screen.print(kept, markup=False)
     screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
+
+
+def _warnings(data: xr.Dataset) -> list[str]:
+    """What is said of values with fewer points than asked for."""
+    return [str(text) for text in data["warning"].to_numpy().ravel() if text]
 
 
 def _chaotic(exponent: Any, error: Any) -> str:

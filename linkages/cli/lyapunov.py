@@ -8,6 +8,7 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.swept import contact_content
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ BEYOND = 3.0
 
 def run_lyapunov(request: Request, **run: Any) -> int:
     """Compute exponents with the arguments of `linkages.lyapunov`; returns the exit code."""
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
     from linkages.chaos.lyapunov import lyapunov
 
     request = request.asks("lyapunov", **run)
@@ -38,6 +40,7 @@ def run_lyapunov(request: Request, **run: Any) -> int:
                 "exponents": rows,
                 "sum": {"value": data.attrs["sum"], "error": data.attrs["sum_error"]},
                 "certificate": certificate_rows(data),
+                "contact": contact_content(data),
                 "settled": bool(data.attrs["settled"]),
                 "warning": data.attrs["warning"] or None,
                 "files": [str(path) for path in place.files],
@@ -52,7 +55,10 @@ def run_lyapunov(request: Request, **run: Any) -> int:
     if data.sizes["invariant"]:
         heading, heads, cells = certificate_table(certificate_rows(data))
         screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
-    print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
+    warnings = [data.attrs["warning"]] if data.attrs["warning"] else []
+    print_notes([*contact_sentences(data), *warnings], screen)
+    if kept := contact_kept(data):
+        screen.print(kept, markup=False)
     screen.print(f"{len(place.files)} files in {request.folder}", markup=False)
     return 0
 

@@ -5,16 +5,25 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.markup import escape
 
-from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY, watched
+from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY
 from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, ranges
 from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.swept import (
+    contact_columns,
+    contact_content,
+    failure_notes,
+    failures,
+    finished,
+    watched,
+)
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 
 if TYPE_CHECKING:
@@ -34,7 +43,8 @@ def run_map(
     label = f"map of {escape(mechanism.name)}"
     shown = not request.json
     with request.answering(), progress(label, shown=shown, what="of points") as update:
-        data = chaos_map(
+        task = partial(
+            chaos_map,
             mechanism,
             along,
             up,
@@ -43,9 +53,9 @@ def run_map(
             watch=watched(update),
             **run,
         )
-    reasons = data["reason"].to_numpy().ravel()
-    failed = Counter(str(reason) for reason in reasons if reason)
-    nothing = sum(failed.values()) == reasons.size
+        data = finished(task)
+    failed = failures(data)
+    nothing = not np.isfinite(data["indicator"]).any()
     interrupted = bool(data.attrs["interrupted"])
     if interrupted and nothing:
         raise EndedError(TOO_EARLY)
@@ -55,7 +65,7 @@ def run_map(
     if request.json:
         print_json(content)
     else:
-        _print(content, place.files[0].parent)
+        _print(content, data, place.files[0].parent)
     if interrupted:
         raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
     if nothing:
@@ -92,13 +102,24 @@ def _columns(data: xr.Dataset) -> dict[str, Any]:
     units = data["indicator"].attrs["units"]
     kind = str(data.attrs["kind"])
     columns[f"{kind} ({units})" if units else kind] = data["indicator"].to_numpy().ravel()
+    if "error" in data:
+        columns["error (1/s)"] = data["error"].to_numpy().ravel()
+        columns["sign"] = data["sign"].to_numpy().ravel()
+    columns |= contact_columns(data)
     for name in data["coordinate"].values:
         columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name).to_numpy().ravel()
     columns["reason"] = data["reason"].to_numpy().ravel()
+    columns["stopped (s)"] = data["stop_time"].to_numpy().ravel()
     return columns
 
 
-def _content(data: xr.Dataset, failed: Counter[str], written: list[Path]) -> dict[str, Any]:
+def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
+    """What a free angle does → at how many points."""
+    words = data["rotation"].sel(coordinate=name).to_numpy().ravel()
+    return dict(Counter(str(word) for word in words if word))
+
+
+def _content(data: xr.Dataset, failed: dict[str, int], written: list[Path]) -> dict[str, Any]:
     values = data["indicator"].to_numpy()
     finite = values[np.isfinite(values)]
     return {
@@ -113,22 +134,26 @@ def _content(data: xr.Dataset, failed: Counter[str], written: list[Path]) -> dic
         "interrupted": bool(data.attrs["interrupted"]),
         "least": float(finite.min()) if finite.size else None,
         "greatest": float(finite.max()) if finite.size else None,
-        "rotation": {
-            str(name): dict(
-                Counter(
-                    str(word)
-                    for word in data["rotation"].sel(coordinate=name).to_numpy().ravel()
-                    if word
-                )
-            )
-            for name in data["coordinate"].values
-        },
-        "failures": dict(failed),
+        "signs": _signs(data),
+        "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
+        "contact": contact_content(data),
+        "failures": failed,
         "files": [str(path) for path in written],
     }
 
 
-def _print(content: dict[str, Any], folder: Path) -> None:
+def _signs(data: xr.Dataset) -> dict[str, int] | None:
+    """At how many points the exponent is positive, negative, or cannot be told from zero."""
+    if "sign" not in data:
+        return None
+    signs = data["sign"].to_numpy()[np.isfinite(data["indicator"].to_numpy())]
+    words = {"positive": 1, "negative": -1, "zero within its error": 0}
+    return {word: int((signs == sign).sum()) for word, sign in words.items()}
+
+
+def _print(content: dict[str, Any], data: xr.Dataset, folder: Path) -> None:
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
+
     screen = console()
     title = f"{content['mechanism']}: {content['computed']} of {content['points']} points"
     screen.print(f"{title}, {content['x']} and {content['y']}", markup=False)
@@ -136,6 +161,9 @@ def _print(content: dict[str, Any], folder: Path) -> None:
         low, high = number(content["least"]), number(content["greatest"])
         unit = content["units"]
         screen.print(f"{content['long_name']} from {low} to {high} {unit}".rstrip(), markup=False)
+    if content["signs"] and content["computed"]:
+        said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
+        screen.print(f"the exponent is {', '.join(said)}", markup=False)
     rows = [
         [escape(name), word, str(count)]
         for name, kinds in content["rotation"].items()
@@ -143,8 +171,8 @@ def _print(content: dict[str, Any], folder: Path) -> None:
     ]
     if rows:
         screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    notes = [
-        f"{count} point{'s' * (count > 1)}: {why}" for why, count in content["failures"].items()
-    ]
+    notes = [*contact_sentences(data), *failure_notes(content["failures"], "point")]
     print_notes(notes, screen)
+    if kept := contact_kept(data):
+        screen.print(kept, markup=False)
     screen.print(f"{len(content['files'])} files in {folder}", markup=False)

@@ -62,6 +62,14 @@ Cores = Annotated[
 ]
 
 
+MaxSteps = Annotated[
+    int | None,
+    typer.Option(
+        min=1, help="Steps that a point may take before it is left out; default: 100000 a period."
+    ),
+]
+
+
 class ChangePoints(StrEnum):
     """What to do where a mechanism could go on in two ways."""
 

@@ -9,17 +9,19 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
+from linkages.cli.swept import contact_content
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-APART = ("name", "source", "warning")
-"""Attributes that do not say how points are taken."""
+TAKEN = ("period", "phase", "section", "direction")
+"""Attributes that say how points are taken."""
 
 
 def run_poincare(request: Request, **section: Any) -> int:
     """Compute a section with the arguments of `linkages.poincare`; returns the exit code."""
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
     from linkages.chaos.section import poincare
 
     request = request.asks("poincare", **section)
@@ -35,10 +37,11 @@ def run_poincare(request: Request, **section: Any) -> int:
             {
                 "mechanism": mechanism.name,
                 "points": data.sizes["crossing"],
-                "taken": {k: v for k, v in data.attrs.items() if k not in APART},
+                "taken": {k: data.attrs[k] for k in TAKEN if k in data.attrs},
                 "first": float(data["time"][0]),
                 "last": float(data["time"][-1]),
                 "coordinates": rows,
+                "contact": contact_content(data),
                 "warning": data.attrs["warning"] or None,
                 "files": [str(path) for path in run.files],
             }
@@ -47,7 +50,10 @@ def run_poincare(request: Request, **section: Any) -> int:
     screen = console()
     screen.print(f"[bold]{escape(mechanism.name)}[/bold]: {escape(taken(data))}")
     screen.print(section_table(rows))
-    print_notes([data.attrs["warning"]] if data.attrs["warning"] else [], screen)
+    warnings = [data.attrs["warning"]] if data.attrs["warning"] else []
+    print_notes([*contact_sentences(data), *warnings], screen)
+    if kept := contact_kept(data):
+        screen.print(kept, markup=False)
     screen.print(f"{len(run.files)} files in {request.folder}", markup=False)
     return 0
 
@@ -79,6 +85,8 @@ def section_rows(data: xr.Dataset) -> list[dict[str, Any]]:
     """Range and last value of every free coordinate and its rate."""
     rows = []
     for name, array in data.data_vars.items():
+        if "crossing" not in array.dims:
+            continue
         dim = str(array.dims[1])
         for element in data[dim].values:
             values = array.sel({dim: element}).to_numpy()

@@ -56,7 +56,7 @@ def free_columns(data: xr.Dataset) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     for name, array in data.data_vars.items():
         dim = str(array.dims[-1])
-        if dim not in ("bar", "clearance", "slider"):
+        if "crossing" not in array.dims or dim not in ("bar", "clearance", "slider"):
             continue
         for element in data[dim].values:
             series = array.sel({dim: element}).to_numpy().ravel()

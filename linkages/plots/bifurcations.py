@@ -11,7 +11,14 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.free_axes import Free, free_coordinates, show_output, values_of
-from linkages.plots.parameters import cell_borders, show_path, shown_values
+from linkages.plots.parameters import (
+    HATCHING,
+    LOST,
+    cell_borders,
+    contact_lost,
+    show_path,
+    shown_values,
+)
 from linkages.plots.sections import SMALLEST
 from linkages.plots.style import (
     BLACK,
@@ -136,16 +143,38 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -
             zorder=3 - 0.01 * index,
         )
     shade_missing(ax, data)
+    hatch_lost(ax, data)
     return ax
 
 
 def shade_missing(ax: Axes, data: xr.Dataset) -> None:
     """Shade values of the parameter at which nothing could be computed, from any start."""
     x, _ = parameter(data)
-    missing = (np.asarray(data["reason"], dtype=object) != "").all(axis=0)
+    missing = _missing(data)
     borders = cell_borders(x)
     for index in np.flatnonzero(missing):
         ax.axvspan(borders[index], borders[index + 1], color=PALE, linewidth=0, zorder=0.5)
+
+
+def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Values that have no points from any start, and a reason for it."""
+    failed = np.asarray(data["reason"], dtype=object) != ""
+    points = [array for array in data.data_vars.values() if "crossing" in array.dims]
+    for array in points:
+        others = [dim for dim in array.dims if dim not in ("start", "value")]
+        failed &= ~array.notnull().any(others).transpose("start", "value").to_numpy()
+    return np.asarray(failed.all(axis=0))
+
+
+def hatch_lost(ax: Axes, data: xr.Dataset) -> None:
+    """Hatch values at which contact in a clearance is lost, from all starts that were computed."""
+    lost = contact_lost(data, "start", "value")
+    if lost is None:
+        return
+    checked = data["contact_lost"].notnull().any("clearance").transpose("start", "value")
+    borders = cell_borders(parameter(data)[0])
+    for index in np.flatnonzero((lost | ~checked.to_numpy()).all(axis=0) & lost.any(axis=0)):
+        ax.axvspan(borders[index], borders[index + 1], **HATCHING, zorder=0.6)
 
 
 def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
@@ -160,6 +189,7 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
         lone = "." if np.isfinite(value).sum() < 40 else ""
         ax.plot(x, value, color=colour, linewidth=0.8, marker=lone, markersize=3)
     shade_missing(ax, data)
+    hatch_lost(ax, data)
     ax.set_ylabel("largest exponent [1/s]")
     return ax
 
@@ -176,9 +206,11 @@ def _entries(data: xr.Dataset) -> dict[str, Patch]:
         for index, name in enumerate(start_names(data))
         if name
     }
-    missing = int((np.asarray(data["reason"], dtype=object) != "").all(axis=0).sum())
+    missing = int(_missing(data).sum())
     if missing:
         shown[f"not computed ({missing})"] = Patch(color=PALE)
+    if contact_lost(data, "start", "value") is not None:
+        shown[LOST] = Patch(**HATCHING)
     return shown
 
 

@@ -238,7 +238,7 @@ def bifurcation(
 def indicator_map(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """The indicator of `linkages.chaos_map`, with a colour bar."""
     if ax is None:
-        return chaos_maps.figure(data).axes[0]
+        return chaos_maps.page(data).axes[0]
     chaos_maps.draw(ax, data)
     figure = ax.get_figure(root=True)
     assert figure is not None
@@ -251,7 +251,7 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
     """What a free angle does at each point of `linkages.chaos_map`: the one named, or the first."""
     chosen = _chosen(name, {str(n): n for n in data["coordinate"].values})
     if ax is None:
-        return chaos_maps.class_figure(data, chosen).axes[0]
+        return chaos_maps.class_page(data, chosen).axes[0]
     return chaos_maps.draw_classes(ax, data, chosen)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LOST = "contact lost"
+HATCHING: dict[str, Any] = {
+    "facecolor": "none", "edgecolor": "#8F8F8F", "hatch": "////", "linewidth": 0.0,
+}  # fmt: skip
+"""How places are drawn at which a massless link would have to push."""
+
 
 def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
     """Values of a varied path as they are drawn, angles in degrees, and the label of its axis."""
@@ -23,6 +29,8 @@ def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
     values = np.asarray(data[path], dtype=float)
     if unit == "rad":
         values, unit = DEGREES * values, "°"
+    elif unit in ("deg", "degree", "degrees", "°"):
+        unit = "°"
     return values, f"{path} [{unit}]" if unit else path
 
 
@@ -43,3 +51,17 @@ def cell_borders(places: Array) -> Array:
     middle = 0.5 * (places[1:] + places[:-1])
     first, last = places[0] - (middle[0] - places[0]), places[-1] + (places[-1] - middle[-1])
     return np.concatenate([[first], middle, [last]])
+
+
+def contact_lost(data: xr.Dataset, *dims: str) -> NDArray[np.bool_] | None:
+    """Where a massless link of any clearance had to push, in the order of `dims`; None if nowhere.
+
+    Parameters
+    ----------
+    data
+        With `contact_lost` (…, clearance) if the mechanism has clearances.
+    """
+    if "contact_lost" not in data:
+        return None
+    lost = (data["contact_lost"] > 0).any("clearance").transpose(*dims).to_numpy()
+    return lost if lost.any() else None

@@ -56,6 +56,7 @@ _OWN = {
     "legend.frameon": False,
     "legend.handlelength": 2.8,
     "lines.linewidth": 1.1,
+    "hatch.linewidth": 0.5,
     "agg.path.chunksize": 20_000,
     "pdf.fonttype": 42,
     "svg.hashsalt": "linkages",

@@ -114,7 +114,9 @@ def test_continuation_keeps_the_values_that_are_done():
 
     vary = {"dampers[0].damping": np.linspace(0.5, 0.8, 4)}
     given = {"periods": 3, "skip": 0, "start": "forward", "executor": Threads(1)}
-    part = linkages.bifurcation(pendulum(), vary, **given, watch=interrupt)
+    with pytest.raises(Interrupted, match="interrupted after 2 of 4 values") as caught:
+        linkages.bifurcation(pendulum(), vary, **given, watch=interrupt)
+    part = caught.value.kept["bifurcation"]
     whole = linkages.bifurcation(pendulum(), vary, **given)
     assert part.attrs["interrupted"] == 1
     assert (part.bar_speed[0, :2] == whole.bar_speed[0, :2]).all()

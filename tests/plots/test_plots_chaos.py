@@ -142,6 +142,29 @@ def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
     np.testing.assert_allclose(np.radians(y), angles)
 
 
+def test_values_without_contact_are_hatched():
+    """From all starts that were computed: the second value from both, the third from one."""
+    data = sweep_data()
+    starts, values = data.sizes["start"], data.sizes["value"]
+    lost = np.zeros((starts, values, 1))
+    lost[:, 1] = 0.2
+    lost[0, 2] = 0.1
+    lost[1, 3:] = np.nan
+    lost[0, 3] = 0.3
+    data = data.assign(contact_lost=(("start", "value", "clearance"), lost))
+    ax, *_ = bifurcations.figure(data).axes
+    middles = [p.get_x() + 0.5 * p.get_width() for p in ax.patches if p.get_hatch()]
+    np.testing.assert_allclose(middles, data["clearances.r1.size"][[1, 3]])
+    assert "contact lost" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_ranges_in_degrees_have_their_sign():
+    data = sweep_data()
+    angles = {"drives.crank.angle": ("value", np.arange(5.0), units("deg"))}
+    data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
+    assert bifurcations.figure(data).axes[0].get_xlabel() == "drives.crank.angle [°]"
+
+
 def test_varied_angles_are_drawn_in_degrees():
     data = sweep_data(exponent=True)
     angles = {"drives.crank.angle": ("value", np.radians([0.0, 90, 180, 270, 360]), units("rad"))}
@@ -271,7 +294,7 @@ def test_map_has_a_colour_bar_and_shows_what_is_missing():
     assert bar.get_ylabel() == "exponent [1/s]"
     image = ax.collections[0]
     assert image.get_array().mask.sum() == 1
-    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((0.1, 0.6))
+    assert (image.norm.vmin, image.norm.vmax) == pytest.approx((0, 0.6))  # white is zero
     assert ax.get_legend().get_texts()[0].get_text() == "not computed (1)"
 
 
@@ -294,9 +317,47 @@ def test_zero_is_in_the_middle_of_colours_for_both_signs():
 
 @pytest.mark.parametrize("kind", list(Kind))
 def test_every_kind_of_motion_has_a_colour(kind):
-    (ax,) = maps.class_figure(map_data(np.ones((2, 3)), str(kind)), "arm").axes
+    data = map_data(np.ones((2, 3)), str(kind))
+    (ax,) = maps.class_page(data, "arm").axes
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [str(kind)]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
+    assert maps.class_figure(data, "arm") is None  # of one colour
+
+
+def test_a_map_of_one_colour_is_not_drawn():
+    assert maps.figure(map_data(np.ones((2, 3)))) is None
+    untold = map_data([[0.1, 0.2], [0.3, 0.4]]).assign(sign=(("y", "x"), np.zeros((2, 2))))
+    assert maps.figure(untold) is None
+
+
+def test_exponents_that_cannot_be_told_from_zero_are_white():
+    signs = [[-1, 0], [0, 1]]
+    data = map_data([[-0.5, 0.2], [0.1, 0.3]]).assign(sign=(("y", "x"), signs))
+    ax, _ = maps.figure(data).axes
+    image = ax.collections[0]
+    colours = image.cmap(image.norm(image.get_array())).reshape(2, 2, 4)
+    white = (colours > 0.99).all(axis=-1)
+    assert white.tolist() == [[False, True], [True, False]]
+    (text,) = ax.get_legend().get_texts()
+    assert text.get_text() == "zero within its error (2)"
+
+
+def test_steps_of_colours_are_even():
+    """Half of the way to the largest exponent is half of the way through the colours."""
+    ax, _ = maps.figure(map_data([[-0.5, 0.25], [0.1, 0.3]])).axes
+    norm = ax.collections[0].norm
+    assert norm([-0.5, -0.25, 0, 0.25, 0.5]).tolist() == [0, 0.25, 0.5, 0.75, 1]
+
+
+def test_points_without_contact_are_hatched():
+    data = map_data([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+    lost = np.array([[0, 0.1, 0.2], [0, 0, np.nan]])[..., None]
+    data = data.assign(contact_lost=(("y", "x", "clearance"), lost))
+    ax, _ = maps.figure(data).axes
+    hatched = [c for c in ax.collections if c.get_hatch()]
+    boxes = [path.get_extents() for c in hatched for path in c.get_paths()]
+    assert [(b.x0, b.x1, b.y0, b.y1) for b in boxes] == [(0.5, 2.5, -0.5, 0.5)]
+    assert ax.get_legend().get_texts()[0].get_text() == "contact lost (2)"
 
 
 def test_gali_is_shown_by_its_logarithm_and_data_stay_as_they_are():

@@ -10,7 +10,7 @@ from plot_data import press, press_data
 
 import linkages
 from linkages.plots import FIGURES, charts
-from linkages.plots.maps import ABOVE, BELOW, KINDS
+from linkages.plots.maps import KINDS, SIGNS
 from linkages.plots.style import PALETTE, style
 
 
@@ -108,9 +108,11 @@ def lightness(colour):
 
 
 def test_maps_can_be_read_in_black_and_white():
-    shades = [lightness(colour) for colour in BELOW + ABOVE]
-    assert (np.diff(shades[:3]) > 15).all()
-    assert (np.diff(shades[3:]) > 8).all()
+    shades = [lightness(colour) for colour in SIGNS]
+    middle = len(SIGNS) // 2
+    assert shades[middle] == pytest.approx(max(shades))
+    assert (np.diff(shades[: middle + 1]) > 15).all()
+    assert (np.diff(shades[middle:]) < -10).all()
     classes = sorted(lightness(colour) for colour in KINDS.values())
     assert (np.diff(classes) > 15).all()
 

@@ -1,0 +1,86 @@
+"""What verbs say of points that failed, and of clearances that lose contact."""
+
+import json
+
+import pytest
+
+from linkages.cli.swept import counted
+
+ENGINE = """\
+name: Slider-crank with a worn crank pin
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
+  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances: {gap: {joint: A, bar: rod, size: 0.1 mm, angle: 180 deg}}
+drives: {crank: {angle: 0, speed: SPEED rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+simulate: {end: 1, samples: 1001, rtol: 1e-8}
+"""
+SIZE = "clearances.gap.size"
+VERBS = {
+    "poincare": ["--periods", "4"],
+    "lyapunov": ["--periods", "4"],
+    "bifurcation": ["--vary", f"{SIZE}=0.1mm:0.12mm:2", "--periods", "4", "--skip", "0"],
+    "map": ["--x", f"{SIZE}=0.1mm:0.12mm:2", "--y", "gravity[0]=0:1:2", "--periods", "4"],
+}  # fmt: skip
+
+
+@pytest.fixture
+def engine(cli, tmp_path):
+    def run(verb, speed, *arguments, given=None):
+        (tmp_path / "m.yaml").write_text(ENGINE.replace("SPEED", str(speed)))
+        return cli(
+            verb, "m.yaml", *(VERBS[verb] if given is None else given), "--no-figures", *arguments
+        )
+
+    return run
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_lost_contact_is_said(engine, verb):
+    lost, kept = engine(verb, 1000), engine(verb, 300)
+    assert (lost.code, kept.code) == (0, 0), lost.err + kept.err
+    assert "note: The force in gap has the wrong sign" in lost.out
+    assert "wrong sign" not in kept.out
+    assert "pin and hole stay in contact, looked at every 0.00156 s" in kept.out
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_lost_contact_stands_in_json(engine, verb):
+    (found,) = json.loads(engine(verb, 1000, "--json").out)["contact"]
+    points = {"bifurcation": 2, "map": 4}.get(verb, 1)
+    assert (found["clearance"], found["points"], found["lost"]) == ("gap", points, points)
+    assert 0.1 < found["share_lost"] < 0.5
+    assert found["least_force"] < -100
+
+
+def test_tables_of_sweeps_say_it_for_every_point(engine, tmp_path):
+    for verb, table in (("bifurcation", "bifurcation_values.csv"), ("map", "map.csv")):
+        engine(verb, 1000)
+        head = (tmp_path / "results/m" / table).read_text(encoding="utf-8").splitlines()[0]
+        assert "contact lost in gap (share),least force in gap (N)" in head
+
+
+def test_reasons_that_differ_in_numbers_are_one():
+    texts = ["joint F7: expected > 0, found -0.1", "joint F7: expected > 0, found -2e-3", "other"]
+    assert counted(texts) == {texts[0]: 2, "other": 1}
+    assert len(counted(["joint F7 is lost", "joint F8 is lost"])) == 2
+
+
+def test_each_kind_of_failure_is_noted_once(engine):
+    given = ["--x", "bars.rod.mass=-0.2:0.2:5", "--y", f"{SIZE}=0.1mm:0.12mm:2", "--periods", "4"]
+    result = engine("map", 300, given=given)
+    assert result.code == 0
+    (note,) = [line for line in result.out.splitlines() if "bars.rod.mass: expected" in line]
+    assert note.startswith("note: 4 points: bars.rod.mass: expected a mass")
+
+
+def test_a_budget_of_steps(engine):
+    result = engine("bifurcation", 300, "--skip", "1", "--max-steps", "50")
+    assert result.code == 1
+    assert "no value could be computed: The allowed number of steps was used up" in result.err
+    assert "2 values: The allowed number of steps was used up" in result.out

@@ -88,6 +88,23 @@ def test_laws_are_written_as_they_are_read():
     assert from_document(in_python(read).definition).components == read.components
 
 
+def test_tables_of_other_files_are_found_from_anywhere(tmp_path, monkeypatch):
+    (tmp_path / "torque.csv").write_text("t,T\n0,0\n1,0.2\n2,0\n")
+    file = tmp_path / "m.yaml"
+    law = "{table: {file: torque.csv, periodic: true}}"
+    file.write_text(
+        PENDULUM.replace("{harmonic: {amplitude: 1.15, angular_frequency: 0.667}}", law)
+    )
+    read = linkages.load(file)
+    monkeypatch.chdir("/")
+    length = {"bars.arm.length": 2.0}
+    expected = linkages.load(file, set=length).components
+    assert varied(read, length).components == expected
+    assert varied(in_python(read), length).components == expected
+    moved = varied(read.with_state({"arm": (0.7, 3.0)}), length)
+    assert moved.loads == varied(read, length).loads
+
+
 CHANGES = {
     "component": lambda m: m.with_component(linkages.JointDamper(index=5, joint="O", damping=5.0)),
     "state": lambda m: m.with_state({"arm": (0.7, 3.0)}),

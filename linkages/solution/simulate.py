@@ -158,9 +158,9 @@ def _settings(
     defaults = mechanism.simulation
     given = {"samples": samples, "rtol": rtol, "method": method, "step": step}
 
-    def refused(key: str, message: str) -> Exception:
+    def refused(key: str, message: str, asked: str = "") -> Exception:
         """What the definition says is an input error at its line, an argument is a ValueError."""
-        by_file = given[key] is None
+        by_file = given[asked or key] is None
         return _input(mechanism, key, message) if by_file else ValueError(message)
 
     end = defaults.end if end is None else real_number("end", end)
@@ -183,7 +183,8 @@ def _settings(
         known = [*METHODS, AUTO]
         raise refused("method", f"unknown method {method!r}; expected one of: {', '.join(known)}")
     if method in FIXED_STEP_METHODS and step is None:
-        raise refused("method", f"method {method!r} needs a step; expected a time in seconds")
+        message = f"method {method!r} needs a step; expected a time in seconds"
+        raise refused("step", message, asked="method")
     if method in FIXED_STEP_METHODS and step is not None and abs(end) > max_steps * step > 0:
         message = f"step {step:g} s needs more than {max_steps} steps to reach {end:g} s"
         raise refused("step", message)

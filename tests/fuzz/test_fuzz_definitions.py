@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from judged_definitions import Verdict, judge, non_finite
 from kernel_values import COMPARED, at_sample, disagreements, state_at
 
-QUICK, BLOCKS, BLOCK = 120, 10, 1000
+QUICK, BLOCKS, BLOCK = 60, 10, 1000
 EVERY = 3
 """One in so many of the files that run is compared with the absolute formulation."""
 TAME = (1e-5, 1e5)

@@ -1,29 +1,31 @@
-"""What a verdict on a motion rests on, gathered from the analyses of this package."""
+"""A mechanism as a verdict sees it: its section, its motion over time, and what these show."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.crossed import NeverCrossedError
+from linkages.chaos.crossed import NeverCrossedError, crossed
 from linkages.chaos.dimension import FEWEST_POINTS, Dimension, correlation_dimension
-from linkages.chaos.free_states import PAIRS, free_names, labelled_states
-from linkages.chaos.lyapunov import characteristic_period
+from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapped
 from linkages.chaos.rotation import Rotation, classify_angle, refined
-from linkages.chaos.section import poincare
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
-from linkages.chaos.verdict import FEWEST_PERIODS
-from linkages.chaos.zero_one import zero_one
+from linkages.chaos.stretch import Evidence
+from linkages.chaos.surface import parse_section
 from linkages.components.mechanism import Mechanism
+from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.solution.motion import Settings
-from linkages.solution.simulate import simulate
-from linkages.solution.solution import Solution
+from linkages.solution.assumptions import assumptions
+from linkages.solution.doubts import doubts
+from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.motion import Settings, compute_motion
+from linkages.solution.simulate import passes
+from linkages.solution.solution import IncompleteError, Solution, labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,123 +33,164 @@ if TYPE_CHECKING:
 PER_PERIOD = 512
 """Samples of the motion within a period."""
 
+RETURNS = 64
+"""Crossings of a section from which the mean time between them is taken."""
+
+FEWEST_RETURNS = 8
+"""Crossings below which a section is seldom crossed, and another one is tried."""
+
+ALIKE = 1e-4
+"""Part of its range by which an entry of the state may differ and be the same."""
+
+ERRORS = 100.0
+"""Relative tolerances that errors of a stretch may amount to."""
+
+LONGER = 2.0
+"""Part of the stretch, in its length, in which its crossings are looked for."""
+
 Floats = NDArray[np.float64]
 Watch = Callable[[float], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """What motion is judged.
+class Section:
+    """Where section points are taken.
 
     Parameters
     ----------
-    system
-        With a free coordinate.
-    periods, skip
-        As `linkages.chaos.report.chaos` takes them.
-    settings
-        How it is integrated.
+    period
+        Seconds from point to point, or about that.
+    text, direction
+        Of a geometric section, as `linkages.poincare` takes it; empty for a stroboscopic one.
     """
 
-    system: System
-    periods: int
-    skip: int
-    settings: Settings
+    period: float
+    text: str = ""
+    direction: str = "up"
 
     @property
-    def mechanism(self) -> Mechanism:
-        """What moves."""
-        return self.system.mechanism
+    def attributes(self) -> dict[str, object]:
+        """As `linkages.poincare` puts them into its dataset."""
+        if self.text:
+            return {"section": self.text, "direction": self.direction, "warning": ""}
+        return {"period": self.period, "phase": 0.0, "warning": ""}
+
+    def points(self, system: System, settings: Settings, count: int) -> tuple[Floats, Floats]:
+        """Points of a geometric section from where a system is, and their times.
+
+        Returns
+        -------
+        Shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom crosses.
+        """
+        surface = parse_section(system, self.text)
+        end = system.time + LONGER * count * self.period
+        size = len(system.topology.free)
+        try:
+            motion = crossed(system, settings, surface, count, 0, self.direction, end).motion
+        except NeverCrossedError:
+            return np.empty((0, 2 * size)), np.empty(0)
+        state = motion.state
+        return np.concatenate([state[:size], state[len(state) // 2 :][:size]]).T, motion.time
 
 
-def section_of(run: Run) -> xr.Dataset:
-    """Stroboscopic, or where the first free coordinate comes to rest; empty if it never does."""
-    section = None
+def section_for(system: System, settings: Settings, periods: int) -> Section:
+    """Stroboscopic, or where the motion is seen to return: its rate vanishes, or it turns over."""
     try:
-        common_period(run.mechanism)
+        return Section(period=common_period(system.mechanism))
     except NoPeriodError:
-        dim, (name, *_) = next(iter(free_names(run.system).items()))
-        section = f"{name}.{'velocity' if dim == 'slider' else 'speed'}=0"
-    try:
-        return poincare(
-            run.mechanism,
-            periods=run.periods,
-            skip=run.skip,
-            section=section,
-            method=run.settings.method,
-            rtol=run.settings.rtol,
-        )
-    except NeverCrossedError:
-        return _no_points(run.system, str(section))
+        pass
+    end = system.mechanism.simulation.end
+    tried = [Section(period=end, text=t, direction=d) for t, d in _sections(system)]
+    for section in tried:
+        probe = replace(section, period=end * periods / RETURNS / LONGER)
+        _, times = probe.points(system, settings, RETURNS)
+        if len(times) >= FEWEST_RETURNS:
+            return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
+    return tried[0]
 
 
-def _no_points(system: System, section: str) -> xr.Dataset:
-    values = {
-        output: np.empty((0, len(names)))
-        for dim, names in free_names(system).items()
-        for output in PAIRS[dim]
-    }
-    time = ("crossing", np.empty(0), {"units": "s", "long_name": "time"})
-    attributes = {"section": section, "direction": "up", "warning": ""}
-    return labelled_states(system, values, "crossing", {"time": time}, attributes)
+def _sections(system: System) -> Iterator[tuple[str, str]]:
+    """Geometric sections and their directions, in the order in which they are tried."""
+    for dim, names in free_names(system).items():
+        for name in names:
+            if dim == "slider":
+                yield f"{name}.velocity=0", "up"
+                continue
+            yield f"{name}.speed=0", "up"
+            angle = system.state[system.topology.free.index(name)]
+            yield f"{name}.angle={angle:.17g}", "up"
+            yield f"{name}.angle={angle:.17g}", "down"
 
 
-def followed(run: Run, watch: Watch | None) -> Solution:
-    """The motion over time: free coordinates and clearance forces."""
-    outputs = [output for dim in free_names(run.system) for output in PAIRS[dim]]
+def alike(system: System, period: float, rtol: float) -> Callable[[Floats], Floats]:
+    """Difference of entries of states that counts as none, shape (2n,), from states of a stretch.
+
+    A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what errors
+    of the integration may amount to.
+    """
+    size = len(system.topology.free)
+    rotates = np.array([system.mechanism.bodies[b].rotates for b in system.topology.free])
+    places = np.array(list(system.places().values()))
+    whole = np.where(rotates, 1.0, float(np.ptp(places, axis=0).max()))
+    whole = np.concatenate([whole, whole * 2 * np.pi / period])
+    turning = np.concatenate([rotates, np.zeros(size, dtype=bool)])
+
+    def tolerance(states: Floats) -> Floats:
+        ranges = np.ptp(states, axis=0)
+        ranges = np.where(turning, np.minimum(ranges, 1.0), ranges)
+        return np.maximum(ALIKE * ranges, ERRORS * rtol * whole)
+
+    return tolerance
+
+
+def labelled_section(system: System, section: Section, evidence: Evidence) -> xr.Dataset:
+    """Section points as `linkages.poincare` returns them."""
+    free, size = list(system.topology.free), len(system.topology.free)
+    values = {}
+    for dim, names in free_names(system).items():
+        columns = [free.index(name) for name in names]
+        value, rate = PAIRS[dim]
+        at = evidence.points[:, columns]
+        values[value] = at if dim == "slider" else wrapped(at)
+        values[rate] = evidence.points[:, [size + column for column in columns]]
+    time = ("crossing", evidence.times, {"units": "s", "long_name": "time"})
+    return labelled_states(system, values, "crossing", {"time": time}, section.attributes)
+
+
+def followed(
+    system: System, settings: Settings, period: float, periods: int, watch: Watch | None
+) -> Solution:
+    """The motion over time from where a system is: free coordinates and clearance forces."""
+    outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")
-    whole = run.periods + run.skip
-    return simulate(
-        run.mechanism,
-        end=whole * characteristic_period(run.mechanism),
-        samples=whole * PER_PERIOD + 1,
-        method=run.settings.method,
-        rtol=run.settings.rtol,
-        outputs=outputs,
-        watch=watch,
+    times = system.time + period * np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
+    settings = replace(settings, times=times, passing=passes(system), counting=True, watch=watch)
+    motion = compute_motion(system, settings)
+    solution = Solution(
+        data=labelled(system, motion, evaluate_variables(motion, outputs)),
+        mechanism=system.mechanism,
+        system=system,
+        motion=motion,
+        settings=settings,
+        notes=(*assumptions(system), *doubts(system.mechanism), *motion.notes),
     )
+    if motion.interrupted:
+        raise Interrupted(str(motion.failure), time=motion.stop_time, solution=solution)
+    if motion.failure is not None:
+        raise IncompleteError(solution)
+    return solution
 
 
-def states_of(system: System, data: xr.Dataset) -> tuple[Floats, NDArray[np.bool_]]:
-    """Free coordinates, then their rates, shape (points, 2n), and which entries are angles."""
-    columns, rates, angles = [], [], []
-    for dim, names in free_names(system).items():
-        value, rate = PAIRS[dim]
-        for name in names:
-            columns.append(data[value].sel({dim: name}).to_numpy())
-            rates.append(data[rate].sel({dim: name}).to_numpy())
-            angles.append(dim != "slider")
-    return np.array([*columns, *rates]).T, np.array([*angles, *[False] * len(rates)])
-
-
-def zero_one_tests(
-    system: System, points: Floats, angles: NDArray[np.bool_]
-) -> dict[str, tuple[float, float]]:
-    """Free coordinate → growth and spread of the 0–1 test; empty for too few points."""
-    if len(points) < FEWEST_PERIODS:
-        return {}
-    names = [name for names in free_names(system).values() for name in names]
-    return {name: _zero_one(points[:, i], bool(angles[i])) for i, name in enumerate(names)}
-
-
-def _zero_one(series: Floats, angle: bool) -> tuple[float, float]:
-    observed = np.cos(series) if angle else series
-    if np.ptp(observed) <= 1e-12 * np.abs(observed).max():
-        return 0.0, 0.0  # what does not change is regular
-    found = zero_one(observed, lag=1)  # section points are not oversampled
-    return found.growth, found.spread
-
-
-def dimension_of(points: Floats, angles: NDArray[np.bool_]) -> Dimension | None:
+def dimension_of(evidence: Evidence) -> Dimension | None:
     """Correlation dimension of the section; None for too few points.
 
     Not that of the motion between section points: along each turn of a torus samples lie on a
     curve, and only very long runs show more than that.
     """
-    if len(points) < FEWEST_POINTS:
+    if len(evidence.points) < FEWEST_POINTS:
         return None
-    return correlation_dimension(points, angles=angles)
+    return correlation_dimension(evidence.points, angles=evidence.angles)
 
 
 def spectra_of(system: System, solution: Solution) -> dict[str, PowerSpectrum]:

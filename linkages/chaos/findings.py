@@ -26,7 +26,7 @@ class ChaosReport:
     name, source
         The mechanism.
     verdict
-        ``"periodic"``, ``"quasi-periodic"``, ``"chaotic"`` or ``"undecided"``.
+        ``"at rest"``, ``"periodic"``, ``"quasi-periodic"``, ``"chaotic"`` or ``"undecided"``.
     reasons
         Sentences that lead to it.
     conservative
@@ -46,7 +46,7 @@ class ChaosReport:
         Correlation dimension of the section (of the motion, less one); None for fewer than 500
         points.
     period
-        Section points until the motion repeats; None if it does not.
+        Section points until the motion repeats at the end; None if it does not.
     curves
         Whether section points lie on closed curves.
     horizon
@@ -57,8 +57,8 @@ class ChaosReport:
         ``how`` and ``verdict`` of the repetition with a tenth of the error, and the largest
         ``exponent`` with its ``error``.
     run
-        How it was computed: ``method``, ``how`` accurately, ``period`` in seconds, ``periods`` and
-        ``skip``.
+        How it was computed: ``method``, ``how`` accurately, ``period`` in seconds, ``periods``,
+        ``skip``: those before, and ``skipped``: why so many.
     force
         Clearance forces over time (time, clearance); None without clearances.
     certificate

@@ -252,10 +252,24 @@ def run_exponents(
             watch=watch,
         )
 
-    parts, most = max(PARTS, math.ceil(FEWEST_INTERVALS / periods)), math.log(FURTHEST_APART)
+    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
+    return run(parts) if interval is not None else resolved(run, parts)
+
+
+def resolved(run: Callable[[int], Exponents], parts: int) -> Exponents:
+    """Exponents with intervals short enough for all tangents.
+
+    Parameters
+    ----------
+    run
+        Computes them with so many intervals within a period.
+    parts
+        How many to begin with.
+    """
+    most = math.log(FURTHEST_APART)
     found = run(parts)
     for _ in range(MOST_RUNS - 1):
-        if interval is not None or found.apart <= most:
+        if found.apart <= most:
             break
         # round-off hides how far tangents shrink, so that one more run may not be enough
         parts *= math.ceil(2 * found.apart / most)

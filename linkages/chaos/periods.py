@@ -48,7 +48,10 @@ def find_period(
     tolerance: ArrayLike = 1e-4,
     longest: int | None = None,
 ) -> Period:
-    """Smallest m for which every point is repeated m points later.
+    """Smallest m for which every point is repeated m points later, and at the end.
+
+    The last points count for all: where neighbours are alike, but drift (in laminar phases of
+    intermittency), nothing repeats.
 
     Parameters
     ----------
@@ -78,10 +81,14 @@ def find_period(
         raise ValueError("tolerance must be > 0")
     least, settling = np.inf, None
     for count in range(1, most + 1):
-        apart = _differences(whole, mask, count, scale)
+        apart = differences(whole[count:], whole[:-count], mask, scale)
         deviation = float(apart.max())
+        cycle = whole[-count:]
         if deviation <= 1.0:
-            return Period(count, deviation, whole[-count:].copy(), settling)
+            again = cycle[(np.arange(len(whole)) - len(whole)) % count]
+            deviation = float(differences(whole, again, mask, scale).max())
+        if deviation <= 1.0:
+            return Period(count, deviation, cycle.copy(), settling)
         half = len(apart) // 2
         if settling is None and apart[half:].max() < _SETTLING * apart[:half].max():
             settling = count
@@ -89,8 +96,10 @@ def find_period(
     return Period(None, least, np.empty((0, whole.shape[1])), settling)
 
 
-def _differences(points: Floats, angles: NDArray[np.bool_], count: int, scale: Floats) -> Floats:
-    """Largest difference of any entry of points so far apart, in tolerances, shape (n - count,)."""
-    apart = points[count:] - points[:-count]
+def differences(
+    points: Floats, others: Floats, angles: NDArray[np.bool_], tolerance: Floats
+) -> Floats:
+    """Largest difference of any entry of points, in tolerances, shape (n,); of angles modulo 2π."""
+    apart = points - others
     apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return np.max(np.abs(apart) / scale, axis=1)
+    return np.asarray(np.max(np.abs(apart) / tolerance, axis=1))

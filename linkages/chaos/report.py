@@ -1,4 +1,4 @@
-"""One verdict on a motion, with its evidence: periodic, quasi-periodic, chaotic or undecided."""
+"""One verdict on a mechanism's motion, with its evidence."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from linkages.chaos import evidence
-from linkages.chaos.certificate import certified
-from linkages.chaos.closed_curves import closed_curves
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos import evidence as gathering
+from linkages.chaos.certificate import certificate, certified, samples_within
 from linkages.chaos.contact import contact_of
-from linkages.chaos.evidence import Run
 from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
 from linkages.chaos.findings import ChaosReport
 from linkages.chaos.free_states import require_free
-from linkages.chaos.lyapunov import characteristic_period, labelled_exponents, run_exponents
-from linkages.chaos.periods import find_period
+from linkages.chaos.judge import Course, Judgement, judge
+from linkages.chaos.lyapunov import labelled_exponents
 from linkages.chaos.section import section_settings
+from linkages.chaos.stretch import Evidence
+from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
-from linkages.chaos.verdict import FEWEST_PERIODS, judged
+from linkages.chaos.verdict import FEWEST_PERIODS
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
@@ -26,6 +29,8 @@ from linkages.solution.motion import Settings
 from linkages.solution.solution import IncompleteError
 from linkages.solvers.integrate import LEAST_RTOL
 from linkages.solvers.methods import METHODS
+
+Floats = NDArray[np.float64]
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,22 +43,23 @@ def chaos(
     mechanism: Mechanism,
     *,
     periods: int = 300,
-    skip: int = 0,
+    skip: int | None = None,
     method: str | None = None,
     rtol: float | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> ChaosReport:
-    """Say whether a motion is periodic, quasi-periodic or chaotic.
+    """Say whether a motion comes to rest, is periodic, quasi-periodic or chaotic.
 
     Parameters
     ----------
     mechanism
         With at least one free coordinate.
     periods
-        Length of the motion in common periods of the drives (or in units of the file's end time,
-        where there is none), at least 200.
+        Length of the stretch that is judged, at least 200: in common periods of the drives or,
+        where there is none, in mean returns to a section where the motion comes back.
     skip
-        Periods before it is judged: a motion with friction needs them to find its attractor.
+        Periods before it is judged. If not given, the transient of a motion with friction is
+        skipped as far as it is found; without friction there is none.
     method, rtol
         As `linkages.simulate` takes them; those of the file if not given.
     watch
@@ -75,93 +81,146 @@ def chaos(
     require_free(system)
     if periods < FEWEST_PERIODS:
         raise ValueError(f"a verdict needs at least {FEWEST_PERIODS} periods, found {periods}")
+    if skip is not None and skip < 0:
+        raise ValueError(f"expected skip >= 0, found {skip}")
     settings = section_settings(mechanism, method, rtol)
-    run = Run(system=system, periods=periods, skip=skip, settings=settings)
     kept: dict[str, xr.Dataset] = {}
     try:
-        return _judge(run, watch, kept)
+        return _report(system, settings, periods, skip, watch, kept)
     except Interrupted as error:
-        kept |= _of_last(run, error)
+        kept = _of_last(mechanism, error) | kept
         raise Interrupted(str(error), time=error.time, kept=kept) from None
     except KeyboardInterrupt:
         raise Interrupted("interrupted between two computations", kept=kept) from None
     except ComputationError as error:
-        kept |= _last(run, error)
+        kept = _last(mechanism, error) | kept
         if not kept:
             raise
         raise UnfinishedError(str(error), kept, time=error.time) from None
 
 
-def _judge(
-    run: Run, watch: Callable[[float], None] | None, kept: dict[str, xr.Dataset]
+def _report(
+    system: System,
+    settings: Settings,
+    periods: int,
+    skip: int | None,
+    watch: Callable[[float], None] | None,
+    kept: dict[str, xr.Dataset],
 ) -> ChaosReport:
-    """Gather evidence, put what is there into `kept`, and judge."""
-    parts, tight = _Parts(watch, 3), tightened(run.settings)
-    exponents = _exponents(run, None, run.settings, parts.of(0))
-    kept["chaos_exponents"] = labelled_exponents(run.mechanism, exponents)
-    section = kept["chaos_section"] = evidence.section_of(run)
-    again = _exponents(run, 1, tight, parts.of(1))
-    solution = evidence.followed(run, parts.of(2))
-    points, angles = evidence.states_of(run.system, section)
-    tests = evidence.zero_one_tests(run.system, points, angles)
-    period = find_period(points, angles=angles).count if tests else None
-    curves = closed_curves(points, angles=angles) if tests and period is None else None
-    verdict, reasons = judged(exponents, tests, period, curves, len(points))
-    tighter, _ = judged(again, tests, period, curves, len(points))
-    how = _how(tight)
-    if (tight.rtol, tight.step) == (run.settings.rtol, run.settings.step):
-        reasons.append("No smaller error can be asked for, so nothing confirms this.")
-        verdict = "undecided"
-    elif tighter != verdict:
-        reasons.append(
-            f"At {how} the verdict would be {tighter!r}: it changes with the step size, so it is "
-            "none."
-        )
-        verdict = "undecided"
-    else:
-        reasons.append(f"The verdict is the same at {how}.")
-    verdict, reasons = certified(verdict, reasons, exponents.certificate)
-    conservative = evidence.conservative(run.mechanism)
+    """Judge, put what is there into `kept`, and look at the motion over time."""
+    mechanism, tight, parts = system.mechanism, tightened(settings), _Parts(watch, 3)
+    section = gathering.section_for(system, settings, periods)
+    conservative = gathering.conservative(mechanism)
+
+    def keep(found: Evidence) -> None:
+        kept["chaos_exponents"] = labelled_exponents(mechanism, found.exponents)
+        kept["chaos_section"] = gathering.labelled_section(system, section, found)
+
+    def points(at: LinkageTangents, smaller: bool) -> tuple[Floats, Floats]:
+        return section.points(at.here, tight if smaller else settings, periods)
+
+    course = Course(
+        period=section.period,
+        periods=periods,
+        skip=skip,
+        dissipative=not conservative,
+        section=points if section.text else None,
+        tolerance=gathering.alike(system, section.period, settings.rtol),
+        observed=len(system.topology.free),
+        certified=_certified,
+    )
+    samples = samples_within(periods * course.parts)
+    found = judge(
+        _tangents(system, settings, samples),
+        course,
+        lambda start: _tangents(start.here, tight),
+        watches=(parts.of(0), parts.of(1)),
+        keep=keep,
+    )
+    solution = gathering.followed(found.start.here, settings, section.period, periods, parts.of(2))
+    contact = contact_of(solution.data)
+    verdict, reasons = certified(
+        *_confirmed(found, settings, tight), found.evidence.exponents.certificate
+    )
     if conservative:
         reasons.append(
             "Nothing dissipates: there is no attractor, and the verdict is about this initial "
             "state; others may move otherwise."
         )
-    contact = contact_of(solution.data)
-    reasons += [found.sentence for found in contact if found.sentence]
+    reasons += [one.sentence for one in contact if one.sentence]
+    judged, exponents = found.evidence, found.again.exponents
+    names = system.topology.free
     return ChaosReport(
-        name=run.mechanism.name,
-        source=run.mechanism.source,
+        name=mechanism.name,
+        source=mechanism.source,
         verdict=verdict,
         reasons=tuple(reasons),
         conservative=conservative,
         exponents=kept["chaos_exponents"],
-        zero_one=tests,
-        spectra=evidence.spectra_of(run.system, solution),
-        section=section,
-        rotation=evidence.rotation_of(run.system, solution),
-        dimension=evidence.dimension_of(points, angles),
-        period=period,
-        curves=curves,
+        zero_one=dict(zip(names, judged.tests, strict=False)),
+        spectra=gathering.spectra_of(system, solution),
+        section=kept["chaos_section"],
+        rotation=gathering.rotation_of(system, solution),
+        dimension=gathering.dimension_of(judged),
+        period=judged.period,
+        curves=judged.curves,
         horizon=solution.horizon,
         contact=contact,
         tighter={
-            "how": how,
-            "verdict": tighter,
-            "exponent": float(again.values[0]),
-            "error": float(again.errors[0]),
+            "how": _how(tight),
+            "verdict": found.verdict_again,
+            "exponent": float(exponents.values[0]),
+            "error": float(exponents.errors[0]),
         },
         run={
             "method": solution.motion.method,
-            "how": _how(run.settings),
-            "period": characteristic_period(run.mechanism),
-            "periods": run.periods,
-            "skip": run.skip,
+            "how": _how(settings),
+            "period": section.period,
+            "periods": periods,
+            "skip": found.skipped,
+            "skipped": found.how_skipped,
         },
         force=solution.data.get("clearance_force"),
         notes=solution.notes,
-        certificate=exponents.certificate,
+        certificate=judged.exponents.certificate,
     )
+
+
+def _tangents(system: System, settings: Settings, samples: int = 0) -> LinkageTangents:
+    """A system with a whole set of tangents, which keeps so many samples of each advance."""
+    return LinkageTangents(
+        system,
+        2 * len(system.topology.free),
+        settings.method,
+        settings.rtol,
+        settings.atol,
+        settings.step,
+        settings.max_steps,
+        samples,
+    )
+
+
+def _certified(tangents: LinkageTangents, exponents: Exponents) -> Exponents:
+    """Exponents with what is known of them along the motion of these tangents."""
+    return replace(exponents, certificate=certificate(tangents, exponents, 0))
+
+
+def _confirmed(
+    found: Judgement[LinkageTangents], settings: Settings, tight: Settings
+) -> tuple[str, list[str]]:
+    """The verdict if the run with a smaller error gives the same, and the reasons."""
+    reasons = list(found.reasons)
+    if (tight.rtol, tight.step) == (settings.rtol, settings.step):
+        return "undecided", [
+            *reasons, "No smaller error can be asked for, so nothing confirms this."
+        ]  # fmt: skip
+    if found.verdict_again == found.verdict:
+        return found.verdict, [*reasons, f"The verdict is the same at {_how(tight)}."]
+    return "undecided", [
+        *reasons,
+        f"At {_how(tight)} the verdict would be {found.verdict_again!r}: it changes with the step "
+        "size, so it is none.",
+    ]
 
 
 def tightened(settings: Settings) -> Settings:
@@ -176,18 +235,10 @@ def _how(settings: Settings) -> str:
     return f"rtol {settings.rtol:g}" if settings.step is None else f"step {settings.step:.3g} s"
 
 
-def _exponents(
-    run: Run, count: int | None, settings: Settings, watch: Callable[[float], None] | None
-) -> Exponents:
-    return run_exponents(
-        run.system, settings, periods=run.periods, skip=run.skip, count=count, watch=watch
-    )
-
-
-def _last(run: Run, error: ComputationError) -> dict[str, xr.Dataset]:
+def _last(mechanism: Mechanism, error: ComputationError) -> dict[str, xr.Dataset]:
     """What the analysis that ended early leaves."""
-    if isinstance(error, UnfinishedExponentsError) and len(error.exponents.values) > 1:
-        return {"chaos_exponents": labelled_exponents(run.mechanism, error.exponents)}
+    if isinstance(error, UnfinishedExponentsError):
+        return {"chaos_exponents": labelled_exponents(mechanism, error.exponents)}
     if isinstance(error, UnfinishedError):
         return {f"chaos_{name}": data for name, data in error.kept.items()}
     if isinstance(error, IncompleteError):
@@ -195,14 +246,14 @@ def _last(run: Run, error: ComputationError) -> dict[str, xr.Dataset]:
     return {}
 
 
-def _of_last(run: Run, error: Interrupted) -> dict[str, xr.Dataset]:
+def _of_last(mechanism: Mechanism, error: Interrupted) -> dict[str, xr.Dataset]:
     """What the analysis that was interrupted leaves."""
     found = {}
     for name, result in error.kept.items():
         if not isinstance(result, Exponents):
             found[f"chaos_{name}"] = result
-        elif len(result.values) > 1:
-            found["chaos_exponents"] = labelled_exponents(run.mechanism, result)
+        else:
+            found["chaos_exponents"] = labelled_exponents(mechanism, result)
     if error.solution is not None:
         found["chaos_motion"] = error.solution.data
     return found

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -103,6 +105,21 @@ class LinkageTangents:
         """Free coordinates, then their rates, shape (2n,)."""
         n = self._count
         return np.concatenate([self._vector[:n], self._vector[self._total : self._total + n]])
+
+    @property
+    def here(self) -> System:
+        """The system, where the motion is now."""
+        found = copy.copy(self.system)
+        found.state, found.time = self._plain(self._vector).copy(), self.time
+        return found
+
+    def __copy__(self) -> LinkageTangents:
+        """Another one in the same state, which goes its own way from there."""
+        found = object.__new__(type(self))
+        vars(found).update(vars(self), _vector=self._vector.copy(), passed=[])
+        if self._keeps:
+            found._keep(np.array([self.time]), found._vector[:, None])
+        return found
 
     @property
     def unwrapped(self) -> Floats:

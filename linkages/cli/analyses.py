@@ -242,14 +242,17 @@ def chaos(
     periods: Annotated[
         int | None, typer.Option(help="Length of the motion in periods; default: 300.")
     ] = None,
-    skip: Annotated[int, typer.Option(help="Periods before it is judged.")] = 0,
+    skip: Annotated[
+        int | None,
+        typer.Option(help="Periods before it is judged; default: the transient, as it is found."),
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="As few periods as a verdict can rest on.")
     ] = False,
     method: Method = None,
     rtol: Rtol = None,
 ) -> None:
-    """Say whether the motion is periodic, quasi-periodic or chaotic, and why; write chaos.html."""
+    """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why."""
     from linkages.cli.chaos import run_chaos
     from linkages.cli.requests import Request
 

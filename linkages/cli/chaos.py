@@ -25,7 +25,13 @@ from linkages.solution.files import replaced
 if TYPE_CHECKING:
     from linkages.chaos.findings import ChaosReport
 
-LOOK = {"periodic": "blue", "quasi-periodic": "green", "chaotic": "red", "undecided": "yellow"}
+LOOK = {
+    "at rest": "blue",
+    "periodic": "blue",
+    "quasi-periodic": "green",
+    "chaotic": "red",
+    "undecided": "yellow",
+}
 Table = tuple[str, list[str], list[list[str]]]
 
 
@@ -119,22 +125,24 @@ def _others(report: ChaosReport) -> list[list[str]]:
     tighter, horizon, period = report.tighter, report.horizon, report.period
     curves = 0 if report.curves is None else report.curves.count
     run = report.run
-    skipped = f", after {run['skip']} skipped" if run["skip"] else ""
     rows = [
-        ["length", f"{run['periods']} periods of {number(run['period'])} s{skipped}"],
+        ["length", f"{run['periods']} periods of {number(run['period'])} s"],
+        ["skipped before", f"{run['skip']} periods: {run['skipped']}"],
         ["integrated by", f"{run['method']}, {run['how']}"],
-        ["section repeats", "not" if period is None else f"after {period} points"],
+        ["section repeats", "not" if period is None else f"after {_many(period)}"],
         ["closed curves in the section", str(curves) if curves else "none"],
         [f"verdict at {tighter['how']}", str(tighter["verdict"])],
         ["correlation dimension of the section", _dimension(report)],
         ["energy dissipates", "no" if report.conservative else "yes"],
     ]
-    if period == 1:
-        rows[2][1] = "after 1 point"
     if horizon is not None:
         until = f"t = {number(horizon.time)} s"
         rows.append(["motion has correct digits until", "the end" if horizon.whole else until])
     return rows
+
+
+def _many(points: int) -> str:
+    return f"{points} point{'' if points == 1 else 's'}"
 
 
 def _dimension(report: ChaosReport) -> str:

@@ -24,6 +24,7 @@ PERIODS = 4
 """Periods over which forces in clearances are shown."""
 
 COLOURS = {
+    "at rest": "#56B4E9",
     "periodic": "#0072B2",
     "quasi-periodic": "#009E73",
     "chaotic": "#D55E00",

@@ -126,7 +126,7 @@ def gathered(
     observed
         The 0–1 test observes so many entries, the first ones; all by default.
     """
-    count = len(points)
+    count, points = len(points), _without_noise(points, angles, tolerance)
     period, curves, settled = None, None, 0.0
     if rests:
         settled = _part_before(exponents.states, exponents.states[-1:], angles, tolerance)
@@ -151,6 +151,13 @@ def gathered(
     )
 
 
+def _without_noise(points: Floats, angles: NDArray[np.bool_], tolerance: Floats) -> Floats:
+    """Points whose entries are constant where they are but for round-off, as on their section."""
+    apart = points - points[:1]
+    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
+    return np.where((np.abs(apart) <= tolerance).all(axis=0), points[:1], points)
+
+
 def ends_alike(exponents: Exponents, angles: NDArray[np.bool_], tolerance: Floats) -> bool:
     """Whether the last states are all the same: the motion rests, or its interval is a period."""
     last = exponents.states[-max(2, len(exponents.states) // RESTING) :]
@@ -172,8 +179,6 @@ def _repetition(
             best = found
     if best is None:
         return None, 0.0
-    if best.settling is not None:
-        return best.count, 1.0
     return best.count, _part_before(points, best.cycle, angles, tolerance)
 
 

@@ -93,8 +93,6 @@ def _aperiodic(
 
 def transient(evidence: Evidence) -> str:
     """Why a motion that dissipates is still on its way to its attractor; empty if it is there."""
-    if evidence.settled == 1.0:
-        return "the motion still converges to what repeats"
     if evidence.settled:
         how = (
             "comes to rest" if evidence.rests

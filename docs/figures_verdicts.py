@@ -1,0 +1,58 @@
+"""Make the tables of docs/verdicts.md.
+
+    python docs/figures_verdicts.py
+
+Judges every system with a known answer, with and without skipping, at two tolerances.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from multiprocessing import get_context
+from pathlib import Path
+
+from verdicts.table import SKIPS, TOLERANCES, Case, confusion, judged, listed, shares, systems
+
+STATIC = Path(__file__).parent / "_static"
+SYSTEMS = systems()
+TASKS = [
+    (index, skip, rtol) for index in range(len(SYSTEMS)) for skip in SKIPS for rtol in TOLERANCES
+]
+
+
+def found(task: tuple[int, int | None, float]) -> tuple[str, int | None]:
+    """The answer of one judgement; systems themselves do not go from process to process."""
+    index, skip, rtol = task
+    case = judged(SYSTEMS[index], skip, rtol)
+    print(f"{case.mark:10} {case.known.name}, {skip}, {rtol:g}: {case.verdict}", flush=True)
+    return case.verdict, case.period
+
+
+def main() -> None:
+    with get_context("spawn").Pool(os.cpu_count()) as pool:
+        answers = pool.map(found, TASKS, chunksize=1)
+    cases = [
+        Case(SYSTEMS[index], skip, rtol, *answer)
+        for (index, skip, rtol), answer in zip(TASKS, answers, strict=True)
+    ]
+    for name, text in (("list", listed), ("confusion", confusion), ("shares", shares)):
+        (STATIC / f"verdicts-{name}.md").write_text(text(cases), encoding="utf-8")
+    rows = [
+        {
+            "system": case.known.name,
+            "known": case.known.verdict,
+            "skip": case.skip,
+            "rtol": case.rtol,
+            "verdict": case.verdict,
+            "period": case.period,
+            "mark": case.mark,
+        }
+        for case in cases
+    ]
+    text = json.dumps(rows, indent=1, ensure_ascii=False)
+    (STATIC / "verdicts.json").write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -10,8 +10,8 @@ from linkages.chaos.closed_curves import ClosedCurves
 from linkages.chaos.exponents import Exponents
 from linkages.chaos.judge import Course, judge
 from linkages.chaos.steadiness import steadiness
-from linkages.chaos.stretch import Evidence, gathered
-from linkages.chaos.systems import Map
+from linkages.chaos.stretch import Evidence, ends_alike, gathered
+from linkages.chaos.systems import Map, Ode
 from linkages.chaos.verdict import judged, transient
 
 PERIODS = 300
@@ -148,6 +148,12 @@ def test_shrinking_tangents_without_a_period_are_a_transient():
     assert not any("transient" in reason for reason in reasons)
 
 
+def test_too_few_points_are_no_section():
+    found = evidence(0.3, growth=1.0)
+    assert verdict(replace(found, points=found.points[:199])) == "undecided"
+    assert verdict(replace(found, points=found.points[:200])) == "chaotic"
+
+
 def turning(count: int, decay: float = 0.0) -> np.ndarray:
     """Points of a circle, or of a spiral towards its centre."""
     n = np.arange(count)
@@ -223,6 +229,70 @@ def test_laminar_phases_are_no_periods():
     n = np.arange(300)
     points = np.column_stack([np.array([0.1, 0.5, 0.9])[n % 3] + 2e-5 * n, n * 0.0])
     assert shown(points).period is None
+
+
+def test_few_points_that_coincide_are_no_period():
+    points = np.random.default_rng(2).normal(size=(80, 2))
+    points[-9:] = points[-9]
+    assert shown(points).period is None
+
+
+@pytest.mark.parametrize(("noise", "chaotic"), [(1e-9, False), (1e-2, True)])
+def test_round_off_of_a_cycle_is_not_tested(noise, chaotic):
+    """What remains of a cycle of two but for round-off is regular; what is more is asked."""
+    cycle = np.array([0.2, 0.8])[np.arange(300) % 2]
+    found = shown((cycle + noise * np.random.default_rng(3).normal(size=300))[:, None])
+    assert (found.tests[0][0] > 0.9) is chaotic
+
+
+def test_a_motion_at_rest_rests_for_a_tenth_of_the_stretch():
+    states = np.linspace(1, 0, 200)[:, None]
+    exponents = Exponents(growth=np.zeros((199, 1)), states=states, times=np.arange(200.0))
+    angles, tolerance = np.zeros(1, dtype=bool), np.array([1e-4])
+    for count, expected in ((10, False), (30, True)):
+        states[-count:] = states[-1]
+        assert ends_alike(exponents, angles, tolerance) is expected
+
+
+def contracting(factor: float) -> Map:
+    return Map(lambda x: factor * x, lambda _: [[factor]], [1.0])
+
+
+@pytest.mark.parametrize(
+    ("factor", "skip", "skipped", "expected"),
+    [
+        (0.5, None, 100, "periodic"),
+        # 0.98ⁿ = 1e-4 at n = 456, within the stretch from 400 to 700
+        (0.98, None, 800, "periodic"),
+        # 0.9995ⁿ = 1e-4 at n = 18 417
+        (0.9995, None, 1600, "undecided"),
+        (0.5, 0, 0, "periodic"),
+        (0.98, 0, 0, "undecided"),
+        (0.98, 500, 500, "periodic"),
+    ],
+)
+def test_the_transient_is_skipped(factor, skip, skipped, expected):
+    course = Course(period=1, parts=1, periods=PERIODS, skip=skip)
+    found = judge(contracting(factor), course, copy.copy)
+    assert (found.verdict, found.skipped) == (expected, skipped)
+    assert found.start.time == found.evidence.times[0] == skipped
+    assert ("the most that is tried" in found.how_skipped) is (skipped == 1600)
+
+
+def test_nothing_is_skipped_of_a_conservative_motion():
+    course = Course(period=1, parts=1, periods=PERIODS, dissipative=False)
+    found = judge(contracting(0.5), course, copy.copy)
+    assert (found.skipped, found.how_skipped) == (0, "nothing dissipates")
+
+
+def test_an_interval_that_is_a_period_is_no_rest():
+    """States at all ends of intervals are the same, and the motion between is looked at."""
+    oscillator = Ode(
+        lambda _, y: (y[1], -y[0]), lambda _t, _y: ((0.0, 1.0), (-1.0, 0.0)), [1.0, 0.0]
+    )
+    course = Course(period=8 * np.pi, periods=200, dissipative=False)
+    found = judge(oscillator, course, copy.copy)
+    assert (found.verdict, found.evidence.period) == ("periodic", 1)
 
 
 def test_bands_are_no_regular_part():

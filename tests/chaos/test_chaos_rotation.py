@@ -85,3 +85,11 @@ def test_slow_angles_are_not_refined():
     time, angle = refined(TIME, np.sin(TIME))
     assert time is TIME
     assert len(angle) == len(TIME)
+
+
+def test_error_of_a_rate_that_changes():
+    """Of θ = t² the halves of (0, T) turn at T/2 and 3T/2, their weights being symmetric."""
+    time = np.linspace(0, 10, 1001)
+    found = classify_angle(time, time**2)
+    assert found.rate == pytest.approx(10, rel=1e-9)
+    assert found.rate_error == pytest.approx(10, rel=1e-9)

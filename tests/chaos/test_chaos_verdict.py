@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.chaos.evidence import alike
 from linkages.chaos.judge import judge
 from linkages.chaos.report import chaos
 from linkages.components.definition import from_document
+from linkages.kernel.system import System
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.solvers.integrate import LEAST_RTOL
@@ -164,6 +166,14 @@ def test_nothing_is_skipped_where_nothing_dissipates():
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     assert (report.run["skip"], report.run["skipped"]) == (0, "nothing dissipates")
     assert report.section.time[0] == pytest.approx(0, abs=report.run["period"])
+
+
+def test_what_counts_as_no_difference():
+    """A ten-thousandth of the range, of an angle at most of a radian, or errors of integration."""
+    tolerance = alike(System(pendulum(0.8)), period=2.0, rtol=1e-8)
+    assert tolerance(np.array([[0.0, -5.0], [0.1, 5.0]])) == pytest.approx([1e-5, 1e-3])
+    assert tolerance(np.array([[-3.0, -5.0], [3.0, 5.0]])) == pytest.approx([1e-4, 1e-3])
+    assert tolerance(np.zeros((2, 2))) == pytest.approx([1e-6, 1e-6 * np.pi])
 
 
 def judgements(monkeypatch, **changes):

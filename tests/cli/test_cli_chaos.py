@@ -349,6 +349,7 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("Driven pendulum: chaotic\n- ")
     assert "mixed" in result.out
+    assert "100 periods: the motion is settled from there on" in result.out
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 3
     assert '<span class="verdict">chaotic</span>' in page
@@ -365,6 +366,8 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
     result = pendulum("chaos", "--quick", "--json", "--no-figures", "--rtol", "1e-7")
     content = json.loads(result.out)
     assert content["run"]["periods"] == 200
+    assert content["run"]["skip"] == 100
+    assert content["run"]["skipped"] == "the motion is settled from there on"
     assert content["run"]["period"] == pytest.approx(PERIOD)
     assert content["tighter"]["how"] == "rtol 1e-08"
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")

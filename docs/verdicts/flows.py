@@ -135,7 +135,7 @@ def _forced() -> list[Known]:
     ]  # fmt: skip
     return [
         Known("flow", name, verdict, period, source,
-              of_flow(system, 2 * math.pi / frequency, dissipative=dissipative))
+              of_flow(system, 2 * math.pi / frequency, dissipative=dissipative), dissipative)
         for name, verdict, period, source, system, frequency, dissipative in found
     ]  # fmt: skip
 
@@ -169,7 +169,7 @@ def _free() -> list[Known]:
     ]  # fmt: skip
     return [
         Known("flow", name, verdict, period, source,
-              of_flow(system, time, section, dissipative=dissipative))
+              of_flow(system, time, section, dissipative=dissipative), dissipative)
         for name, verdict, period, source, system, time, section, dissipative in found
     ]  # fmt: skip
 

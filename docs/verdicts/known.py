@@ -33,6 +33,8 @@ class Known:
         Where it is known from.
     judged
         Judges it after so many skipped periods (None: as found) at a relative tolerance.
+    dissipative
+        Whether there may be a transient; otherwise nothing is skipped, whatever is asked for.
     """
 
     kind: str
@@ -41,6 +43,7 @@ class Known:
     period: int | None
     source: str
     judged: Callable[[int | None, float], Answer]
+    dissipative: bool = True
 
     @property
     def expected(self) -> str:

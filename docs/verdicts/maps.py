@@ -257,7 +257,15 @@ def _others() -> list[Known]:
          lambda: froeschle(3.0, 0.5, [0.5, 0.7, 0.1, 0.2]), False),
     ]  # fmt: skip
     return [
-        Known("map", name, verdict, period, source, of_map(system, dissipative=dissipative))
+        Known(
+            "map",
+            name,
+            verdict,
+            period,
+            source,
+            of_map(system, dissipative=dissipative),
+            dissipative,
+        )
         for name, verdict, period, source, system, dissipative in found
     ]
 

@@ -13,6 +13,16 @@ BAKER = "G. L. Baker, J. P. Gollub, Chaotic Dynamics, 2nd ed. (1996), q = 2, ω 
 TAYLOR = "J. R. Taylor, Classical Mechanics (2005), chapter 12"
 LINEAR = "linear oscillations, damped and forced"
 
+CONSERVATIVE = (
+    "Pendulum, free",
+    "Pendulum, free, turning over",
+    "Double pendulum, small",
+    "Double pendulum, large",
+    "Slider-crank, free",
+    "Nine-bar, clearance from 0°",
+    "Nine-bar, clearance from 90°",
+)
+
 PENDULUM = """\
 name: Driven pendulum
 gravity: [0, -{gravity!r}]
@@ -184,9 +194,12 @@ def _linkages() -> list[Known]:
 
 def _known(found) -> list[Known]:  # type: ignore[no-untyped-def]
     return [
-        Known("mechanism", name, verdict, period, source, of_mechanism(system))
+        Known(
+            "mechanism", name, verdict, period, source, of_mechanism(system),
+            name not in CONSERVATIVE,
+        )
         for name, verdict, period, source, system in found
-    ]
+    ]  # fmt: skip
 
 
 MECHANISMS = [*_pendulums(), *_linkages()]

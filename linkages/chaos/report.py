@@ -129,7 +129,7 @@ def _report(
         observed=len(system.topology.free),
         certified=_certified,
     )
-    samples = samples_within(periods * course.parts)
+    samples = samples_within(system, periods * course.parts)
     found = judge(
         _tangents(system, settings, samples),
         course,

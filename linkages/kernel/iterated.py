@@ -73,18 +73,22 @@ class LinearSystem:
 
     @cached_property
     def determinant(self) -> Scalar:
-        """Zero at a singular position."""
-        if len(self.matrix) == 1:
-            return self.matrix[0][0]
-        return self.graph.determinant(self.matrix)
+        """Zero at a singular position; with redundant equations the root of the normal equations'.
+
+        So it has the same size in both cases: the volume that the columns span.
+        """
+        found = self.matrix[0][0] if len(self.matrix) == 1 else self.graph.determinant(self.matrix)
+        if self.square:
+            return found
+        # round-off may take a sum of squares below zero
+        return self.graph.sqrt(self.graph.select(found, found, self.graph.zero))
 
     @cached_property
     def largest_determinant(self) -> Scalar:
         """Its bound by Hadamard: the product of the lengths of the columns."""
         result = self.graph.one
         for column in self.columns:
-            square = self._product(column, column)
-            result = result * (self.graph.sqrt(square) if self.square else square)
+            result = result * self.graph.sqrt(self._product(column, column))
         return result
 
     def determinant_rate(self, rates: Columns) -> Scalar:
@@ -98,7 +102,7 @@ class LinearSystem:
                 [self._product(da, b) + self._product(a, db) for b, db in pairs] for a, da in pairs
             ]
         if len(changes) == 1:
-            return changes[0][0]
+            return self._root_rate(changes[0][0])
         terms = []
         for k in range(len(changes)):
             replaced = [
@@ -106,7 +110,11 @@ class LinearSystem:
                 for i, row in enumerate(self.matrix)
             ]
             terms.append(self.graph.determinant(replaced))
-        return self.graph.total(terms)
+        return self._root_rate(self.graph.total(terms))
+
+    def _root_rate(self, rate: Scalar) -> Scalar:
+        """Derivative of the determinant from that of the matrix."""
+        return rate if self.square else 0.5 * rate / self.determinant
 
 
 @dataclass(frozen=True)

@@ -157,6 +157,6 @@ def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
 
 
 def peak_text(peak: Peak, scales: tuple[Scale, Scale]) -> str:
-    """A peak in words; a star where it is not predictable."""
+    """A peak in words."""
     text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
-    return f"{text} *" if peak.late else text
+    return f"{text}, not predictable" if peak.late else text

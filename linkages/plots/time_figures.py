@@ -164,8 +164,7 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     _finish(ax, time, scales, quantity.label)
     if per_swing(data, [variable]) < FEWEST:
         ax.set_xlabel(f"{scales[0].label('time')}; samples do not show every swing")
-    late = any(peak.late for peak in peaks if peak)
-    _shade_beyond_horizon(ax, data, time, scales[0], late)
+    _shade_beyond_horizon(ax, data, time, scales[0])
     show_steady(ax, values * scales[1].factor)
     if len(names) > 1:
         entries = [_entry(name, peak, scales) for name, peak in zip(names, peaks, strict=True)]
@@ -186,20 +185,15 @@ def _finish(ax: Axes, time: np.ndarray, scales: tuple[Scale, Scale], label: str)
     ax.set_ylabel(scales[1].label(label))
 
 
-def _shade_beyond_horizon(
-    ax: Axes, data: xr.Dataset, time: np.ndarray, scale: Scale, late: bool
-) -> None:
-    """Shade the times at which the solution has fewer than three correct digits.
-
-    `late` says that a peak with a star lies there.
-    """
+def _shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: np.ndarray, scale: Scale) -> None:
+    """Shade the times at which the solution has fewer than three correct digits."""
     horizon = data.attrs.get("horizon")
     if horizon is None or not time.size:
         return
     begin, end = horizon * scale.factor, time[-1] * scale.factor
     ax.axvspan(begin, end, color="0.88", zorder=0, linewidth=0)
     ax.annotate(
-        "* not predictable" if late else "not predictable",
+        "not predictable",
         (begin, 0.015),
         xycoords=("data", "axes fraction"),
         xytext=(3, 0),

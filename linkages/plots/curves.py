@@ -157,6 +157,6 @@ def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
 
 
 def peak_text(peak: Peak, scales: tuple[Scale, Scale]) -> str:
-    """A peak in words."""
+    """A peak in words; with the star of tables where it is not predictable."""
     text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
-    return f"{text}, not predictable" if peak.late else text
+    return f"{text} *" if peak.late else text

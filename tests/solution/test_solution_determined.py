@@ -150,3 +150,13 @@ def test_cognates_draw_one_curve():
     for bar, other in (("left", "coupler"), ("left_coupler", "crank"), ("right_top", "crank")):
         turned = data.bar_speed.sel(bar=bar) - data.bar_speed.sel(bar=other)
         assert turned.to_numpy() == pytest.approx(0, abs=1e-10)
+
+
+def test_a_large_group_is_not_singular_because_it_is_large():
+    """Eight unknowns by least squares: the determinant of the normal equations is a square."""
+    solution = linkages.simulate(linkages.load(DATA / "roberts-group.yaml"))
+    (block,) = solution.system.topology.solved_blocks
+    assert (len(block.unknowns), block.surplus) == (8, 2)
+    assert float(solution.data.closure_residual.max()) < 1e-13
+    left = solution.data.bar_speed.sel(bar="left_coupler").to_numpy()
+    assert left == pytest.approx(3.0, abs=1e-9)  # it turns with the crank

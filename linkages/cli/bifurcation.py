@@ -69,7 +69,7 @@ def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
     nothing = not _counts(data).any()
     if interrupted and nothing:
         raise EndedError(TOO_EARLY)
-    with request.publishing(complete=not (interrupted or nothing)) as (aside, place):
+    with request.publishing(complete=not nothing, interrupted=interrupted) as (aside, place):
         _save(data, aside)
     written = place.files
     if request.json:

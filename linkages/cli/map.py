@@ -59,7 +59,7 @@ def run_map(
     interrupted = bool(data.attrs["interrupted"])
     if interrupted and nothing:
         raise EndedError(TOO_EARLY)
-    with request.publishing(complete=not (interrupted or nothing)) as (aside, place):
+    with request.publishing(complete=not nothing, interrupted=interrupted) as (aside, place):
         _save(data, aside)
     content = _content(data, failed, place.files)
     if request.json:

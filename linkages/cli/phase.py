@@ -13,7 +13,6 @@ from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.terminal import console, number, print_json, progress, table
 from linkages.errors import ComputationError, Interrupted
-from linkages.interrupts import exit_code
 from linkages.solution.solution import IncompleteError
 
 FEWEST_SAMPLES = 10_001
@@ -37,7 +36,7 @@ def run_phase(
     request = request.asks("phase", x=x, y=y, wrap=wrap, skip=skip, end=end, samples=samples)
     mechanism = request.mechanism()
     label = f"phase diagram of {escape(mechanism.name)}"
-    failure, code = None, 0
+    failure, interrupted = None, False
     with request.answering(), progress(label, shown=not request.json) as watch:
         known = system_series(System(mechanism))
         across, up = find_series(known, x), find_series(known, y)
@@ -49,9 +48,9 @@ def run_phase(
         try:
             solution = simulate(mechanism, end=end, samples=wanted, outputs=outputs, watch=watch)
         except IncompleteError as error:
-            solution, failure, code = error.solution, str(error), error.exit_code
+            solution, failure = error.solution, str(error)
         except Interrupted as error:
-            solution, failure, code = error.solution, str(error), exit_code()
+            solution, failure, interrupted = error.solution, str(error), True
     data = solution.data.sel(time=slice(skip, None))
     if not data.sizes["time"]:
         raise ComputationError(f"stopped {failure}", time=solution.motion.stop_time)
@@ -60,7 +59,7 @@ def run_phase(
         for series in (across, up)
         if series.variable != TIME
     }
-    with request.publishing(complete=failure is None) as (aside, place):
+    with request.publishing(complete=failure is None, interrupted=interrupted) as (aside, place):
         save_netcdf(data, aside.folder / "phase_diagram.nc")
         save_table(columns, aside.folder / "phase_diagram.csv")
         if request.figures:
@@ -73,7 +72,7 @@ def run_phase(
         for head, values in columns.items()
     ]
     _report(request, mechanism.name, rows, place.files, failure)
-    return code
+    return 0 if failure is None else 1
 
 
 def _report(

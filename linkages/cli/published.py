@@ -1,9 +1,9 @@
 """Files of one run of a verb: written aside, then put in their place together.
 
-A folder of results has, of every verb, the files of its last complete run and nothing else of it.
-What an incomplete run leaves goes into the folder ``unfinished`` in it, so that it never takes the
-place of something complete. Records in ``.linkages`` say which run the files are of; nothing that
-has no record, or was changed since, is removed.
+A folder of results has, of every verb, the files of its last run and nothing else of it. What an
+interrupted run leaves goes into the folder ``unfinished`` in it, so that it never takes the place
+of something whole. Records in ``.linkages`` say which run the files are of; nothing that has no
+record, or was changed since, is removed.
 """
 
 from __future__ import annotations
@@ -35,10 +35,6 @@ UNFINISHED = "unfinished"
 class EndedError(LinkagesError):
     """Ctrl-C or a signal ended a run; the message says what has been written."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message)
-        self.exit_code = interrupts.exit_code()
-
 
 class Published:
     """Where files of a run are written, and where they are then.
@@ -63,6 +59,7 @@ def published(
     options: Mapping[str, Any],
     *,
     complete: bool = True,
+    interrupted: bool = False,
 ) -> Iterator[Published]:
     """A folder to write the files of a run into, which are put in their place at the end.
 
@@ -75,7 +72,10 @@ def published(
     mechanism, options
         What was computed, and how; NetCDF files say so.
     complete
-        Whether the run came to its end: otherwise its files go into ``folder/unfinished``.
+        Whether the run came to its end; NetCDF files say so.
+    interrupted
+        Whether somebody ended it: its files go into ``folder/unfinished`` then. A motion that stops
+        is not interrupted: the same command would stop it again.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def published(
     remove_leftovers(folder / RECORDS)
     staging = Path(tempfile.mkdtemp(dir=folder / RECORDS, prefix=prefix()))
     run = Published(staging)
-    whole = "yes" if complete else "no"
+    whole = "yes" if complete and not interrupted else "no"
     origin = {"command": _command(), **origin_of(mechanism, options), "complete": whole}
     try:
         try:
@@ -104,8 +104,8 @@ def published(
                 f"{folder / UNFINISHED}"
             ) from None
         with interrupts.interrupts_kept():
-            run.files = _put(verb, staging, folder if complete else folder / UNFINISHED, origin)
-            if complete:
+            run.files = _put(verb, staging, folder / UNFINISHED if interrupted else folder, origin)
+            if not interrupted:
                 _clear(verb, folder / UNFINISHED)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
@@ -139,7 +139,7 @@ def _put(verb: str, staging: Path, folder: Path, origin: Mapping[str, str]) -> l
 
 
 def _clear(verb: str, folder: Path) -> None:
-    """Remove what an incomplete run of a verb has left."""
+    """Remove what an interrupted run of a verb has left."""
     record = folder / RECORDS / f"{verb}.json"
     _remove(folder, _own(record))
     record.unlink(missing_ok=True)

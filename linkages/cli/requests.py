@@ -94,33 +94,42 @@ class Request:
         except ValueError as error:
             raise InputError(self.file, [Problem(message=str(error))]) from None
         except UnfinishedError as error:
-            message = f"stopped {error}{self._keep(error.kept)}"
+            message = f"stopped {error}{self._keep(error.kept, interrupted=False)}"
             raise ComputationError(message, time=error.time) from None
         except Interrupted as error:
-            raise EndedError(f"stopped {error}{self._keep(error.kept)}") from None
+            raise EndedError(f"stopped {error}{self._keep(error.kept, interrupted=True)}") from None
 
-    def _keep(self, kept: Mapping[str, Any]) -> str:
+    def _keep(self, kept: Mapping[str, Any], *, interrupted: bool) -> str:
         """Write what an analysis has that ended early, and say where."""
         from linkages.cli.results import save_netcdf
 
         if not kept:
             return ""
-        with self.publishing(complete=False) as (aside, run):
+        with self.publishing(complete=False, interrupted=interrupted) as (aside, run):
             for name, data in kept.items():
                 save_netcdf(data, aside.folder / f"{name}.nc")
         return "\nup to there: " + " and ".join(str(path) for path in run.files)
 
     @contextmanager
-    def publishing(self, *, complete: bool = True) -> Iterator[tuple[Request, Published]]:
+    def publishing(
+        self, *, complete: bool = True, interrupted: bool = False
+    ) -> Iterator[tuple[Request, Published]]:
         """The same request, whose folder is one aside, and where its files are at the end.
 
         Parameters
         ----------
-        complete
-            Whether the run came to its end, see `published`.
+        complete, interrupted
+            Whether the run came to its end, and whether somebody ended it, see `published`.
         """
         options = {"method": self.method, "rtol": self.rtol, **self.options}
-        with published(self.verb, self.folder, self.mechanism(), options, complete=complete) as run:
+        with published(
+            self.verb,
+            self.folder,
+            self.mechanism(),
+            options,
+            complete=complete,
+            interrupted=interrupted,
+        ) as run:
             yield replace(self, out=run.folder), run
 
 

@@ -16,7 +16,6 @@ from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 from linkages.errors import InputError, Interrupted, Problem
-from linkages.interrupts import exit_code
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.requests import ALL
 from linkages.solution.simulate import simulate
@@ -74,7 +73,7 @@ def run_simulate(
     folder = Path("results") / Path(file).stem if out is None else out
     require_folder(folder)
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
-    failure, code = None, 0
+    failure, interrupted = None, False
     try:
         with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
             solution = simulate(
@@ -85,21 +84,28 @@ def run_simulate(
                 max_steps=max_steps or MAX_STEPS,
             )
     except IncompleteError as error:
-        solution, failure, code = error.solution, str(error), error.exit_code
+        solution, failure = error.solution, str(error)
     except Interrupted as error:
-        solution, failure, code = error.solution, str(error), exit_code()
+        solution, failure, interrupted = error.solution, str(error), True
     except ValueError as error:
         raise InputError(file, [Problem(message=str(error))]) from None
     horizon = None
-    if code in (0, IncompleteError.exit_code):  # whoever interrupts wants no second run
+    if not interrupted:  # whoever interrupts wants no second run
         try:
             horizon = _horizon(solution, verify)
         except KeyboardInterrupt:
-            failure, code = "interrupted before it was known until when this holds", exit_code()
+            failure, interrupted = "interrupted before it was known until when this holds", True
     rows = shown_maxima(solution, names)
     _mark_late(solution, horizon)
     notes = [*solution.notes, *_warnings(solution, rows)]
-    with published("simulate", folder, mechanism, solution.options, complete=not code) as run:
+    with published(
+        "simulate",
+        folder,
+        mechanism,
+        solution.options,
+        complete=failure is None,
+        interrupted=interrupted,
+    ) as run:
         solution.save(run.folder)
         if figures:
             from linkages.plots.figures import save_figures
@@ -109,7 +115,7 @@ def run_simulate(
             dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
             save_figures(solution.data, solution.mechanism, run.folder, format, dense=dense)
     _report(solution, horizon, rows, notes, run.files, failure, json)
-    return code
+    return 0 if failure is None else 1
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:

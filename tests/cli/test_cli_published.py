@@ -42,13 +42,26 @@ def attributes(path):
         return dict(data.attrs)
 
 
-def test_an_incomplete_run_leaves_the_complete_one_alone(simulate, tmp_path):
+@pytest.fixture
+def interrupted(simulate, monkeypatch):
+    """Ctrl-C while figures are drawn."""
+
+    def press(*_, **given):  # noqa: ARG001
+        raise KeyboardInterrupt
+
+    def run():
+        with monkeypatch.context() as patch:
+            patch.setattr("linkages.plots.figures.save_figures", press)
+            return simulate()
+
+    return run
+
+
+def test_an_interrupted_run_leaves_the_complete_one_alone(simulate, interrupted, tmp_path):
     folder = tmp_path / "results/m"
     assert simulate("--no-figures").code == 0
     before = contents(folder)
-    result = simulate("--no-figures", *STUCK)
-    assert result.code == 1
-    assert f"2 files in {os.path.join('results', 'm', 'unfinished')}" in result.out
+    assert interrupted().code == 1
     assert contents(folder) == before
     assert contents(folder / "unfinished").keys() == {"simulate.nc", "simulate.csv"}
     assert attributes(folder / "unfinished/simulate.nc")["complete"] == "no"
@@ -57,9 +70,20 @@ def test_an_incomplete_run_leaves_the_complete_one_alone(simulate, tmp_path):
     assert not (folder / "unfinished").exists()
 
 
-def test_an_unfinished_run_of_another_verb_stays(simulate, cli, tmp_path):
+def test_a_motion_that_stops_is_a_result(simulate, tmp_path):
+    """The same command would stop it again; nothing of a motion that did not stop stays beside."""
+    folder = tmp_path / "results/m"
+    assert simulate().code == 0
+    result = simulate("--no-figures", *STUCK)
+    assert result.code == 1
+    assert f"2 files in {os.path.join('results', 'm')}" in result.out
+    assert contents(folder).keys() == {"simulate.nc", "simulate.csv"}
+    assert attributes(folder / "simulate.nc")["complete"] == "no"
+
+
+def test_an_unfinished_run_of_another_verb_stays(simulate, interrupted, cli, tmp_path):
     unfinished = tmp_path / "results/m/unfinished"
-    assert simulate("--no-figures", *STUCK).code == 1
+    assert interrupted().code == 1
     (unfinished / "mine.txt").write_text("mine")
     assert cli("phase", "m.yaml", "--x", "time", "--y", "piston.position", "--no-figures").code == 0
     assert contents(unfinished).keys() == {"simulate.nc", "simulate.csv", "mine.txt"}
@@ -195,7 +219,7 @@ def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, mon
         assert (result.code, result.err.strip()) == (1, "cannot be written: disk full")
         assert not (folder / "unfinished").exists()
     else:
-        assert result.code == 130
+        assert result.code == 1
         assert contents(folder / "unfinished").keys() == {"simulate.nc", "simulate.csv"}
         assert str(len(contents(folder / "unfinished"))) in result.err
     assert not [path for path in (folder / ".linkages").iterdir() if path.suffix != ".json"]

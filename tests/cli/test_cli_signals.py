@@ -102,7 +102,7 @@ def test_sigterm_keeps_what_there_is_beside_what_is_complete(folder, complete, v
     complete(verb)
     before = state(folder)
     code, said = interrupted(folder, verb, signal.SIGTERM)
-    assert code == 128 + signal.SIGTERM
+    assert code == 1
     assert "Traceback" not in said
     assert state(folder) == before
     unfinished = folder / "results/pendulum/unfinished"
@@ -119,17 +119,17 @@ def test_sigterm_keeps_what_there_is_beside_what_is_complete(folder, complete, v
 def test_sigterm_while_exponents_are_computed(folder, verb):
     """There may be too few intervals for a result, or some."""
     code, said = interrupted(folder, verb, signal.SIGTERM)
-    assert code == 128 + signal.SIGTERM
     assert "Traceback" not in said
     assert "interrupted" in said
     found = {path.name for path in (folder / "results").rglob("*.nc")}
     assert found <= {FILES[verb]}
     assert ("up to there" in said) == bool(found)
+    assert code == 1
 
 
 def test_ctrl_c(folder):
     code, said = interrupted(folder, "simulate", signal.SIGINT)
-    assert code == 128 + signal.SIGINT
+    assert code == 1
     assert "The integration was interrupted." in said
     unfinished = folder / "results/pendulum/unfinished"
     with xr.open_dataset(unfinished / "simulate.nc", engine="h5netcdf") as data:

@@ -27,7 +27,7 @@ def test_what_was_computed_is_kept(cli, tmp_path, json_wanted):
     assert "Traceback" not in result.err
     # coupler and rocker stretched: (0.07 + 0.05)² = 0.1² + 0.06² − 2·0.1·0.06·cos θ
     limit = np.arccos((0.1**2 + 0.06**2 - 0.12**2) / (2 * 0.1 * 0.06))
-    with xr.open_dataset(tmp_path / "results/m/unfinished/simulate.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(tmp_path / "results/m/simulate.nc", engine="h5netcdf") as data:
         time = data.time.to_numpy()
     assert time[-1] <= limit - 0.5 < time[-1] + 0.01
     if json_wanted:
@@ -64,9 +64,7 @@ def test_press_folded_onto_itself_is_singular(cli, tmp_path, name):
     content = json.loads(result.out)
     for words in ("joint F", "link8 and slider9", "singular", "1.546"):
         assert words in content["stopped"]["reason"]
-    with xr.open_dataset(
-        tmp_path / f"results/{name}/unfinished/simulate.nc", engine="h5netcdf"
-    ) as data:
+    with xr.open_dataset(tmp_path / f"results/{name}/simulate.nc", engine="h5netcdf") as data:
         assert 1.53 < float(data.time[-1]) <= content["stopped"]["time"]
         assert data.sizes["time"] == content["samples"]
         assert all(np.isfinite(variable).all() for variable in data.data_vars.values())

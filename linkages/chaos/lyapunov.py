@@ -235,7 +235,7 @@ def run_exponents(
             settings.atol,
             settings.step,
             settings.max_steps,
-            _samples(system, periods * parts) if columns == whole else 0,
+            samples_needed(system, periods * parts) if columns == whole else 0,
             log,
         )
 
@@ -277,7 +277,7 @@ def resolved(run: Callable[[int], Exponents], parts: int) -> Exponents:
     return found
 
 
-def _samples(system: System, intervals: int) -> int:
+def samples_needed(system: System, intervals: int) -> int:
     """States of each interval that a certificate needs: only damping is averaged over them."""
     return 1 if Volumes(system).conservative else samples_within(intervals)
 

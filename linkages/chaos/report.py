@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos import evidence as gathering
-from linkages.chaos.certificate import certificate, certified, samples_within
+from linkages.chaos.certificate import certificate, certified
 from linkages.chaos.contact import contact_of
 from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
 from linkages.chaos.findings import ChaosReport
 from linkages.chaos.free_states import require_free
 from linkages.chaos.judge import Course, Judgement, judge
-from linkages.chaos.lyapunov import labelled_exponents
+from linkages.chaos.lyapunov import labelled_exponents, samples_needed
 from linkages.chaos.section import section_settings
 from linkages.chaos.stretch import Evidence
 from linkages.chaos.tangents import LinkageTangents
@@ -129,7 +129,7 @@ def _report(
         observed=len(system.topology.free),
         certified=_certified,
     )
-    samples = samples_within(system, periods * course.parts)
+    samples = samples_needed(system, periods * course.parts)
     found = judge(
         _tangents(system, settings, samples),
         course,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import networkx as nx
@@ -188,6 +189,9 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
     if not whole and any(block.surplus < 0 for block in blocks):
         # bodies that repeat each other: one would be turned before it is placed
         return build_topology(mechanism, whole=True)
+    loose = _outside_loops(blocks, turned)
+    if loose:
+        raise explained(mechanism, undetermined(mechanism, StructureError(loose, ())))
     return Topology(
         mechanism=mechanism,
         graph=graph,
@@ -204,3 +208,13 @@ def build_topology(mechanism: Mechanism, whole: bool = False) -> Topology:
         loops=loop_count(graph),
         redundant=order.redundant,
     )
+
+
+def _outside_loops(blocks: Sequence[Block], turned: Mapping[str, Orientation]) -> list[str]:
+    """Unknowns that no loop of their block moves: bodies that repeat each other hide them."""
+    found = []
+    for block in blocks:
+        steps = [step.body for loop in block.loops for step in loop.steps]
+        moving = {*steps, *(master for body in steps for master in turned[body].masters)}
+        found += [unknown for unknown in block.unknowns if unknown not in moving]
+    return found

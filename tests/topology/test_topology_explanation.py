@@ -106,3 +106,13 @@ def test_two_identical_plates_on_a_slider():
     (angle,) = system.evaluate([system.model.positions.angle("twin")])[:, 0]
     assert angle == pytest.approx(0.5, abs=1e-14)
     assert system.places()["A"] == pytest.approx([2.0, 0.0], abs=1e-15)
+
+
+def test_a_slider_that_only_repeating_bars_carry():
+    """Crank and rod share both joints: as many equations as unknowns, but none for the piston."""
+    text = (
+        "joints: {O: [0, 0]}\nbars:\n  crank: {joints: [B, A], length: 0.04}\n"
+        "  rod: {joints: [A, B], length: 0.14}\nsliders: {piston: {joint: B, through: O}}\n"
+    )
+    (problem,) = refusal(text + ONE, System)
+    assert problem.endswith("sliders.piston: nothing determines the coordinate of 'piston'")

@@ -52,7 +52,7 @@ NAMES = {
     "slider": ["ram"],
     "clearance": ["r1"],
     "drive": ["crank"],
-    "force": ["loads[0]", "loads[1].x"],
+    "force": ["loads[0]"],
     "torque": ["loads[2]"],
     "bar": ["crank", "coupler", "rocker", "rod"],
     "joint": list(JOINTS),

@@ -28,23 +28,15 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     Returns
     -------
     ``version``; ``options`` as JSON; and ``definition``, YAML text in which all values are put in,
-    unless the mechanism was built or changed in Python.
+    those that were changed in Python as well.
     """
     said = {name: value for name, value in options.items() if value is not None}
     how = {**asdict(mechanism.simulation), **said}
-    found = {
+    definition = mechanism.definition
+    name = {"name": mechanism.name}  # first, and not that of whatever file this is read from
+    content = name | definition.content | name
+    return {
         "version": f"linkages {version('linkages')}",
         "options": json.dumps(how, default=str, ensure_ascii=False),
+        DEFINITION: as_yaml(replace(definition, content=content)),
     }
-    document = mechanism.document
-    if document is not None and _defines(document, mechanism):
-        content = {"name": mechanism.name} | document.content  # else the file's name is its name
-        found[DEFINITION] = as_yaml(replace(document, content=content))
-    return found
-
-
-def _defines(document: Any, mechanism: Mechanism) -> bool:
-    """Whether a document still says what a mechanism is; components may have been changed since."""
-    from linkages.components.definition import from_document
-
-    return from_document(document).components == mechanism.components

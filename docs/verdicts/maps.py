@@ -172,8 +172,8 @@ def froeschle(strength: float, coupling: float, start: list[float]) -> Map:
 def _logistics() -> list[Known]:
     window = "period-three window, " + MAY
     cases: list[tuple[float, str, int | None, str]] = [
-        (0.8, "periodic", 1, "fixed point 0, |f'| = r"),
-        (2.8, "periodic", 1, "fixed point 1 - 1/r, |f'| = r - 2"),
+        (0.8, "periodic", 1, "fixed point 0, multiplier r"),
+        (2.8, "periodic", 1, "fixed point 1 − 1/r, multiplier 2 − r"),
         (3.2, "periodic", 2, MAY),
         (3.5, "periodic", 4, MAY),
         (3.55, "periodic", 8, MAY),

@@ -17,10 +17,10 @@ from linkages.chaos.lyapunov import run_exponents
 from linkages.chaos.section import how, require_section, section_settings
 from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Outcome, Progress, sweep
 from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible, varied
-from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
+from linkages.solution.arguments import whole_number
 from linkages.solution.flows import Flows
 from linkages.solution.motion import Settings
 
@@ -201,10 +201,10 @@ def bifurcation(
     values = axis_of(vary)
     if start not in STARTS:
         raise ValueError(f"start must be one of {', '.join(STARTS)}, found {start!r}")
+    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
+    max_steps = None if max_steps is None else whole_number("max_steps", max_steps)
     taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
-    counted = {"periods": periods, "skip": skip, "max_steps": max_steps}
-    require_whole(**{name: given for name, given in counted.items() if given is not None})
     request = _Request(mechanism, values, taken, start, exponent, max_steps)
     system = request.checked(initial)
     compute = _independent if start == "same" else _continued

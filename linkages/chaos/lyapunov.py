@@ -29,7 +29,6 @@ from linkages.chaos.section import how, section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.chaos.volumes import Volumes
-from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -215,7 +214,7 @@ def run_exponents(
 ) -> Exponents:
     """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
-    require_whole(periods=periods, skip=skip)
+    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
     if periods < 1 or skip < 0:
         raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
     whole = 2 * len(system.topology.free)

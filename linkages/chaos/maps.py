@@ -27,10 +27,10 @@ from linkages.chaos.varied import (
     require_different,
     varied,
 )
-from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.solution.arguments import whole_number
 from linkages.solution.flows import Flows
 from linkages.solution.motion import Settings
 
@@ -218,7 +218,8 @@ def chaos_map(
     """
     if indicator not in INDICATORS:
         raise ValueError(f"indicator must be one of {', '.join(INDICATORS)}, found {indicator!r}")
-    require_whole(periods=periods, **({} if max_steps is None else {"max_steps": max_steps}))
+    periods = whole_number("periods", periods)
+    max_steps = None if max_steps is None else whole_number("max_steps", max_steps)
     if periods < 4:
         raise ValueError(f"a map needs at least 4 periods, found {periods}")
     axes = axis_of(x), axis_of(y)

@@ -25,6 +25,7 @@ from linkages.chaos.verdict import FEWEST_PERIODS
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
+from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Settings
 from linkages.solution.solution import IncompleteError
 from linkages.solvers.integrate import LEAST_RTOL
@@ -77,6 +78,8 @@ def chaos(
     Interrupted
         After Ctrl-C, with the same.
     """
+    periods = whole_number("periods", periods)
+    skip = None if skip is None else whole_number("skip", skip)
     system = System(mechanism)
     require_free(system)
     if periods < FEWEST_PERIODS:

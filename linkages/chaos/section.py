@@ -19,10 +19,10 @@ from linkages.chaos.free_states import free_values, labelled_states, require_fre
 from linkages.chaos.strobe import strobe
 from linkages.chaos.surface import SECTION, parse_section
 from linkages.chaos.unfinished import UnfinishedError
-from linkages.chaos.whole import require_whole
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Motion, Settings
 from linkages.solvers.integrate import MAX_STEPS
 from linkages.solvers.methods import FIXED_STEP_METHODS
@@ -101,6 +101,7 @@ def poincare(
     ComputationError
         If the motion never crosses the section.
     """
+    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
     system = System(mechanism)
     require_section(system, periods, skip, phase, section, direction, end)
     settings = replace(section_settings(mechanism, method, rtol, max_steps), watch=watch)
@@ -158,7 +159,6 @@ def require_section(
         If they do not.
     """
     require_free(system)
-    require_whole(periods=periods, skip=skip)
     if periods < 1 or skip < 0:
         raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
     if not 0.0 <= phase < 1.0:

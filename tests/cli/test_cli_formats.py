@@ -23,7 +23,7 @@ RUNS = {
     ),
     "map": (
         "--x", "free.rod.angle=0.1:0.2:2", "--y", "free.rod.speed=0:1:2",
-        "--periods", "4", "--cores", "1",
+        "--periods", "4", "--cores", "1", "--indicator", "fli",
     ),
 }  # fmt: skip
 

@@ -138,12 +138,6 @@ def test_arguments_that_make_no_sense(press, arguments, message):
         linkages.simulate(press, **arguments)
 
 
-@pytest.mark.parametrize("arguments", [{"method": "rk5"}, {"method": "rk4"}])
-def test_methods_that_cannot_be_used(press, arguments):
-    with pytest.raises(linkages.InputError, match=r"simulate\.(method|step)"):
-        linkages.simulate(press, **arguments)
-
-
 def test_arguments_come_before_the_file():
     found = mechanism(FOUR_BAR, "simulate: {end: 0.5, samples: 6}")
     assert np.array_equal(linkages.simulate(found).data.time, np.linspace(0, 0.5, 6))

@@ -30,7 +30,9 @@ class Peak(NamedTuple):
     late: bool = False
 
 
-def peak_of(time: Array, values: Array, horizon: float | None = None) -> Peak | None:
+def peak_of(
+    time: Array, values: Array, horizon: float | None = None, *, smooth: bool = True
+) -> Peak | None:
     """Where a curve is farthest from zero; None if no sample is finite.
 
     Parameters
@@ -39,17 +41,19 @@ def peak_of(time: Array, values: Array, horizon: float | None = None) -> Peak | 
         Shape (n,), times equally spaced.
     horizon
         Time to which the motion is predictable, if that is known and not its end.
+    smooth
+        Whether there may be a peak between samples.
 
     Returns
     -------
     As `linkages.solution.peaks.largest` locates it between samples; the largest sample where some
-    are not finite.
+    are not finite, or the curve is not smooth.
     """
     finite = np.isfinite(values)
     if not finite.any():
         return None
     if finite.all():
-        found = largest(values, 0.0)
+        found = largest(values, 0.0 if smooth else np.inf)
         place, value = found.time, found.value
     else:
         place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))

@@ -25,6 +25,7 @@ from linkages.plots.curves import (
 )
 from linkages.plots.prefixes import Scale, scale_of
 from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
+from linkages.solution.peaks import is_smooth
 from linkages.solution.resolved import per_swing
 
 if TYPE_CHECKING:
@@ -154,7 +155,8 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     values = np.asarray(array, dtype=float)
     names = _names(data, variable)
     scales = scale_of(time, "s"), scale_of(values, str(array.attrs.get("units", "")))
-    peaks = [peak_of(time, column, data.attrs.get("horizon")) for column in values.T]
+    horizon, smooth = data.attrs.get("horizon"), is_smooth(variable)
+    peaks = [peak_of(time, column, horizon, smooth=smooth) for column in values.T]
     lines = []
     for index, (column, peak) in enumerate(zip(values.T, peaks, strict=True)):
         look = line_style(index)

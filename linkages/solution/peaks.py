@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from linkages.solvers.collocation import cardinals
 
+STEPPING = ("load_force", "load_torque")
+"""Variables that may jump: no polynomial through their samples says what is between them."""
+
 ROUND_OFF = 1e-9
 """Part of the scale of a series below which its values are round-off, and have no peaks."""
 
@@ -39,6 +42,11 @@ class Peak(NamedTuple):
     missed: float
 
 
+def is_smooth(variable: str) -> bool:
+    """Whether polynomials may locate the peaks of a variable; residuals are noise."""
+    return variable not in STEPPING and not variable.endswith("residual")
+
+
 def largest(series: Floats, scale: float) -> Peak:
     """The largest absolute value of a series, between samples where they resolve it.
 
@@ -50,7 +58,7 @@ def largest(series: Floats, scale: float) -> Peak:
     series
         Shape (samples,), equally spaced.
     scale
-        Size of values that are not round-off.
+        Size of values that are not round-off; infinite for series that are not smooth.
     """
     sizes = np.abs(series)
     index = int(np.argmax(sizes))

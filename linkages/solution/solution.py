@@ -15,7 +15,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
-from linkages.solution.peaks import largest
+from linkages.solution.peaks import is_smooth, largest
 from linkages.solution.requests import ALL
 
 if TYPE_CHECKING:
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 MAGNITUDES = ("joint_velocity", "joint_acceleration", "joint_reaction")
 """Vectors of which the magnitude has a largest value worth a row."""
-
-STEPPING = ("load_force", "load_torque")
-"""Variables that may jump: no polynomial through their samples says what is between them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,8 +186,8 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
-    located = array.name not in STEPPING and not str(array.name).endswith("residual")
-    scale = max(least, float(finite.max(initial=0.0))) if located else np.inf
+    smooth = is_smooth(str(array.name))
+    scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):
         peak = largest(series, scale)

@@ -56,6 +56,13 @@ def test_peak_of_a_curve_that_is_not_smooth_is_a_sample(values):
     assert peak[:2] == (float(np.nanargmax(values)), 1.0)
 
 
+def test_a_load_that_steps_never_leaves_its_values():
+    """A quartic through these samples rises to 40.01; what is joined by pchip stays at 40."""
+    values = np.array([20.0, 40.0, 40.0, 40.0, 39.9, 39.0, 30.0])
+    assert peak_of(np.arange(7.0), values).value > 40.0
+    assert peak_of(np.arange(7.0), values, smooth=False)[:2] == (1.0, 40.0)
+
+
 def test_peak_is_the_sample_farthest_from_zero():
     assert peak_of(np.arange(4.0), np.array([1.0, np.nan, -3.0, 2.0])) == (2.0, -3.0, False)
     assert peak_of(np.arange(2.0), np.full(2, np.nan)) is None

@@ -80,7 +80,7 @@ def certificate(
     rate = volumes.uniform(damping)
     if rate is not None:
         found += _pairs(exponents, rate, floor)
-    if volumes.autonomous and _goes_on(state):
+    if volumes.autonomous and _goes_on(state, numeric):
         found += _zeros(exponents, volumes.conservative, floor)
     return tuple(found)
 
@@ -142,12 +142,15 @@ def _pairs(exponents: Exponents, rate: float, floor: float) -> list[Invariant]:
     ]
 
 
-def _goes_on(state: Floats) -> bool:
-    """Whether the last quarter of a motion is about as fast as the first."""
+def _goes_on(state: Floats, least: float) -> bool:
+    """Whether the last quarter of a motion is about as fast as the first, and does not rest.
+
+    Slower than `least` is what moves within an interval by errors of integration only.
+    """
     rates = state[len(state) // 2 :]
     quarter = rates.shape[1] // 4
     first, last = (np.sqrt(np.mean(part**2)) for part in (rates[:, :quarter], rates[:, -quarter:]))
-    return bool(last > GOES_ON * first)
+    return bool(last > max(GOES_ON * first, least))
 
 
 def _zeros(exponents: Exponents, conservative: bool, floor: float) -> list[Invariant]:

@@ -116,6 +116,13 @@ def test_a_motion_that_comes_to_rest_has_no_zero():
     assert list(named(found)) == ["sum of all exponents"]
 
 
+def test_a_motion_at_rest_has_no_zero():
+    """What moves by round-off alone is as fast at the end as at the beginning."""
+    damped = linkages.load("pendulum", set={"dampers": "[{joint: O, damping: 1 N m s/rad}]"})
+    found = exponents_of(damped, periods=1200, skip=400, interval=0.4, rtol=1e-7)
+    assert list(named(found)) == ["sum of all exponents"]
+
+
 def test_one_rate_of_damping_shifts_pairs():
     """Two arms beside each other with equal inertia and dampers: momenta decay at one rate.
 

@@ -177,30 +177,6 @@ def _invariants(certificate: Sequence[Invariant]) -> dict[str, Any]:
     }
 
 
-def exponents_of(
-    mechanism: Mechanism,
-    *,
-    periods: int,
-    skip: int = 0,
-    count: int | None = None,
-    interval: float | None = None,
-    method: str | None = None,
-    rtol: float | None = None,
-    max_steps: int = MAX_STEPS,
-    watch: Callable[[float], None] | None = None,
-) -> Exponents:
-    """The same as `lyapunov`, with the growth in every interval."""
-    return run_exponents(
-        System(mechanism),
-        section_settings(mechanism, method, rtol, max_steps),
-        periods=whole_number("periods", periods),
-        skip=whole_number("skip", skip),
-        count=count,
-        interval=interval,
-        watch=watch,
-    )
-
-
 def run_exponents(
     system: System,
     settings: Settings,

@@ -5,7 +5,10 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from linkages.chaos.lyapunov import run_exponents
+from linkages.chaos.section import section_settings
 from linkages.chaos.systems import Map, Ode
+from linkages.kernel.system import System
 
 
 def lorenz_rates(_, y):
@@ -129,3 +132,9 @@ def samples(rates, start, interval, count, skip=100):
     span = (0.0, float(times[-1]))
     solution = solve_ivp(rates, span, start, "DOP853", times, rtol=1e-6, atol=1e-6)
     return solution.y.T
+
+
+def exponents_of(mechanism, *, method=None, rtol=None, **run):
+    """What `linkages.lyapunov` averages: exponents with the growth in every interval."""
+    settings = section_settings(mechanism, method, rtol)
+    return run_exponents(System(mechanism), settings, **run)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from chaos_systems import exponents_of
 
 import linkages
 from linkages.chaos.certificate import certificate, certified, samples_within
 from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.invariants import Invariant
-from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
 from linkages.components.definition import from_document

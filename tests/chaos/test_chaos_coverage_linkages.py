@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from chaos_systems import exponents_of
 
 from linkages.chaos.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.tangents import LinkageTangents
 from linkages.components.definition import from_document
 from linkages.kernel.system import System

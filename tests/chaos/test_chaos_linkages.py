@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from chaos_systems import exponents_of
 
 import linkages
 from linkages.chaos.certificate import pair_sums
 from linkages.chaos.contact import contact_check
 from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
-from linkages.chaos.lyapunov import exponents_of
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.report import chaos
 from linkages.chaos.surface import parse_section

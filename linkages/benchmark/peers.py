@@ -14,6 +14,7 @@ from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
 from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import reachable
+from linkages.operations import ELEMENTARY
 
 SCIPY_LEAST_RTOL = 2.3e-14
 Solve = Callable[[float], NDArray[np.float64]]
@@ -98,22 +99,6 @@ def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[An
     numbers = parameter_values(model, problem.system.assembly)
     inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
     inputs["y"] = variables.__getitem__
-    operations: dict[str, Callable[..., Any]] = {
-        "add": lambda a, b: a + b,
-        "sub": lambda a, b: a - b,
-        "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b,
-        "neg": lambda a: -a,
-        "sqrt": heyoka.sqrt,
-        "sin": heyoka.sin,
-        "cos": heyoka.cos,
-        "tan": heyoka.tan,
-        "exp": heyoka.exp,
-        "log": heyoka.log,
-        "tanh": heyoka.tanh,
-        "atan": heyoka.atan,
-        "atan2": heyoka.atan2,
-    }
     values: dict[int, Any] = {}
     for node in reachable(roots):
         if node.constant is not None:
@@ -121,11 +106,12 @@ def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[An
         elif node.operation == "input":
             name, index = node.arguments
             values[node.index] = inputs[name](index)
-        elif node.operation not in operations:
-            raise ComputationError(f"heyoka has no {node.operation!r}")
         else:
-            arguments = [values[operand.index] for operand in node.operands]
-            values[node.index] = operations[node.operation](*arguments)
+            row = ELEMENTARY.get(node.operation)
+            operation = None if row is None else row.among(heyoka)
+            if operation is None:
+                raise ComputationError(f"heyoka has no {node.operation!r}")
+            values[node.index] = operation(*(values[operand.index] for operand in node.operands))
     return [values[root.index] for root in roots]
 
 

@@ -12,9 +12,6 @@ from typing import TypeAlias
 from linkages.components.interpolation import Interpolation
 from linkages.components.terms import Parameter, Path
 
-ONE_ARGUMENT = ("neg", "sin", "cos", "tan", "exp", "log", "sqrt", "tanh", "atan")
-TWO_ARGUMENTS = ("add", "sub", "mul", "div")
-
 
 @dataclass(frozen=True)
 class Number:
@@ -35,9 +32,8 @@ class Operation:
     Parameters
     ----------
     name
-        One of `ONE_ARGUMENT` or `TWO_ARGUMENTS`; ``"power"`` of a base and a whole exponent (a
-        constant); ``"select"`` of a condition c and two branches: the first where c ≥ 0, otherwise
-        the second.
+        One of `linkages.operations.ELEMENTARY`, or ``"power"`` of a base and a whole exponent (a
+        constant).
     arguments
         Its operands.
     """

@@ -8,8 +8,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,11 +84,50 @@ def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
         turning = found.derivative().roots(discontinuity=False, extrapolate=False)
         places = np.array([begin, end, *found.x, *turning[np.isfinite(turning)]])
         inside = places[(places >= begin) & (places <= end)]
-        values = _values(found, inside)
+        values, _, _ = evaluated(found.x, found.c, False, inside)
     return float(values.min()), float(values.max())
 
 
-def _values(found: PPoly, times: Sequence[float] | Floats) -> Floats:
-    """With the straight lines beyond its knots."""
-    inner = np.clip(times, found.x[0], found.x[-1])
-    return np.asarray(found(inner) + found(inner, 1) * (times - inner))
+def evaluated(
+    knots: Floats, coefficients: Floats, periodic: bool, times: Any
+) -> tuple[Floats, Floats, Floats]:
+    """Value and two derivatives of piecewise cubics, with the straight lines beyond their knots.
+
+    Parameters
+    ----------
+    knots, coefficients
+        Of shapes (intervals + 1,) and (4, intervals), the cubic one first.
+    periodic
+        Whether they repeat.
+    times
+        Any shape.
+    """
+    first, last = knots[0], knots[-1]
+    t = np.asarray(times, dtype=float)
+    if periodic:
+        t = first + np.mod(t - first, last - first)
+    inner = np.clip(t, first, last)
+    interval = np.clip(np.searchsorted(knots, inner, side="right") - 1, 0, len(knots) - 2)
+    outside = t - inner
+    value, slope, curvature = cubic(inner - knots[interval], outside, *coefficients[:, interval])
+    return value, slope, np.where(outside == 0.0, curvature, 0.0)
+
+
+def cubic(x: Any, outside: Any, d: Any, c: Any, b: Any, a: Any) -> tuple[Any, Any, Any]:
+    """Value, slope and curvature of a + b·x + c·x² + d·x³, and of the straight line beyond its end.
+
+    The one formula of tables: for arrays, and for symbols of which programs are printed. The
+    curvature is that within the interval.
+
+    Parameters
+    ----------
+    x
+        Time since the beginning of the interval, at most its length.
+    outside
+        Time beyond the end, where the slope stays what it is.
+    d, c, b, a
+        Coefficients.
+    """
+    slope = b + x * (2 * c + x * 3 * d)
+    value = a + x * (b + x * (c + x * d)) + outside * slope
+    return value, slope, 2 * c + 6 * d * x

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, assert_never
 
@@ -9,17 +11,8 @@ import sympy as sp
 
 from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.equations.symbols import Symbols
+from linkages.operations import ELEMENTARY
 
-_FUNCTIONS = {
-    "sin": sp.sin,
-    "cos": sp.cos,
-    "tan": sp.tan,
-    "exp": sp.exp,
-    "log": sp.log,
-    "sqrt": sp.sqrt,
-    "tanh": sp.tanh,
-    "atan": sp.atan,
-}
 _LARGEST_DENOMINATOR = 100
 
 
@@ -61,30 +54,22 @@ def law_of(function: Function, symbols: Symbols) -> sp.Expr:
         case Table():
             return Spline(symbols.table(function), 0, symbols.time)
         case Operation(name, arguments):
-            return _operation(name, [law_of(argument, symbols) for argument in arguments])
+            return _on_symbols(name)(*(law_of(argument, symbols) for argument in arguments))
         case _:
             assert_never(function)
 
 
-def _operation(name: str, values: list[sp.Expr]) -> sp.Expr:
-    match name, values:
-        case "add", (a, b):
-            return a + b
-        case "sub", (a, b):
-            return a - b
-        case "mul", (a, b):
-            return a * b
-        case "div", (a, b):
-            return a / b
-        case "power", (a, b):
-            return a**b
-        case "neg", (a,):
-            return -a
-        case "select", (c, a, b):
-            return Select(c, a, b)
-        case _, (a,) if name in _FUNCTIONS:
-            return _FUNCTIONS[name](a)
-    raise ValueError(f"no operation {name!r} in a function of time")
+def _on_symbols(name: str) -> Callable[..., Any]:
+    """An elementary operation on expressions."""
+    match name:
+        case "power":
+            return operator.pow
+        case "select":
+            return Select
+    found = ELEMENTARY[name].among(sp) if name in ELEMENTARY else None
+    if found is None:
+        raise ValueError(f"no operation {name!r} in a function of time")
+    return found
 
 
 def exact(value: float) -> sp.Expr:

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from linkages.components.interpolation import polynomials
+from linkages.components.interpolation import cubic, polynomials
 from linkages.equations.derivation import Equations
 from linkages.equations.python_functions import FunctionWriter
+from linkages.operations import ELEMENTARY
 
 _HEADER = '''"""Closure and energies of a planar linkage, written by linkages.
 
@@ -18,9 +19,7 @@ in SI by name; t: time in s; efforts: of the drives, in the order of DRIVEN (N·
 """
 
 '''
-_NUMPY = (
-    "arctan", "array", "cos", "exp", "linalg", "log", "pi", "sin", "sqrt", "tan", "tanh", "zeros",
-)  # fmt: skip
+_NUMPY = ("array", "linalg", "pi", "zeros")
 
 
 def write_python(equations: Equations) -> str:
@@ -30,7 +29,8 @@ def write_python(equations: Equations) -> str:
         parts.insert(1, _tables(equations))
     text = "\n".join(parts)
     names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
-    imported = ", ".join(name for name in _NUMPY if name in names)
+    functions = {row.numpy for row in ELEMENTARY.values()}
+    imported = ", ".join(sorted(names & {*_NUMPY, *functions}))
     return f"{_HEADER}from numpy import {imported}\n\n{text}"
 
 
@@ -65,14 +65,13 @@ def spline(knots, coefficients, periodic, t, order):
         t = knots[0] + (t - knots[0]) % (knots[-1] - knots[0])
     inner = min(max(t, knots[0]), knots[-1])
     k = max(i for i in range(len(coefficients)) if i == 0 or knots[i] <= inner)
-    (d, c, b, a), x = coefficients[k], inner - knots[k]
-    slope = b + x * (2 * c + x * 3 * d)
+    (d, c, b, a), x, outside = coefficients[k], inner - knots[k], t - inner
     if order == 0:
-        return a + x * (b + x * (c + x * d)) + slope * (t - inner)
+        return {}
     if order == 1:
-        return slope
-    return 2 * c + 6 * d * x if inner == t else 0.0
-'''
+        return {}
+    return {} if outside == 0 else 0.0
+'''.format(*cubic(*sp.symbols("x outside d c b a")))
 
 
 def _functions(equations: Equations) -> list[str]:

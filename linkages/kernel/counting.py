@@ -11,17 +11,9 @@ from linkages.components.terms import Parameter, Path
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program
 from linkages.kernel.scalars import Level, Scalar, reachable
+from linkages.kernel.several import SEVERAL
+from linkages.operations import ELEMENTARY, KINDS
 
-KINDS = {
-    "additions": ("add", "sub", "neg"),
-    "multiplications": ("mul",),
-    "divisions": ("div",),
-    "square roots": ("sqrt",),
-    "trigonometric calls": ("sin", "cos", "tan", "atan", "atan2"),
-    "other functions": ("exp", "log", "tanh", "floor", "select", "spline"),
-    "linear systems": ("solve",),
-    "iterations": ("newton",),
-}
 PARTS = {
     "once per run": Level.PARAMETERS,
     "once per distinct time": Level.TIME,
@@ -36,7 +28,7 @@ class KernelReport:
     Parameters
     ----------
     counts
-        Part (see `PARTS`) → kind of operation (see `KINDS`) → number.
+        Part (see `PARTS`) → kind of operation (see `linkages.operations.KINDS`) → number.
     left_out
         Numbers of the definition file that the motion does not depend on.
     """
@@ -52,8 +44,13 @@ def report_kernel(model: Model, program: Program) -> KernelReport:
 
 
 def _count(nodes: list[Scalar]) -> dict[str, int]:
-    found = Counter(node.operation for node in nodes)
-    return {kind: sum(found[name] for name in names) for kind, names in KINDS.items()}
+    names = Counter(node.operation for node in nodes)
+    found = dict.fromkeys(KINDS, 0)
+    for name, number in names.items():
+        row = ELEMENTARY.get(name) or SEVERAL.get(name)
+        if row is not None:  # picking one of several results is no operation
+            found[row.kind] += number
+    return found
 
 
 def _left_out(model: Model, program: Program) -> tuple[Path, ...]:

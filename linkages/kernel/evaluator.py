@@ -2,32 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 
-from linkages.kernel.scalars import SEVERAL, Scalar, reachable
-from linkages.kernel.several import evaluate_spline, iterate, solve_systems
-
-_NUMPY: dict[str, Callable[..., Any]] = {
-    "add": np.add,
-    "sub": np.subtract,
-    "mul": np.multiply,
-    "div": np.divide,
-    "neg": np.negative,
-    "sqrt": np.sqrt,
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "exp": np.exp,
-    "log": np.log,
-    "tanh": np.tanh,
-    "atan": np.arctan,
-    "floor": np.floor,
-    "atan2": np.arctan2,
-    "select": lambda c, a, b: np.where(np.asarray(c) >= 0.0, a, b),
-}
+from linkages.kernel.scalars import Scalar, reachable
+from linkages.kernel.several import Values, evaluate
 
 
 class Evaluator:
@@ -63,38 +43,10 @@ class Evaluator:
         -------
         One array per root. Where an argument of a square root is negative the value is nan.
         """
-        values: dict[int, Any] = {}
+        values: Values = {}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             for node in self._nodes:
-                if node.operation == "constant":
-                    values[node.index] = node.arguments[0]
-                elif node.operation == "input":
-                    name, index = node.arguments
-                    values[node.index] = inputs[name][index]
-                elif node.operation in SEVERAL:
-                    values[node.index] = _several(node, values, inputs)
-                elif node.operation == "item":
-                    several, index = node.arguments
-                    values[node.index] = values[several.index][index]
-                else:
-                    values[node.index] = apply(node, values)
+                values[node.index] = evaluate(node, values, inputs)
                 for index in self._drop.get(node.index, ()):
                     del values[index]
         return [np.asarray(values[root.index], dtype=float) for root in self._roots]
-
-
-def apply(node: Scalar, values: dict[int, Any]) -> Any:
-    """The value of an elementary operation, given those of its operands."""
-    return _NUMPY[node.operation](*(values[o.index] for o in node.arguments))
-
-
-def _several(node: Scalar, values: dict[int, Any], inputs: dict[str, np.ndarray]) -> list[Any]:
-    """All results of an operation that has several."""
-    operands = [values[o.index] for o in node.operands]
-    if node.operation == "solve":
-        return solve_systems(operands)
-    if node.operation == "spline":
-        _, first, count, periodic = node.arguments
-        return evaluate_spline(operands[0], inputs["p"], first.arguments[1], count, periodic)
-    iteration = node.arguments[-1]
-    return iterate(iteration, operands[: len(iteration.iterates)], values, apply)

@@ -8,12 +8,13 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.functions import ONE_ARGUMENT, Function, Number, Operation, Table, Time
+from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.components.interpolation import polynomials
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.scalars import Scalar, ScalarGraph
+from linkages.operations import COMPOSITE
 
 
 @dataclass(frozen=True)
@@ -38,47 +39,13 @@ def value_of(function: Function, inputs: Inputs) -> Scalar:
             place = inputs.block((*function.path, "spline"), numbers)
             count = (len(numbers) - 1) // 5
             return graph.spline(inputs.time, place, count, function.periodic)[0]
+        case Operation("power", (base, Number(exponent))):
+            found = COMPOSITE["power"].expanded
+            return graph.lift(found(graph.apply, value_of(base, inputs), int(exponent.value)))
         case Operation(name, arguments):
-            return _operation(name, arguments, inputs)
+            return graph.apply(name, *(value_of(argument, inputs) for argument in arguments))
         case _:
             assert_never(function)
-
-
-def _operation(name: str, arguments: tuple[Function, ...], inputs: Inputs) -> Scalar:
-    graph = inputs.graph
-    if name == "power":
-        base, exponent = arguments
-        assert isinstance(exponent, Number)
-        return _power(value_of(base, inputs), int(exponent.parameter.value))
-    values = [value_of(argument, inputs) for argument in arguments]
-    match name, values:
-        case "add", (a, b):
-            return a + b
-        case "sub", (a, b):
-            return a - b
-        case "mul", (a, b):
-            return a * b
-        case "div", (a, b):
-            return a / b
-        case "neg", (a,):
-            return -a
-        case "select", (c, a, b):
-            return graph.select(c, a, b)
-        case _, (a,) if name in ONE_ARGUMENT:
-            return graph.function(name, a)
-    raise ValueError(f"no operation {name!r} in a function of time")
-
-
-def _power(base: Scalar, exponent: int) -> Scalar:
-    """A whole power by repeated squaring."""
-    if exponent < 0:
-        return 1.0 / _power(base, -exponent)
-    result = base.graph.one
-    while exponent:
-        if exponent % 2:
-            result = result * base
-        base, exponent = base * base, exponent // 2
-    return result
 
 
 def law_of(function: Function, inputs: Inputs) -> Law:

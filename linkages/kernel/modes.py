@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.evaluator import Evaluator, apply
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.iterated import Iterated
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
@@ -123,7 +123,7 @@ class Place:
             random.uniform(-np.pi, np.pi, STARTS) if turns else random.normal(0, 3 * scale, STARTS)
             for turns, scale in zip(turning, iteration.scales, strict=True)
         ]
-        found = np.array(iterate(iteration, starts, outside, apply, most_turned=np.inf))
+        found = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
         found = found[:, np.isfinite(found).all(axis=0)]
         angles = np.array(turning)
         found[angles] = np.remainder(found[angles] + np.pi, 2 * np.pi) - np.pi

@@ -128,7 +128,7 @@ def _transmission_angles(model: Model) -> list[Scalar]:
             assert isinstance(dyad, LinkAndSlider | LinkInGuide)
             crossed, across = dyad.forward, dyad.across
             along = graph.select(across, across, -across)
-        found.append(graph.atan2(graph.select(crossed, crossed, -crossed), along))
+        found.append(graph.apply("atan2", graph.select(crossed, crossed, -crossed), along))
     return found
 
 

@@ -176,10 +176,10 @@ class Positions:
         if name in self._angles:
             return self._angles[name]
         unit = self.unit(name)
-        angle = self.graph.atan2(unit.y, unit.x)
+        angle = self.graph.apply("atan2", unit.y, unit.x)
         if name in self.topology.carried:
             turns = (self.integrated(name) - angle) * (0.5 / math.pi) + 0.5
-            angle = angle + self.graph.function("floor", turns) * (2.0 * math.pi)
+            angle = angle + self.graph.apply("floor", turns) * (2.0 * math.pi)
             self._angles[name] = angle
         return angle
 

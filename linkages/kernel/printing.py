@@ -1,177 +1,191 @@
-"""Prints a graph of scalar operations as readable Python assignments."""
+"""Writes kernels as Python that Numba compiles: one module of straight-line assignments."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Sequence
+from typing import ClassVar, assert_never
 
-from linkages.kernel.scalars import SEVERAL, Scalar
-from linkages.kernel.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, Iteration
+from linkages.components.interpolation import cubic
+from linkages.kernel.scalars import Level, Scalar, ScalarGraph, reachable
+from linkages.kernel.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, system_size
+from linkages.kernel.statements import (
+    Assign,
+    Block,
+    Check,
+    Entry,
+    Heading,
+    Iterate,
+    Routine,
+    Statement,
+    Store,
+    build_block,
+)
+from linkages.operations import ATOM, ELEMENTARY, Form
 
-_INFIX = {"add": ("+", 1), "sub": ("-", 1), "mul": ("*", 2), "div": ("/", 2)}
-DEEPEST = 40
-"""Operations nested in one expression: Python reads no more than 200 pairs of parentheses."""
+_NEGATIVE = 3
+"""How strongly negative numbers bind, as negations do."""
 
-_ATOM = 4
-_NEGATION = 3
+_HEADER = '''"""{doc}"""
+
+{imports}from numba import carray, cfunc, njit, types
+
+_array = types.CPointer(types.float64)
+_options = {{"cache": True, "error_model": "numpy", "fastmath": {{"contract"}}}}
+_inline = _options
+'''
+
+_FUNCTION = '''
+
+@cfunc(types.int64({signature}), **_options)
+def {name}({arguments}):
+    """{doc}"""
+{body}
+    return 0
+'''
 
 
-class Statements:
-    """Straight-line code for some nodes, given what is known already.
+def write_module(doc: str, routines: Sequence[Routine]) -> str:
+    """The text of a module with some functions, which are called through their addresses."""
+    called: set[str] = set()
+    functions = [_function(routine, called) for routine in routines]
+    known = sorted(called & ELEMENTARY.keys())
+    imports = f"from math import {', '.join(known)}\n\n" if known else ""
+    return "".join([_HEADER.format(doc=doc, imports=imports), definitions(called), *functions])
 
-    A node that is used once is written into the expression that uses it; the others get a
-    variable, with its label if it has one.
+
+def _function(routine: Routine, called: set[str]) -> str:
+    views = [f"{a} = carray({a}, ({size},))" for a, size in routine.arguments.items() if size]
+    lines = [*views, *Python(routine.block, called).lines()]
+    return _FUNCTION.format(
+        name=routine.name,
+        signature=", ".join("types.float64" if a == "t" else "_array" for a in routine.arguments),
+        arguments=", ".join(routine.arguments),
+        doc=routine.doc,
+        body="\n".join(f"    {line}" if line else "" for line in lines),
+    )
+
+
+class Python:
+    """Writes the statements of a block.
 
     Parameters
     ----------
-    nodes
-        The nodes to compute, in an order in which they can be computed.
-    roots
-        Nodes that must end up in a variable of their own.
-    known
-        Node index → text that stands for it.
-    checks
-        Node index → lines to insert after its assignment, given its text.
+    block
+        What is written.
+    called
+        Gets the names of the functions that the text calls.
     """
 
-    def __init__(
-        self,
-        nodes: Iterable[Scalar],
-        roots: Iterable[Scalar],
-        known: Mapping[int, str],
-        checks: Mapping[int, Callable[[str], list[str]]] | None = None,
-    ) -> None:
-        self._text: dict[int, tuple[str, int]] = {i: (text, _ATOM) for i, text in known.items()}
-        self._depth: dict[int, int] = {}
-        self._used_names: set[str] = set()
-        self._checks = checks or {}
-        nodes = [node for node in nodes if node.index not in known]
-        uses = Counter(o.index for node in nodes for o in node.operands)
-        kept = {root.index for root in roots} | self._checks.keys()
-        self.lines: list[str] = []
-        self._section = ""
-        for node in nodes:
-            self._write(node, assign=uses[node.index] > 1 or node.index in kept)
+    language: ClassVar[str] = "python"
+
+    def __init__(self, block: Block, called: set[str]) -> None:
+        self._block = block
+        self._called = called
+
+    def lines(self) -> list[str]:
+        """One line for each statement, more for loops."""
+        return [line for statement in self._block.statements for line in self._lines(statement)]
+
+    def _lines(self, statement: Statement) -> list[str]:
+        match statement:
+            case Assign(name, node):
+                return [f"{name} = {self._operation(node)[0]}"]
+            case Store(entry, node):
+                return [f"{_place(entry)} = {self.text(node)}"]
+            case Heading(title):
+                return ["", f"# {title}"]
+            case Check(node, status):
+                return [f"if not {self.text(node)} >= 0.0:", f"    return {status}"]
+            case Iterate():
+                return self._loop(statement)
+            case _:
+                assert_never(statement)
+
+    def _loop(self, loop: Iterate) -> list[str]:
+        iteration, names = loop.iteration, loop.unknowns
+        first = [self.text(start) for start in loop.starts]
+        body = Python(loop.body, self._called)
+        updates = [f"d{iteration.block}_{k}" for k in range(len(names))]
+        pairs = zip(updates, iteration.updates, strict=True)
+        inner = [*body.lines(), *(f"{name} = {body.text(update)}" for name, update in pairs)]
+        inner += [f"{name} += {update}" for name, update in zip(names, updates, strict=True)]
+        inner += [f"if {_within(updates, iteration.scales, CLOSE)}:", "    break"]
+        moved = [f"{name} - {text}" for name, text in zip(names, first, strict=True)]
+        return [
+            *(f"{name} = {text}" for name, text in zip(names, first, strict=True)),
+            f"for _ in range({MOST_ITERATIONS}):",
+            *(f"    {line}" if line else "" for line in inner),
+            "else:",
+            f"    return {loop.status}",
+            f"if not ({_within(moved, iteration.scales, MOST_TURNED)}):",
+            f"    return {loop.status}",
+            f"{loop.name} = ({', '.join(names)},)",
+        ]
 
     def text(self, node: Scalar) -> str:
         """The variable or expression that stands for a node."""
         return self._expression(node)[0]
 
-    def _write(self, node: Scalar, assign: bool) -> None:
-        if node.operation == "newton":
-            self._write_iteration(node)
-            return
-        text = self._expression(node)
-        depth = 1 + max((self._depth.get(o.index, 0) for o in node.operands), default=0)
-        assign = assign or node.operation in SEVERAL or depth >= DEEPEST
-        self._depth[node.index] = 0 if assign else depth
-        if not node.operands or not assign:
-            self._text[node.index] = text
-            return
-        if node.section != self._section:
-            self._section = node.section
-            self.lines += ["", f"# {node.section}"]
-        name = self._name(node)
-        self.lines.append(f"{name} = {text[0]}")
-        self._text[node.index] = (name, _ATOM)
-        if node.index in self._checks:
-            self.lines += self._checks[node.index](name)
-
-    def _write_iteration(self, node: Scalar) -> None:
-        """A loop that leaves the unknowns in a tuple, or returns the number of its block."""
-        iteration = node.arguments[-1]
-        names = [f"z{iteration.block}_{k}" for k in range(len(iteration.iterates))]
-        first = [self.text(operand) for operand in node.operands[: len(names)]]
-        inner = {**{i: text for i, (text, _) in self._text.items()}}
-        inner |= {n.index: name for n, name in zip(iteration.iterates, names, strict=True)}
-        body = Statements(iteration.body, iteration.updates, inner)
-        self.lines += ["", f"# block {iteration.block}: Newton's iteration"]
-        self.lines += [f"{name} = {text}" for name, text in zip(names, first, strict=True)]
-        self.lines.append(f"for _ in range({MOST_ITERATIONS}):")
-        updates = [f"d{iteration.block}_{k}" for k in range(len(names))]
-        lines = [*body.lines]
-        lines += [f"{d} = {body.text(u)}" for d, u in zip(updates, iteration.updates, strict=True)]
-        lines += [f"{name} += {d}" for name, d in zip(names, updates, strict=True)]
-        lines += [f"if {_within(updates, iteration, CLOSE)}:", "    break"]
-        self.lines += [f"    {line}" if line else "" for line in lines]
-        failed = f"return {1 + iteration.block}"
-        self.lines += ["else:", f"    {failed}"]
-        moved = [f"{name} - {text}" for name, text in zip(names, first, strict=True)]
-        self.lines += [f"if not ({_within(moved, iteration, MOST_TURNED)}):", f"    {failed}"]
-        name = self._name(node)
-        self.lines.append(f"{name} = ({', '.join(names)},)")
-        self._text[node.index] = (name, _ATOM)
-
-    def _name(self, node: Scalar) -> str:
-        name = node.label or f"v{node.index}"
-        if name in self._used_names:
-            name = f"{name}_{node.index}"
-        self._used_names.add(name)
-        return name
-
     def _expression(self, node: Scalar) -> tuple[str, int]:
-        if node.index in self._text:
-            return self._text[node.index]
-        if node.constant is not None:
-            return repr(node.constant), _ATOM if node.constant >= 0 else _NEGATION
-        if node.operation in _INFIX:
-            return self._infix(node)
-        if node.operation == "item":
-            several, index = node.arguments
-            return f"{self.text(several)}[{index}]", _ATOM
-        arguments = [self._expression(operand) for operand in node.operands]
-        if node.operation == "neg":
-            return f"-{self._grouped(arguments[0], _NEGATION)}", _NEGATION
-        texts = [text for text, _ in arguments]
-        if node.operation == "select":
-            condition, first, second = texts
-            return f"({first} if {condition} >= 0.0 else {second})", _ATOM
-        if node.operation == "spline":
-            _, start, count, periodic = node.arguments
-            texts = [texts[0], "p", str(start.arguments[1]), str(count), str(periodic)]
-        return f"{function_name(node)}({', '.join(texts)})", _ATOM
+        """Text, and how strongly it binds."""
+        place = self._block.places.get(node.index)
+        return self._operation(node) if place is None else (_place(place), ATOM)
 
-    def _infix(self, node: Scalar) -> tuple[str, int]:
-        sign, strength = _INFIX[node.operation]
-        left, right = (self._expression(operand) for operand in node.operands)
-        # the right-hand side keeps its parentheses: floating-point operations do not associate
-        return (
-            f"{self._grouped(left, strength)} {sign} {self._grouped(right, strength + 1)}",
-            strength,
-        )
+    def _operation(self, node: Scalar) -> tuple[str, int]:
+        row = ELEMENTARY.get(node.operation)
+        if row is not None:
+            form = getattr(row, self.language) or row.operator
+            if form is None:
+                return self._call(row.name, [self.text(operand) for operand in node.operands])
+            return formed(form, [self._expression(operand) for operand in node.operands])
+        match node.operation:
+            case "constant":
+                value = node.arguments[0]
+                return repr(value), ATOM if value >= 0 else _NEGATIVE
+            case "item":
+                several, index = node.arguments
+                return f"{self.text(several)}[{index}]", ATOM
+            case "solve":
+                name = f"solve{system_size(node)}"
+                return self._call(name, [self.text(operand) for operand in node.operands])
+            case "spline":
+                time, start, count, periodic = node.arguments
+                numbers = ["p", str(start.arguments[1]), str(count), str(periodic)]
+                return self._call("spline", [self.text(time), *numbers])
+        raise ValueError(f"no text for the operation {node.operation!r}")
 
-    @staticmethod
-    def _grouped(text: tuple[str, int], strength: int) -> str:
-        return text[0] if text[1] >= strength else f"({text[0]})"
+    def _call(self, name: str, arguments: Sequence[str]) -> tuple[str, int]:
+        self._called.add(name)
+        return f"{name}({', '.join(arguments)})", ATOM
 
 
-def _within(values: list[str], iteration: Iteration, limit: float) -> str:
+def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
+    """An operation as a language writes it, its operands with no more parentheses than needed.
+
+    Each operand, and what is returned, is a text and how strongly it binds.
+    """
+    pairs = zip(operands, form.operands, strict=False)
+    texts = [text if bound >= least else f"({text})" for (text, bound), least in pairs]
+    return form.template.format(*texts), form.strength
+
+
+def _place(place: Entry | str) -> str:
+    if isinstance(place, str):
+        return place
+    return "t" if place.array == "t" else f"{place.array}[{place.place}]"
+
+
+def _within(values: Sequence[str], scales: Sequence[float], limit: float) -> str:
     """A condition that no value exceeds a limit in units of its scale; false for nan."""
-    bounds = [limit * scale for scale in iteration.scales]
-    pairs = zip(values, bounds, strict=True)
-    return " and ".join(f"abs({value}) <= {bound!r}" for value, bound in pairs)
+    pairs = zip(values, scales, strict=True)
+    return " and ".join(f"abs({value}) <= {limit * scale!r}" for value, scale in pairs)
 
 
-def function_name(node: Scalar) -> str:
-    """What a function is called in generated code."""
-    return f"solve{_size(node)}" if node.operation == "solve" else node.operation
-
-
-def _size(node: Scalar) -> int:
-    """Size of the linear system of a ``"solve"``, from its number of operands n² + n."""
-    return int(len(node.operands) ** 0.5)
-
-
-def write_functions(nodes: Iterable[Scalar]) -> str:
-    """The functions that the statements of some nodes call."""
-    nodes = list(nodes)
-    inner = [n for node in nodes if node.operation == "newton" for n in node.arguments[-1].body]
-    found = [n for n in (*nodes, *inner) if n.operation in ("solve", "spline")]
-    sizes = sorted({_size(node) for node in found if node.operation == "solve"})
-    parts = [_solver(size) for size in sizes]
-    if any(node.operation == "spline" for node in found):
-        parts.append(_SPLINE)
-    return "".join(parts)
+def definitions(called: Iterable[str]) -> str:
+    """The functions out of those called that Python does not have."""
+    found = sorted({*called} - ELEMENTARY.keys(), key=lambda name: (len(name), name))
+    texts = (_SPLINE if n == "spline" else _solver(int(n.removeprefix("solve"))) for n in found)
+    return "".join(f"\n\n@njit(**_inline)\n{text}\n" for text in texts)
 
 
 def _solver(size: int) -> str:
@@ -196,13 +210,22 @@ def _solver(size: int) -> str:
         lines.append(f"    x{k} = (b{k}{known}) / a{k}_{k}")
     pivots = " * ".join(f"a{k}_{k}" for k in span)
     lines.append(f"    return {', '.join(f'x{k}' for k in span)}, sign * {pivots}")
-    return "\n\n@njit(**_inline)\n" + "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
-_SPLINE = '''
+def _cubic() -> str:
+    """Assignments of the formula of `linkages.components.interpolation.cubic`."""
+    graph = ScalarGraph()
+    names = ("x", "outside", "d", "c", "b", "a")
+    inputs = [graph.input(name, 0, Level.STATE) for name in names]
+    results = cubic(*inputs)
+    for node, label in zip(results, ("value", "slope", "curvature"), strict=True):
+        node.label = label
+    places = {node.index: name for node, name in zip(inputs, names, strict=True)}
+    return "\n    ".join(Python(build_block(reachable(results), places, results), set()).lines())
 
-@njit(**_inline)
-def spline(t, p, place, count, periodic):
+
+_SPLINE = f'''def spline(t, p, place, count, periodic):
     """Value and derivatives of piecewise cubics whose numbers stand in p from a place on."""
     first, last = p[place], p[place + count]
     if periodic:
@@ -215,11 +238,8 @@ def spline(t, p, place, count, periodic):
             low = middle
         else:
             high = middle
-    c = place + count + 1 + 4 * low
-    x = inner - p[place + low]
-    slope = p[c + 2] + x * (2.0 * p[c + 1] + x * 3.0 * p[c])
-    outside = t - inner
-    curvature = 2.0 * p[c + 1] + 6.0 * p[c] * x if outside == 0.0 else 0.0
-    value = p[c + 3] + x * (p[c + 2] + x * (p[c + 1] + x * p[c])) + outside * slope
-    return value, slope, curvature
-'''
+    k = place + count + 1 + 4 * low
+    d, c, b, a = p[k], p[k + 1], p[k + 2], p[k + 3]
+    x, outside = inner - p[place + low], t - inner
+    {_cubic()}
+    return value, slope, curvature if outside == 0.0 else 0.0'''

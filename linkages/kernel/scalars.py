@@ -7,16 +7,14 @@ folded away, and each node knows what it depends on: nothing, parameters, time o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
+from linkages.operations import ELEMENTARY, value_of
+
 if TYPE_CHECKING:
     from linkages.kernel.several import Iteration
-
-FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "tanh", "atan", "floor")
-SEVERAL = ("solve", "newton", "spline")
-"""Operations with several results, which `item` picks."""
 
 
 class Level(IntEnum):
@@ -34,18 +32,21 @@ class Scalar:
     Attributes
     ----------
     operation
-        ``"constant"``, ``"input"``, ``"add"``, ``"sub"``, ``"mul"``, ``"div"``, ``"neg"``,
-        ``"atan2"``, ``"select"`` (of a condition c and two values: the first where c ≥ 0), one of
-        `FUNCTIONS`, or one of those with several results: ``"solve"``, ``"newton"``, ``"spline"``
-        and their ``"item"``.
+        ``"constant"``, ``"input"``, one of `linkages.operations.ELEMENTARY`, one of
+        `linkages.kernel.several.SEVERAL`, or ``"item"``, which picks one of several results.
     arguments
         Argument nodes; for a constant its value, for an input its name and index; plain numbers
         and descriptions follow the nodes.
+    constant, operands
+        Its value if it is a constant; the nodes among its arguments.
     label
         Name that the printed kernel gives it, if any.
     """
 
-    __slots__ = ("arguments", "graph", "index", "label", "level", "operation", "section")
+    __slots__ = (
+        "arguments", "constant", "graph", "index", "label", "level", "operands", "operation",
+        "section",
+    )  # fmt: skip
 
     def __init__(
         self, graph: ScalarGraph, operation: str, arguments: tuple, level: Level, index: int
@@ -53,22 +54,12 @@ class Scalar:
         self.graph = graph
         self.operation = operation
         self.arguments = arguments
+        self.constant: float | None = arguments[0] if operation == "constant" else None
+        self.operands = tuple(a for a in arguments if isinstance(a, Scalar))
         self.level = level
         self.index = index
         self.label: str | None = None
         self.section = graph.section
-
-    @property
-    def constant(self) -> float | None:
-        """Its value if it is a constant."""
-        return self.arguments[0] if self.operation == "constant" else None
-
-    @property
-    def operands(self) -> tuple[Scalar, ...]:
-        """The nodes that it is computed from."""
-        if self.operation in ("constant", "input"):
-            return ()
-        return tuple(a for a in self.arguments if isinstance(a, Scalar))
 
     def __add__(self, other: Scalar | float) -> Scalar:
         return self.graph.add(self, self.graph.lift(other))
@@ -212,29 +203,39 @@ class ScalarGraph:
             return self._operation("sub", a.arguments[1], a.arguments[0])
         return self._operation("neg", a)
 
+    def apply(self, name: str, *operands: Scalar | float) -> Scalar:
+        """An elementary operation out of `linkages.operations`, folded where it can be.
+
+        Raises
+        ------
+        ValueError
+            There is no such operation.
+        """
+        if name not in ELEMENTARY:
+            raise ValueError(f"no elementary operation {name!r}")
+        nodes = [self.lift(operand) for operand in operands]
+        if name in _FOLDED:
+            return _FOLDED[name](self, *nodes)
+        constants = [node.constant for node in nodes if node.constant is not None]
+        if len(constants) < len(nodes):
+            return self._operation(name, *nodes)
+        try:
+            value = value_of(name, *constants)
+        except (ValueError, ArithmeticError):
+            value = math.nan
+        return self._folded(value, name, *nodes)
+
     def sqrt(self, a: Scalar) -> Scalar:
         """The square root."""
-        return self.function("sqrt", a)
+        return self.apply("sqrt", a)
 
     def sin(self, a: Scalar) -> Scalar:
         """The sine of an angle in radians."""
-        return self.function("sin", a)
+        return self.apply("sin", a)
 
     def cos(self, a: Scalar) -> Scalar:
         """The cosine of an angle in radians."""
-        return self.function("cos", a)
-
-    def function(self, name: str, a: Scalar) -> Scalar:
-        """An elementary function out of `FUNCTIONS`."""
-        if name not in FUNCTIONS:
-            raise ValueError(f"no elementary function {name!r}")
-        if a.constant is not None:
-            try:
-                value = float(getattr(math, name)(a.constant))
-            except (ValueError, OverflowError):
-                value = math.nan
-            return self._folded(value, name, a)
-        return self._operation(name, a)
+        return self.apply("cos", a)
 
     def select(self, condition: Scalar, first: Scalar, second: Scalar) -> Scalar:
         """The first value where the condition is not negative, otherwise the second."""
@@ -281,18 +282,23 @@ class ScalarGraph:
         """One of the results of an operation that has several."""
         return self._node("item", (several, index), several.level)
 
-    def atan2(self, y: Scalar, x: Scalar) -> Scalar:
-        """The angle of the vector (x, y), in [−π, π]."""
-        if x.constant is not None and y.constant is not None:
-            return self.number(math.atan2(y.constant, x.constant))
-        return self._operation("atan2", y, x)
-
     def total(self, terms: Iterable[Scalar]) -> Scalar:
         """The sum of all terms, from the first to the last."""
         result = self.zero
         for term in terms:
             result = result + term
         return result
+
+
+_FOLDED: dict[str, Callable[..., Scalar]] = {
+    "add": ScalarGraph.add,
+    "sub": ScalarGraph.subtract,
+    "mul": ScalarGraph.multiply,
+    "div": ScalarGraph.divide,
+    "neg": ScalarGraph.negate,
+    "select": ScalarGraph.select,
+}
+"""Operations that are folded by more than computing with constants."""
 
 
 def reachable(roots: Iterable[Scalar]) -> list[Scalar]:

@@ -1,18 +1,27 @@
 """Operations with several results: linear systems, Newton iterations, splines.
 
-Here is what they mean to NumPy; `linkages.kernel.printing` says the same to the compiler.
+Each is a row of `SEVERAL`: cost, value and derivative. Backends know them by their names.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from linkages.components.interpolation import evaluated
 from linkages.kernel.scalars import Scalar, reachable
+from linkages.operations import ELEMENTARY, ITERATIONS, OTHERS, SYSTEMS
+
+Values = dict[int, Any]
+"""Number of a node → its value; of an operation with several results a sequence."""
+
+Tangent = dict[int, Any]
+"""Number of a direction → derivative along it (of operations with several results: a list); zeros
+are left out."""
 
 MOST_ITERATIONS = 30
 CLOSE = 1e-7
@@ -95,8 +104,7 @@ def solve_systems(entries: Sequence[Any]) -> list[np.ndarray]:
 def iterate(
     iteration: Iteration,
     start: Sequence[Any],
-    values: dict[int, Any],
-    apply: Callable[[Scalar, dict[int, Any]], Any],
+    values: Values,
     most_turned: float = MOST_TURNED,
 ) -> list[np.ndarray]:
     """Run an iteration for many starts at once.
@@ -108,9 +116,7 @@ def iterate(
     start
         Values to start from, arrays that broadcast.
     values
-        Node number → value of the nodes outside.
-    apply
-        Computes an elementary operation.
+        Of the nodes outside.
     most_turned
         Largest correction.
 
@@ -125,10 +131,13 @@ def iterate(
     inside = dict(values)
     running = np.ones(shape, dtype=bool)
     for _ in range(MOST_ITERATIONS):
+        inside |= {n.index: z for n, z in zip(iteration.iterates, unknowns, strict=True)}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            updates = _updates(iteration, unknowns, inside, apply)
+            for node in iteration.body:
+                inside[node.index] = evaluate(node, inside, {})
         largest = np.zeros(shape)
-        for unknown, update, scale in zip(unknowns, updates, iteration.scales, strict=True):
+        for unknown, node, scale in zip(unknowns, iteration.updates, iteration.scales, strict=True):
+            update = inside[node.index]
             unknown += np.where(running, update, 0.0)
             largest = np.maximum(largest, np.abs(update) / scale)
         running &= ~(largest <= CLOSE)
@@ -142,40 +151,98 @@ def iterate(
     return unknowns
 
 
-def _updates(
-    iteration: Iteration,
-    unknowns: Sequence[np.ndarray],
-    inside: dict[int, Any],
-    apply: Callable[[Scalar, dict[int, Any]], Any],
-) -> list[Any]:
-    for node, unknown in zip(iteration.iterates, unknowns, strict=True):
-        inside[node.index] = unknown
-    for node in iteration.body:
-        if node.operation == "solve":
-            inside[node.index] = solve_systems([inside[o.index] for o in node.operands])
-        elif node.operation == "item":
-            several, index = node.arguments
-            inside[node.index] = inside[several.index][index]
-        else:
-            inside[node.index] = apply(node, inside)
-    return [inside[node.index] for node in iteration.updates]
+@dataclass(frozen=True)
+class Several:
+    """An operation with several results.
+
+    Parameters
+    ----------
+    kind
+        What it counts as, one of `linkages.operations.KINDS`.
+    value
+        Node, values of its operands, inputs → all results.
+    tangent
+        Node, tangents of its operands → tangent of all results that have one.
+    """
+
+    kind: str
+    value: Callable[[Scalar, Values, Mapping[str, np.ndarray]], Sequence[Any]]
+    tangent: Callable[[Scalar, Mapping[int, Tangent]], Tangent]
 
 
-def evaluate_spline(
-    time: Any, parameters: np.ndarray, place: int, count: int, periodic: bool
-) -> list[np.ndarray]:
-    """Value and two derivatives of piecewise cubics; their numbers stand from `place` on."""
-    numbers = parameters[place : place + 5 * count + 1]
+def system_size(node: Scalar) -> int:
+    """Size n of the linear system of a ``"solve"``, which has n² + n operands."""
+    return int(len(node.operands) ** 0.5)
+
+
+def _solution(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
+    return solve_systems([values[operand.index] for operand in node.operands])
+
+
+def _solution_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
+    """Derivative of x in A x = b: it solves A x' = b' − A' x. The determinant has no rule."""
+    graph, size = node.graph, system_size(node)
+    entries, right = node.operands[: size * size], node.operands[size * size :]
+    matrix = [entries[size * i : size * (i + 1)] for i in range(size)]
+    solution = [graph.item(node, i) for i in range(size)]
+    columns = {k for operand in node.operands for k in tangents[operand.index]}
+
+    def of(operand: Scalar, k: int) -> Any:
+        return tangents[operand.index].get(k, graph.zero)
+
+    result: Tangent = {}
+    for k in sorted(columns):
+        sides = [
+            of(b, k) - graph.total(of(a, k) * x for a, x in zip(row, solution, strict=True))
+            for b, row in zip(right, matrix, strict=True)
+        ]
+        result[k] = graph.solve(matrix, sides)
+    return result
+
+
+def _fixed_point(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]:
+    iteration = node.arguments[-1]
+    starts = node.operands[: len(iteration.iterates)]
+    return iterate(iteration, [values[start.index] for start in starts], values)
+
+
+def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Sequence[Any]:
+    time, first, count, periodic = node.arguments
+    place = first.arguments[1]
+    numbers = inputs["p"][place : place + 5 * count + 1]
     numbers = numbers if numbers.ndim == 1 else numbers[:, 0]
-    knots, coefficients = numbers[: count + 1], numbers[count + 1 :].reshape(count, 4)
-    t = np.asarray(time, dtype=float)
-    if periodic:
-        t = knots[0] + np.mod(t - knots[0], knots[-1] - knots[0])
-    inner = np.clip(t, knots[0], knots[-1])
-    interval = np.clip(np.searchsorted(knots, inner, side="right") - 1, 0, count - 1)
-    d, c, b, a = (coefficients[interval, k] for k in range(4))
-    x = inner - knots[interval]
-    slope = b + x * (2.0 * c + x * 3.0 * d)
-    outside = t - inner
-    curvature = np.where(outside == 0.0, 2.0 * c + 6.0 * d * x, 0.0)
-    return [a + x * (b + x * (c + x * d)) + outside * slope, slope, curvature]
+    coefficients = numbers[count + 1 :].reshape(count, 4).T
+    return evaluated(numbers[: count + 1], coefficients, periodic, values[time.index])
+
+
+def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
+    """A derivative is the next of the three results; the third has no rule."""
+    time = tangents[node.operands[0].index]
+    return {k: [node.graph.item(node, i) * rate for i in (1, 2)] for k, rate in time.items()}
+
+
+SEVERAL = {
+    "solve": Several(SYSTEMS, _solution, _solution_tangent),
+    # a step in straight-line code follows an iteration and has its derivative
+    "newton": Several(ITERATIONS, _fixed_point, lambda _node, _tangents: {}),
+    "spline": Several(OTHERS, _spline, _spline_tangent),
+}
+
+
+def evaluate(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Any:
+    """The value of a node by NumPy, given those of its operands; all results if it has several."""
+    match node.operation:
+        case "constant":
+            return node.arguments[0]
+        case "input":
+            name, index = node.arguments
+            return inputs[name][index]
+        case "item":
+            several, index = node.arguments
+            return values[several.index][index]
+        case name if name in SEVERAL:
+            return SEVERAL[name].value(node, values, inputs)
+        case name:
+            found = ELEMENTARY[name].numpy
+            function = getattr(np, found) if isinstance(found, str) else found
+            return function(*(values[o.index] for o in node.operands))

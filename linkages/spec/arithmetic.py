@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
+from linkages.operations import value_of
 from linkages.spec.grammar import Builder, NumberError, parsed
 
 __all__ = ["CONSTANTS", "NumberError", "Numbers", "leading_number"]
 
 CONSTANTS = {"pi": math.pi, "π": math.pi}
-_ONE_ARGUMENT: dict[str, Callable[[float], float]] = {
-    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
-    "sqrt": math.sqrt, "tanh": math.tanh, "atan": math.atan, "abs": abs,
-}  # fmt: skip
 
 
 def leading_number(text: str) -> tuple[float, str]:
@@ -46,33 +42,15 @@ class Numbers(Builder[float]):
     def operation(self, name: str, arguments: tuple[float, ...]) -> float:
         """Return the result; not being finite or real is an error."""
         try:
-            return self.number(_result(name, arguments))
+            return self.number(value_of(name, *arguments))
+        except ZeroDivisionError:
+            raise NumberError("division by zero") from None
         except OverflowError:
             raise NumberError("too large for a number") from None
         except ValueError as error:
             if isinstance(error, NumberError):
                 raise
             raise NumberError(f"{_written(name, arguments)} is not a real number") from None
-
-
-def _result(name: str, arguments: tuple[float, ...]) -> float:
-    if name in _ONE_ARGUMENT:
-        return _ONE_ARGUMENT[name](*arguments)
-    if name == "neg":
-        return -arguments[0]
-    left, right = arguments
-    if name == "div" and right == 0:
-        raise NumberError("division by zero")
-    results: dict[str, Callable[[], float]] = {
-        "add": lambda: left + right,
-        "sub": lambda: left - right,
-        "mul": lambda: left * right,
-        "div": lambda: left / right,
-        "power": lambda: math.pow(left, right),
-        "min": lambda: min(left, right),
-        "max": lambda: max(left, right),
-    }
-    return results[name]()
 
 
 def _written(name: str, arguments: tuple[float, ...]) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
+from linkages.operations import COMPOSITE, formula_functions
 from linkages.reading.wording import shown
 from linkages.spec.arithmetic import CONSTANTS, Numbers
 from linkages.spec.grammar import Builder, NumberError, parsed
@@ -77,10 +78,10 @@ def formula(text: str) -> Formula:
 
 class _Trees(Builder[Node]):
     longest: ClassVar[int] = 300
-    functions: ClassVar[Mapping[str, int]] = {
-        "sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "sqrt": 1, "tanh": 1, "atan": 1,
-        "abs": 1, "min": 2, "max": 2,
-    }  # fmt: skip
+
+    @property
+    def functions(self) -> Mapping[str, int]:
+        return formula_functions()
 
     def number(self, value: float) -> Node:
         return Constant(Numbers().number(value))
@@ -100,13 +101,10 @@ class _Trees(Builder[Node]):
             raise NumberError("division by zero")
         if name == "power":
             return _power(*arguments)
-        if name == "abs":
-            (inner,) = arguments
-            return _call("select", inner, inner, _call("neg", inner))
-        if name in ("min", "max"):
-            first, second = arguments if name == "max" else arguments[::-1]
-            return _call("select", _call("sub", first, second), *arguments)
-        return _call(name, *arguments)
+        if name not in COMPOSITE:
+            return _call(name, *arguments)
+        expanded: Node = COMPOSITE[name].expanded(_call, *arguments)
+        return expanded
 
 
 def _call(name: str, *arguments: Node) -> Node:

@@ -47,11 +47,15 @@ class NumberError(ValueError):
 class Builder(ABC, Generic[Value]):
     """Makes values of what the grammar finds.
 
-    `longest` is the greatest length of a text; `functions` are names with numbers of arguments.
+    `longest` is the greatest length of a text.
     """
 
     longest: ClassVar[int] = 200
-    functions: ClassVar[Mapping[str, int]] = {}
+
+    @property
+    def functions(self) -> Mapping[str, int]:
+        """Names that may be called, with their numbers of arguments."""
+        return {}
 
     @abstractmethod
     def number(self, value: float) -> Value:

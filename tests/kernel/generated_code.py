@@ -3,8 +3,15 @@
 import math
 from collections.abc import Sequence
 
-from linkages.kernel.printing import Statements, write_functions
-from linkages.kernel.scalars import FUNCTIONS, Scalar, reachable
+from linkages.kernel.printing import Python, definitions
+from linkages.kernel.scalars import Scalar, reachable
+from linkages.kernel.statements import Entry, build_block
+from linkages.operations import ELEMENTARY
+
+
+def input_places(nodes):
+    """Where the inputs among nodes stand: an entry of the array of their name."""
+    return {n.index: Entry(*n.arguments) for n in nodes if n.operation == "input"}
 
 
 def run_printed(roots: Sequence[Scalar], **inputs: Sequence[float]) -> list[float]:
@@ -12,17 +19,12 @@ def run_printed(roots: Sequence[Scalar], **inputs: Sequence[float]) -> list[floa
 
     Where an iteration gives up, the number of its status is raised as a `LookupError`.
     """
-    nodes = reachable(roots)
-    known = {
-        n.index: "t" if n.arguments[0] == "t" else "{}[{}]".format(*n.arguments)
-        for n in nodes
-        if n.operation == "input"
-    }
-    code = Statements([n for n in nodes if n.operands], roots, known)
-    body = [*code.lines, f"return 0, [{', '.join(code.text(root) for root in roots)}]"]
-    text = write_functions(nodes) + "\n\ndef values(y, p, t):\n"
+    nodes, called = reachable(roots), set()
+    code = Python(build_block(nodes, input_places(nodes), roots), called)
+    body = [*code.lines(), f"return 0, [{', '.join(code.text(root) for root in roots)}]"]
+    text = definitions(called) + "\n\ndef values(y, p, t):\n"
     text += "\n".join(f"    {line}" for line in body)
-    scope = {name: getattr(math, name) for name in (*FUNCTIONS, "atan2")}
+    scope = {name: getattr(math, name) for name in called & ELEMENTARY.keys()}
     scope |= {"njit": lambda **_: lambda function: function, "_inline": {}}
     exec(text, scope)
     found = scope["values"](inputs.get("y"), inputs.get("p"), inputs.get("t"))

@@ -11,8 +11,9 @@ from linkages.components.functions import Table
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.laws import table_numbers
-from linkages.kernel.scalars import FUNCTIONS, Level, ScalarGraph
+from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.kernel.several import Iteration
+from linkages.operations import ELEMENTARY
 
 X, Z = 0.7, 1.3
 TINY = 1e-30
@@ -33,15 +34,16 @@ def evaluated(nodes, *numbers):
     return [float(v) for v in Evaluator(nodes)(y=np.array(numbers))]
 
 
-SMOOTH = [name for name in FUNCTIONS if name != "floor"]
+SMOOTH = [name for name, row in ELEMENTARY.items() if row.formula]
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 @pytest.mark.parametrize("point", [0.2, 0.7, 1.4])
 def test_functions_by_complex_steps(graph, inputs, name, point):
     x, z = inputs
-    ((dx, dz),) = derivative([graph.function(name, x * z)], [x, z])
+    ((dx, dz),) = derivative([graph.apply(name, x * z)], [x, z])
     f = getattr(cmath, name)
+    point = point / 3 if name in ("asin", "acos") else point  # within their domain
     found = evaluated([dx, dz], point, Z)
     exact = [
         f((point + 1j * TINY) * Z).imag / TINY,
@@ -53,7 +55,7 @@ def test_functions_by_complex_steps(graph, inputs, name, point):
 @pytest.mark.parametrize("name", SMOOTH)
 def test_second_derivatives_of_functions(graph, inputs, name):
     x = inputs[0]
-    ((first,),) = derivative([graph.function(name, x)], [x])
+    ((first,),) = derivative([graph.apply(name, x)], [x])
     ((second,),) = derivative([first], [x])
     (found,) = evaluated([second], X, 0.0)
     f = getattr(cmath, name)
@@ -65,8 +67,8 @@ def test_second_derivatives_of_functions(graph, inputs, name):
 
 def test_floor_is_flat(graph, inputs):
     x = inputs[0]
-    assert derivative([graph.function("floor", x * 3.0)], [x]) == [[graph.zero]]
-    ((found,),) = derivative([graph.function("floor", x) * x], [x])
+    assert derivative([graph.apply("floor", x * 3.0)], [x]) == [[graph.zero]]
+    ((found,),) = derivative([graph.apply("floor", x) * x], [x])
     assert evaluated([found], 2.5, 0.0) == [2.0]
 
 

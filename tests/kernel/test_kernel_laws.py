@@ -113,7 +113,7 @@ def test_tables(periodic):
 
 
 def test_numbers_of_a_table_stand_together():
-    """Knots, then four coefficients for each interval: what `evaluate_spline` reads."""
+    """Knots, then four coefficients for each interval: in the order in which kernels read them."""
     table = Table((), (0.0, 1.0, 3.0), (2.0, 0.0, 5.0))
     numbers = table_numbers(table)
     assert numbers[:3] == [0.0, 1.0, 3.0]
@@ -226,5 +226,5 @@ def test_numbers_of_formulas_are_structure_and_those_of_drives_are_not():
 
 
 def test_a_law_that_is_none():
-    with pytest.raises(ValueError, match="no operation 'sinh'"):
-        value_of(Operation("sinh", (Time(),)), Inputs(ScalarGraph(), 0))
+    with pytest.raises(ValueError, match="no elementary operation 'sine'"):
+        value_of(Operation("sine", (Time(),)), Inputs(ScalarGraph(), 0))

@@ -6,7 +6,7 @@ from generated_code import run_printed
 from scipy.interpolate import CubicSpline
 
 from linkages.components.functions import Table
-from linkages.kernel.evaluator import Evaluator, apply
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.laws import table_numbers
 from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.kernel.several import MOST_ITERATIONS, MOST_TURNED, Iteration, iterate, solve_systems
@@ -142,7 +142,7 @@ def test_what_lies_too_far_from_the_start_is_another_mode(start):
     outside = dict(
         zip((n.index for n in iteration.external), _external(iteration, [0.9, 1.1]), strict=True)
     )
-    found = iterate(iteration, start, outside, apply, most_turned=np.inf)
+    found = iterate(iteration, start, outside, most_turned=np.inf)
     assert [float(v) for v in found] == pytest.approx([x, y], abs=1e-13)
 
 
@@ -158,7 +158,7 @@ def test_an_iteration_that_runs_away_does_not_warn():
     (step,) = graph.solve([[z * z]], [z * z * z * z])
     iteration = Iteration((z,), (step,), (1.0,), 0)
     for start in (1e3, 0.0, np.nan):
-        (found,) = iterate(iteration, [np.array([start])], {}, apply, most_turned=np.inf)
+        (found,) = iterate(iteration, [np.array([start])], {}, most_turned=np.inf)
         assert np.isnan(found).all()
 
 
@@ -172,7 +172,7 @@ def test_scales_say_what_is_close():
     start = (0.5, 0.8)
     for scale, reached in ((1e-3, False), (1.0, True)):
         scaled = Iteration(iteration.iterates, iteration.updates, (scale, scale), 0)
-        found = iterate(scaled, start, outside, apply)
+        found = iterate(scaled, start, outside)
         assert np.isfinite(found).all() == reached
 
 

@@ -40,8 +40,8 @@ def test_precedence_is_that_of_arithmetic():
         ("sine(t)", "unknown function 'sine' (character 1); did you mean 'sin'?"),
         (
             "1 + f(t)",
-            "unknown function 'f' (character 5); expected one of: sin, cos, tan, exp, log, sqrt, "
-            "tanh, atan, abs, min, max",
+            "unknown function 'f' (character 5); expected one of: sin, cos, tan, asin, acos, atan, "
+            "sinh, cosh, tanh, exp, log, sqrt, abs, min, max",
         ),
         ("2*x", "unknown name 'x' (character 3); expected t or pi"),
         ("t(2)", "unknown function 't' (character 1)"),

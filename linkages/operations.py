@@ -1,0 +1,211 @@
+"""Elementary operations, one row each: value, derivatives, cost, and how languages write them.
+
+Formulas, kernels, equations and printed programs look operations up here, so a further function of
+formulas is one further row. Operations with several results are rows of
+`linkages.kernel.several`.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+KINDS = (
+    "additions", "multiplications", "divisions", "square roots", "trigonometric calls",
+    "other functions", "linear systems", "iterations",
+)  # fmt: skip
+"""What operations cost, as `check --kernel` counts them."""
+
+ADDITIONS, MULTIPLICATIONS, DIVISIONS, ROOTS, TURNS, OTHERS, SYSTEMS, ITERATIONS = KINDS
+
+ATOM = 4
+"""How strongly names, numbers and calls bind: they never need parentheses."""
+
+Apply: TypeAlias = Callable[..., Any]
+"""``apply(name, *operands)`` applies an elementary operation to nodes of some kind."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a language writes an operation: ``"{} + {}"``.
+
+    `strength` says how strongly it binds, `operands` how strongly each operand must bind to stand
+    without parentheses.
+    """
+
+    template: str
+    strength: int = ATOM
+    operands: tuple[int, ...] = (0, 0, 0)
+
+
+@dataclass(frozen=True)
+class Elementary:
+    """An operation on real numbers with one result.
+
+    Parameters
+    ----------
+    name
+        In graphs and formulas, and of the function in C, Python's ``math``, SymPy and heyoka.
+    kind
+        What it counts as, one of `KINDS`.
+    value
+        On floats; raises ValueError or ArithmeticError where there is no real result.
+    numpy
+        Name in NumPy, or the function of arrays if it has none.
+    partials
+        ``partials(apply, f, *operands)``, where f is the result and ``apply(name, *operands)``
+        another operation: the derivatives with respect to the operands, nodes or plain numbers.
+    arity
+        Number of operands.
+    operator
+        How all languages write it; None for a call by its name.
+    python, c
+        How one language alone writes it.
+    tangent
+        ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
+        partial derivatives times rates.
+    formula
+        Whether formulas may call it.
+    periodic
+        Whether it repeats when its operand grows by 2π.
+    """
+
+    name: str
+    kind: str
+    value: Callable[..., float]
+    numpy: str | Callable[..., Any]
+    partials: Callable[..., tuple[Any, ...]]
+    arity: int = 1
+    operator: Form | None = None
+    python: Form | None = None
+    c: Form | None = None
+    tangent: Callable[..., Any] | None = None
+    formula: bool = False
+    periodic: bool = False
+
+    def among(self, library: Any) -> Callable[..., Any] | None:
+        """The operation on the symbols of a library, if it has it: an operator or its function."""
+        return self.value if self.operator else getattr(library, self.name, None)
+
+
+@dataclass(frozen=True)
+class Composite:
+    """A function of formulas that elementary operations make up.
+
+    ``expanded(apply, *operands)`` writes it by them; the other parameters are as of `Elementary`.
+    """
+
+    name: str
+    arity: int
+    value: Callable[..., float]
+    expanded: Callable[..., Any]
+    formula: bool = True
+
+
+def _function(
+    name: str,
+    numpy: str,
+    partial: Callable[..., Any],
+    kind: str = OTHERS,
+    periodic: bool = False,
+) -> Elementary:
+    """A function of one operand that formulas may call; `partial` is its one derivative."""
+    value = getattr(math, name)
+    return Elementary(
+        name, kind, value, numpy, lambda *a: (partial(*a),), formula=True, periodic=periodic
+    )
+
+
+def _where(c: Any, a: Any, b: Any) -> Any:
+    import numpy as np  # numbers of a definition file are read without it
+
+    return np.where(np.asarray(c) >= 0.0, a, b)
+
+
+def _atan2(_apply: Apply, _f: Any, y: Any, x: Any) -> tuple[Any, Any]:
+    square = x * x + y * y
+    return x / square, -y / square
+
+
+# operands on the right of a sum or product keep their parentheses: rounding does not associate
+_ROWS = (
+    Elementary("add", ADDITIONS, operator.add, "add", lambda apply, f, a, b: (1.0, 1.0),
+               2, Form("{} + {}", 1, (1, 2))),
+    Elementary("sub", ADDITIONS, operator.sub, "subtract", lambda apply, f, a, b: (1.0, -1.0),
+               2, Form("{} - {}", 1, (1, 2))),
+    Elementary("mul", MULTIPLICATIONS, operator.mul, "multiply", lambda apply, f, a, b: (b, a),
+               2, Form("{} * {}", 2, (2, 3))),
+    Elementary("div", DIVISIONS, operator.truediv, "divide",
+               lambda apply, f, a, b: (1.0 / b, -f / b),
+               2, Form("{} / {}", 2, (2, 3)), tangent=lambda f, a, b, da, db: (da - f * db) / b),
+    Elementary("neg", ADDITIONS, operator.neg, "negative", lambda apply, f, a: (-1.0,),
+               1, Form("-{}", 3, (3,))),
+    _function("sin", "sin", lambda apply, f, x: apply("cos", x), TURNS, True),
+    _function("cos", "cos", lambda apply, f, x: -apply("sin", x), TURNS, True),
+    _function("tan", "tan", lambda apply, f, x: 1.0 + f * f, TURNS, True),
+    _function("asin", "arcsin", lambda apply, f, x: 1.0 / apply("sqrt", 1.0 - x * x), TURNS),
+    _function("acos", "arccos", lambda apply, f, x: -1.0 / apply("sqrt", 1.0 - x * x), TURNS),
+    _function("atan", "arctan", lambda apply, f, x: 1.0 / (1.0 + x * x), TURNS),
+    _function("sinh", "sinh", lambda apply, f, x: apply("cosh", x)),
+    _function("cosh", "cosh", lambda apply, f, x: apply("sinh", x)),
+    _function("tanh", "tanh", lambda apply, f, x: 1.0 - f * f),
+    _function("exp", "exp", lambda apply, f, x: f),
+    _function("log", "log", lambda apply, f, x: 1.0 / x),
+    _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS),
+    Elementary("floor", OTHERS, math.floor, "floor", lambda apply, f, x: (0.0,)),
+    Elementary("atan2", TURNS, math.atan2, "arctan2", _atan2, 2),
+    # the first value where the condition is not negative, otherwise the second
+    Elementary("select", OTHERS, lambda c, a, b: a if c >= 0.0 else b,
+               _where,
+               lambda apply, f, c, a, b:
+                   (0.0, apply("select", c, 1.0, 0.0), apply("select", c, 0.0, 1.0)),
+               3, python=Form("({1} if {0} >= 0.0 else {2})"), c=Form("({0} >= 0.0 ? {1} : {2})")),
+)  # fmt: skip
+
+ELEMENTARY: dict[str, Elementary] = {row.name: row for row in _ROWS}
+"""All elementary operations by their names."""
+
+
+def _power(apply: Apply, base: Any, exponent: int) -> Any:
+    """A whole power by repeated squaring."""
+    if exponent < 0:
+        return apply("div", 1.0, _power(apply, base, -exponent))
+    result: Any = 1.0
+    while exponent:
+        if exponent % 2:
+            result = apply("mul", result, base)
+        base, exponent = apply("mul", base, base), exponent // 2
+    return result
+
+
+COMPOSITE: dict[str, Composite] = {
+    row.name: row
+    for row in (
+        Composite("abs", 1, abs, lambda apply, x: apply("select", x, x, apply("neg", x))),
+        Composite("min", 2, min, lambda apply, a, b: apply("select", apply("sub", b, a), a, b)),
+        Composite("max", 2, max, lambda apply, a, b: apply("select", apply("sub", a, b), a, b)),
+        Composite("power", 2, math.pow, _power, formula=False),
+    )
+}
+"""All composite functions by their names."""
+
+
+def value_of(name: str, *operands: float) -> float:
+    """The result of an elementary operation or a composite function, as a float.
+
+    Raises
+    ------
+    ValueError, ArithmeticError
+        There is no real result.
+    """
+    row: Elementary | Composite = ELEMENTARY.get(name) or COMPOSITE[name]
+    return float(row.value(*operands))
+
+
+def formula_functions() -> dict[str, int]:
+    """Names that formulas may call, with their numbers of arguments."""
+    rows: tuple[Elementary | Composite, ...] = (*ELEMENTARY.values(), *COMPOSITE.values())
+    return {row.name: row.arity for row in rows if row.formula}

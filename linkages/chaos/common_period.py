@@ -12,6 +12,7 @@ import numpy as np
 from linkages.components.functions import Function, Number, Operation, Table, Time
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.laws import law_values
+from linkages.operations import ELEMENTARY
 from linkages.topology.orientation import slaves
 
 MOST_PERIODS = 1000
@@ -172,7 +173,7 @@ def _course(function: Function) -> _Course:
             return _Course(one.rate + sign * other.rate, _joined([one, other]))
         case Operation("mul" | "div" as name, (a, b)):
             return _product(name, a, b)
-        case Operation("sin" | "cos" | "tan", (a,)):
+        case Operation(name, (a,)) if ELEMENTARY[name].periodic:
             inner = _course(a)
             if inner.periods is None:
                 return inner

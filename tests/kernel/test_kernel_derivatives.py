@@ -2,6 +2,8 @@
 
 import ctypes
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy
@@ -40,7 +42,9 @@ EXPRESSIONS = {
     "root": lambda m, x, z: m.sqrt(x * x + z),
     "sine": lambda m, x, z: m.sin(x * z),
     "cosine": lambda m, x, z: m.cos(x - z * z),
-    "angle": lambda m, x, z: m.atan2(x * z, z + 1.0),
+    "angle": lambda m, x, z: getattr(m, "atan2", partial(ScalarGraph.apply, m, "atan2"))(
+        x * z, z + 1.0
+    ),
     "chain": lambda m, x, z: m.sin(x) / m.sqrt(1.0 + m.cos(z) * m.cos(z)) - x * m.sin(x),
 }
 

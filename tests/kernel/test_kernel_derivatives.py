@@ -1,7 +1,6 @@
 """Derivatives of kernels, against symbolic ones, differences and the compiled code."""
 
 import ctypes
-
 from functools import partial
 
 import numpy as np

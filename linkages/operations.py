@@ -11,7 +11,7 @@ import math
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 KINDS = (
     "additions", "multiplications", "divisions", "square roots", "trigonometric calls",
@@ -28,13 +28,10 @@ Apply: TypeAlias = Callable[..., Any]
 """``apply(name, *operands)`` applies an elementary operation to nodes of some kind."""
 
 
-@dataclass(frozen=True)
-class Form:
-    """How a language writes an operation: ``"{} + {}"``.
-
-    `strength` says how strongly it binds, `operands` how strongly each operand must bind to stand
-    without parentheses.
-    """
+class Form(NamedTuple):
+    """How a language writes an operation, how strongly that binds, and how strongly each operand
+    must bind to stand without parentheses.
+    """  # noqa: D205
 
     template: str
     strength: int = ATOM
@@ -91,14 +88,9 @@ class Elementary:
         return self.value if self.operator else getattr(library, self.name, None)
 
 
-@dataclass(frozen=True)
-class Composite:
-    """A function of formulas that elementary operations make up.
+class Composite(NamedTuple):
+    """A function of formulas; ``expanded(apply, *operands)`` consists of elementary operations."""
 
-    ``expanded(apply, *operands)`` writes it by them; the other parameters are as of `Elementary`.
-    """
-
-    name: str
     arity: int
     value: Callable[..., float]
     expanded: Callable[..., Any]
@@ -106,17 +98,11 @@ class Composite:
 
 
 def _function(
-    name: str,
-    numpy: str,
-    partial: Callable[..., Any],
-    kind: str = OTHERS,
-    periodic: bool = False,
+    name: str, numpy: str, partial: Callable[..., Any], kind: str = OTHERS, **more: Any
 ) -> Elementary:
     """A function of one operand that formulas may call; `partial` is its one derivative."""
     value = getattr(math, name)
-    return Elementary(
-        name, kind, value, numpy, lambda *a: (partial(*a),), formula=True, periodic=periodic
-    )
+    return Elementary(name, kind, value, numpy, lambda *a: (partial(*a),), formula=True, **more)
 
 
 def _where(c: Any, a: Any, b: Any) -> Any:
@@ -143,9 +129,9 @@ _ROWS = (
                2, Form("{} / {}", 2, (2, 3)), tangent=lambda f, a, b, da, db: (da - f * db) / b),
     Elementary("neg", ADDITIONS, operator.neg, "negative", lambda apply, f, a: (-1.0,),
                1, Form("-{}", 3, (3,))),
-    _function("sin", "sin", lambda apply, f, x: apply("cos", x), TURNS, True),
-    _function("cos", "cos", lambda apply, f, x: -apply("sin", x), TURNS, True),
-    _function("tan", "tan", lambda apply, f, x: 1.0 + f * f, TURNS, True),
+    _function("sin", "sin", lambda apply, f, x: apply("cos", x), TURNS, periodic=True),
+    _function("cos", "cos", lambda apply, f, x: -apply("sin", x), TURNS, periodic=True),
+    _function("tan", "tan", lambda apply, f, x: 1.0 + f * f, TURNS, periodic=True),
     _function("asin", "arcsin", lambda apply, f, x: 1.0 / apply("sqrt", 1.0 - x * x), TURNS),
     _function("acos", "arccos", lambda apply, f, x: -1.0 / apply("sqrt", 1.0 - x * x), TURNS),
     _function("atan", "arctan", lambda apply, f, x: 1.0 / (1.0 + x * x), TURNS),
@@ -181,14 +167,11 @@ def _power(apply: Apply, base: Any, exponent: int) -> Any:
     return result
 
 
-COMPOSITE: dict[str, Composite] = {
-    row.name: row
-    for row in (
-        Composite("abs", 1, abs, lambda apply, x: apply("select", x, x, apply("neg", x))),
-        Composite("min", 2, min, lambda apply, a, b: apply("select", apply("sub", b, a), a, b)),
-        Composite("max", 2, max, lambda apply, a, b: apply("select", apply("sub", a, b), a, b)),
-        Composite("power", 2, math.pow, _power, formula=False),
-    )
+COMPOSITE = {
+    "abs": Composite(1, abs, lambda apply, x: apply("select", x, x, apply("neg", x))),
+    "min": Composite(2, min, lambda apply, a, b: apply("select", apply("sub", b, a), a, b)),
+    "max": Composite(2, max, lambda apply, a, b: apply("select", apply("sub", a, b), a, b)),
+    "power": Composite(2, math.pow, _power, formula=False),
 }
 """All composite functions by their names."""
 
@@ -207,5 +190,5 @@ def value_of(name: str, *operands: float) -> float:
 
 def formula_functions() -> dict[str, int]:
     """Names that formulas may call, with their numbers of arguments."""
-    rows: tuple[Elementary | Composite, ...] = (*ELEMENTARY.values(), *COMPOSITE.values())
-    return {row.name: row.arity for row in rows if row.formula}
+    rows: dict[str, Elementary | Composite] = {**ELEMENTARY, **COMPOSITE}
+    return {name: row.arity for name, row in rows.items() if row.formula}

@@ -7,26 +7,54 @@ definition file never becomes code; their numbers are parameters like all others
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from linkages.components.interpolation import Interpolation
 from linkages.components.terms import Parameter, Path
 
 
+class Arithmetic:
+    """Python's operators make operations of functions; plain numbers in them are constants."""
+
+    def __add__(self, other: Function | float) -> Operation:
+        return applied("add", self, other)
+
+    def __radd__(self, other: float) -> Operation:
+        return applied("add", other, self)
+
+    def __sub__(self, other: Function | float) -> Operation:
+        return applied("sub", self, other)
+
+    def __rsub__(self, other: float) -> Operation:
+        return applied("sub", other, self)
+
+    def __mul__(self, other: Function | float) -> Operation:
+        return applied("mul", self, other)
+
+    def __rmul__(self, other: float) -> Operation:
+        return applied("mul", other, self)
+
+    def __truediv__(self, other: Function | float) -> Operation:
+        return applied("div", self, other)
+
+    def __pow__(self, exponent: int) -> Operation:
+        return applied("power", self, exponent)
+
+
 @dataclass(frozen=True)
-class Number:
+class Number(Arithmetic):
     """A number of the definition file, or a constant of a formula (then its path is empty)."""
 
     parameter: Parameter
 
 
 @dataclass(frozen=True)
-class Time:
+class Time(Arithmetic):
     """The time t in seconds."""
 
 
 @dataclass(frozen=True)
-class Operation:
+class Operation(Arithmetic):
     """An elementary operation.
 
     Parameters
@@ -43,7 +71,7 @@ class Operation:
 
 
 @dataclass(frozen=True)
-class Table:
+class Table(Arithmetic):
     """Cubic polynomials between values at given times; see `linkages.components.interpolation`.
 
     Before the first and after the last time a periodic table repeats itself, one that is held
@@ -77,9 +105,16 @@ Function: TypeAlias = Number | Time | Operation | Table
 
 def constant(value: float) -> Number:
     """A fixed number of a formula, which is part of its structure."""
-    return Number(Parameter((), value))
+    return Number(Parameter((), float(value)))
+
+
+def applied(name: str, *operands: Any) -> Operation:
+    """An operation on functions and plain numbers."""
+    return Operation(
+        name, tuple(constant(o) if isinstance(o, int | float) else o for o in operands)
+    )
 
 
 def linear(start: Parameter, speed: Parameter) -> Function:
     """Return start + speed·t."""
-    return Operation("add", (Number(start), Operation("mul", (Number(speed), Time()))))
+    return Number(start) + Number(speed) * Time()

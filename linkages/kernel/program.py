@@ -23,16 +23,29 @@ from linkages.kernel.statements import Entry, Place, Routine, build_block
 
 GENERATOR_VERSION = 4
 
-_DOC = """Equations of motion of one topology; generated, do not edit (generator {version}).
+_DOC = """Equations of motion of one topology; generated, do not edit (generator {}).
 
 p: parameters, then values that depend on them alone
-{parameters}
+{}
 timed: values that depend on time alone
-y: {coordinates} coordinates, their rates, and their accelerations where they are used
-out: {written}
+y: {} coordinates, their rates, and their accelerations where they are used
+out: {}
 
 Returned is 0, or 1 + the number of the block that cannot be assembled.
 """
+
+
+_ROUTINES: tuple[tuple[str, Level, str, tuple[str, ...]], ...] = (
+    ("prepare", Level.PARAMETERS, "Fill what depends on parameters alone.", ("p",)),
+    ("clock", Level.TIME, "Fill what depends on time alone.", ("t", "p", "timed")),
+    (
+        "rates",
+        Level.STATE,
+        "Accelerations of the free coordinates, and how far blocks are from singular.",
+        ("y", "p", "timed", "out"),
+    ),
+)
+"""Name, what it computes, in words, and its arguments, of which it fills the last."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +123,7 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     written
         The same in words.
     """
-    inputs, graph = model.inputs, model.graph
+    inputs = model.inputs
     nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
     by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
     needed = {root.index for root in roots}
@@ -119,43 +132,30 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     moments = [node for node in nodes if node.level == Level.TIME]
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(inputs.parameters)
-    checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
     sizes = {
+        "t": 0,
         "y": 3 * inputs.coordinates,
         "p": count + len(derived),
         "timed": len(timed),
         "out": len(roots),
     }
+    checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
     places: dict[int, Place] = {
-        n.index: _entry(n, inputs) for n in graph.nodes if n.operation == "input"
+        n.index: _entry(n, inputs) for n in model.graph.nodes if n.operation == "input"
     }
-
-    def routine(
-        name: str, doc: str, arguments: Sequence[str], level: Level, stores: dict[Entry, Scalar]
-    ) -> Routine:
-        members = by_level[level]
-        own = {n.index: checks[n.index] for n in members if n.index in checks}
-        block = build_block(members, places, checks=own, stores=stores)
-        return Routine(name, doc, {a: sizes.get(a, 0) for a in arguments}, block)
-
-    stored = {Entry("p", count + k): node for k, node in enumerate(derived)}
-    doc = "Fill what depends on parameters alone."
-    prepare = routine("prepare", doc, ["p"], Level.PARAMETERS, stored)
-    places |= {node.index: entry for entry, node in stored.items()}
-    stored = {Entry("timed", k): node for k, node in enumerate(timed)}
-    doc = "Fill what depends on time alone."
-    clock = routine("clock", doc, ["t", "p", "timed"], Level.TIME, stored)
-    places |= {node.index: entry for entry, node in stored.items()}
-    stored = {Entry("out", k): root for k, root in enumerate(roots)}
-    doc = "Accelerations of the free coordinates, and how far blocks are from singular."
-    rates = routine("rates", doc, ["y", "p", "timed", "out"], Level.STATE, stored)
-    heading = _DOC.format(
-        version=GENERATOR_VERSION,
-        parameters="\n".join(f"    p[{k}] {text}" for k, text in enumerate(inputs.describe())),
-        coordinates=inputs.coordinates,
-        written=written,
-    )
-    return Program(heading, (prepare, clock, rates), (count, len(derived)), len(timed), by_level)
+    routines = []
+    for (name, level, doc, arguments), first, wanted in zip(
+        _ROUTINES, (count, 0, 0), (derived, timed, roots), strict=True
+    ):
+        stores = {Entry(arguments[-1], first + k): node for k, node in enumerate(wanted)}
+        # nobody asks `prepare` how it ended
+        ending = checks if level > Level.PARAMETERS else None
+        block = build_block(by_level[level], places, checks=ending, stores=stores)
+        routines.append(Routine(name, doc, {a: sizes[a] for a in arguments}, block))
+        places |= {node.index: entry for entry, node in stores.items()}
+    described = "\n".join(f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()))
+    heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
+    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level)
 
 
 def _entry(node: Scalar, inputs: Inputs) -> Entry:

@@ -63,20 +63,11 @@ class Store(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Newton's iteration; a variable gets its unknowns, one result after the other.
+    """Newton's iteration; the variable `name` gets its unknowns, as one of `SEVERAL`.
 
-    Parameters
-    ----------
-    name
-        Of the variable.
-    unknowns
-        Variables of the unknowns within the body.
-    starts
-        Where they start.
-    body
-        Computes the updates of `iteration`, which are added to the unknowns until all are small.
-    iteration
-        Updates, scales and the number of the block.
+    The variables `unknowns` start from the values of `starts`. The body computes the updates of the
+    iteration, which are added to them until all are small; where they never are, or the sum of them
+    is too large, the routine ends with the status.
     """
 
     name: str
@@ -84,11 +75,7 @@ class Iterate(NamedTuple):
     starts: tuple[Scalar, ...]
     body: Block
     iteration: Iteration
-
-    @property
-    def status(self) -> int:
-        """What the routine ends with where the iteration finds nothing, or too far away."""
-        return 1 + self.iteration.block
+    status: int
 
 
 Statement: TypeAlias = Heading | Assign | Check | Iterate | Store
@@ -96,15 +83,7 @@ Statement: TypeAlias = Heading | Assign | Check | Iterate | Store
 
 @dataclass(frozen=True)
 class Block:
-    """Statements in the order in which they are carried out.
-
-    Parameters
-    ----------
-    statements
-        What is done.
-    places
-        Number of a node → where its value stands, before or after the statements.
-    """
+    """Statements in their order; by the number of a node, where its value stands in the end."""
 
     statements: tuple[Statement, ...]
     places: Mapping[int, Place]
@@ -158,9 +137,9 @@ def build_block(
     names
         Variables that exist already.
     """
-    stores = stores or {}
-    builder = _Builder(places, checks or {}, names)
-    builder.add(nodes, {root.index for root in (*roots, *stores.values())})
+    stores, checks = stores or {}, checks or {}
+    builder = _Builder(places, checks, names)
+    builder.add(nodes, {root.index for root in (*roots, *stores.values())} | checks.keys())
     statements = (*builder.statements, *(Store(*entry) for entry in stores.items()))
     return Block(statements, builder.places)
 
@@ -179,14 +158,16 @@ class _Builder:
     def add(self, nodes: Iterable[Scalar], kept: set[int]) -> None:
         nodes = [node for node in nodes if node.index not in self.places and node.operands]
         uses = Counter(o.index for node in nodes for o in node.operands)
-        kept = kept | self._checks.keys()
         for node in nodes:
-            if node.operation == "newton":
-                self._iterate(node)
-                continue
             depth = 1 + max(self._depth.get(o.index, 0) for o in node.operands)
-            named = uses[node.index] > 1 or node.index in kept or node.operation in SEVERAL
-            if named or depth >= DEEPEST:
+            if node.operation == "newton":
+                self._iterate(node, node.arguments[-1])
+            elif (
+                uses[node.index] > 1
+                or node.index in kept
+                or node.operation in SEVERAL
+                or depth >= DEEPEST
+            ):
                 self._assign(node)
             else:
                 self._depth[node.index] = depth
@@ -199,16 +180,13 @@ class _Builder:
         if node.index in self._checks:
             self.statements.append(Check(node, self._checks[node.index]))
 
-    def _iterate(self, node: Scalar) -> None:
-        iteration: Iteration = node.arguments[-1]
-        unknowns = tuple(f"z{iteration.block}_{k}" for k in range(len(iteration.iterates)))
-        inside = {n.index: name for n, name in zip(iteration.iterates, unknowns, strict=True)}
-        body = build_block(
-            iteration.body, self.places | inside, iteration.updates, names=self._names
-        )
-        starts = node.operands[: len(unknowns)]
-        self.statements.append(Heading(f"block {iteration.block}: Newton's iteration"))
-        self.statements.append(Iterate(self._named(node), unknowns, starts, body, iteration))
+    def _iterate(self, node: Scalar, loop: Iteration) -> None:
+        unknowns = tuple(f"z{loop.block}_{k}" for k in range(len(loop.iterates)))
+        inside = {n.index: name for n, name in zip(loop.iterates, unknowns, strict=True)}
+        body = build_block(loop.body, self.places | inside, loop.updates, names=self._names)
+        starts, name = node.operands[: len(unknowns)], self._named(node)
+        self.statements.append(Heading(f"block {loop.block}: Newton's iteration"))
+        self.statements.append(Iterate(name, unknowns, starts, body, loop, 1 + loop.block))
 
     def _named(self, node: Scalar) -> str:
         name = node.label or f"v{node.index}"

@@ -8,18 +8,8 @@ from typing import Any, Generic
 from pydantic import Field, model_validator
 
 from linkages.components.component import component
-from linkages.components.functions import Function
-from linkages.components.laws.named import (
-    NOTHING,
-    TIME,
-    NamedLaw,
-    Value,
-    argument,
-    fixed,
-    plus,
-    sine,
-    times,
-)
+from linkages.components.functions import Function, applied
+from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Value, argument
 from linkages.components.terms import Path
 from linkages.spec.quantities import Angle, AngularSpeed, Frequency
 
@@ -66,14 +56,12 @@ class HarmonicLaw(NamedLaw, Generic[Value]):
         own = self.harmonic
         mean, amplitude = _number(own.mean), _number(own.amplitude)
         if own.frequency is not None:
-            rate: Function = times(fixed(2 * math.pi), argument(path, "frequency", own.frequency))
+            rate: Function = 2 * math.pi * argument(path, "frequency", own.frequency)
         else:
             rate = argument(path, "angular_frequency", _number(own.angular_frequency))
-        angle = plus(times(rate, TIME), argument(path, "phase", own.phase, structural=True))
-        return plus(
-            argument(path, "mean", mean, structural=True),
-            times(argument(path, "amplitude", amplitude), sine(angle)),
-        )
+        angle = rate * TIME + argument(path, "phase", own.phase, structural=True)
+        wave = argument(path, "amplitude", amplitude) * applied("sin", angle)
+        return argument(path, "mean", mean, structural=True) + wave
 
 
 def _number(value: Any) -> float:

@@ -15,22 +15,8 @@ from typing import Any, Generic, Literal
 from pydantic import Field
 
 from linkages.components.component import component
-from linkages.components.functions import Function, Operation
-from linkages.components.laws.named import (
-    NOTHING,
-    TIME,
-    NamedLaw,
-    Value,
-    argument,
-    fixed,
-    minus,
-    over,
-    plus,
-    power,
-    sine,
-    times,
-    where,
-)
+from linkages.components.functions import Function, Operation, applied
+from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Value, argument
 from linkages.components.terms import Path
 from linkages.spec.quantities import Duration, Instant
 
@@ -66,49 +52,44 @@ class Rise(NamedLaw, Generic[Value]):
         last: Any = self.to
         start = argument(path, "from", float(first), structural=True)
         begin = argument(path, "begin", self.begin, structural=True)
-        part = over(minus(TIME, begin), argument(path, "duration", self.duration))
-        inside = where(part, PROFILES[self.rise](part), fixed(0))
-        share = where(minus(part, fixed(1)), fixed(1), inside)
-        return plus(start, times(minus(argument(path, "to", float(last)), start), share))
+        part = (TIME - begin) / argument(path, "duration", self.duration)
+        inside = applied("select", part, PROFILES[self.rise](part), 0)
+        share = applied("select", part - 1, 1, inside)
+        return start + (argument(path, "to", float(last)) - start) * share
 
 
-def _cycloidal(u: Function) -> Function:
+def _cycloidal(u: Operation) -> Operation:
     """Return u − sin(2πu)/(2π)."""
-    return minus(u, over(sine(times(fixed(2 * math.pi), u)), fixed(2 * math.pi)))
+    return u - applied("sin", 2 * math.pi * u) / (2 * math.pi)
 
 
-def _polynomial(u: Function) -> Function:
+def _polynomial(u: Operation) -> Operation:
     """Return 10u³ − 15u⁴ + 6u⁵."""
-    return plus(
-        minus(times(fixed(10), power(u, 3)), times(fixed(15), power(u, 4))),
-        times(fixed(6), power(u, 5)),
-    )
+    return 10 * u**3 - 15 * u**4 + 6 * u**5
 
 
-def _harmonic(u: Function) -> Function:
+def _harmonic(u: Operation) -> Operation:
     """Return (1 − cos πu)/2."""
-    cosine = Operation("cos", (times(fixed(math.pi), u),))
-    return over(minus(fixed(1), cosine), fixed(2))
+    return (1 - applied("cos", math.pi * u)) / 2
 
 
-def _modified_sine(u: Function) -> Function:
+def _modified_sine(u: Operation) -> Operation:
     """Quarter sines of the acceleration over 1/8, a half sine over 3/4, and 1/8 again [1]_.
 
     Each piece is (offset + π·u − a·sin(b·u + c))/(4 + π).
     """
 
-    def piece(offset: float, a: float, b: float, c: float) -> Function:
-        wave = times(fixed(a), sine(plus(times(fixed(b), u), fixed(c))))
-        line = plus(fixed(offset), times(fixed(math.pi), u))
-        return over(minus(line, wave), fixed(4 + math.pi))
+    def piece(offset: float, a: float, b: float, c: float) -> Operation:
+        return (offset + math.pi * u - a * applied("sin", b * u + c)) / (4 + math.pi)
 
     first = piece(0, 0.25, 4 * math.pi, 0)
     middle = piece(2, 2.25, 4 * math.pi / 3, math.pi / 3)
     last = piece(4, 0.25, 4 * math.pi, 0)
-    return where(minus(u, fixed(0.875)), last, where(minus(u, fixed(0.125)), middle, first))
+    beyond_first = applied("select", u - 0.125, middle, first)
+    return applied("select", u - 0.875, last, beyond_first)
 
 
-PROFILES: dict[str, Callable[[Function], Function]] = {
+PROFILES: dict[str, Callable[[Operation], Operation]] = {
     "cycloidal": _cycloidal,
     "modified-sine": _modified_sine,
     "polynomial": _polynomial,

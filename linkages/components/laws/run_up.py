@@ -7,22 +7,8 @@ from typing import Any, Generic
 from pydantic import Field
 
 from linkages.components.component import component
-from linkages.components.functions import Function
-from linkages.components.laws.named import (
-    NOTHING,
-    TIME,
-    NamedLaw,
-    Rate,
-    Value,
-    argument,
-    fixed,
-    minus,
-    over,
-    plus,
-    power,
-    times,
-    where,
-)
+from linkages.components.functions import Function, applied
+from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Rate, Value, argument
 from linkages.components.terms import Path
 from linkages.spec.quantities import Duration
 
@@ -61,10 +47,9 @@ class RunUpLaw(NamedLaw, Generic[Value, Rate]):
         first: Any = self.run_up.start
         last: Any = self.run_up.speed
         duration = argument(path, "duration", self.run_up.duration)
-        u = over(TIME, duration)
-        rising = minus(power(u, 3), times(fixed(0.5), power(u, 4)))
-        turned = where(minus(u, fixed(1)), minus(u, fixed(0.5)), where(u, rising, fixed(0)))
+        u = TIME / duration
+        rising = applied("select", u, u**3 - 0.5 * u**4, 0)
+        turned = applied("select", u - 1, u - 0.5, rising)
         speed = argument(path, "speed", float(last))
-        return plus(
-            argument(path, "from", float(first), structural=True), times(speed, duration, turned)
-        )
+        start = argument(path, "from", float(first), structural=True)
+        return start + speed * duration * turned

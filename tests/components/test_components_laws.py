@@ -57,6 +57,8 @@ def test_a_quantity_is_a_constant(text, expected):
         ("min(t, 1) + 2*max(t, -1)", lambda t: min(t, 1) + 2 * max(t, -1)),
         ("sqrt(t + 4) + log(t + 4)", lambda t: math.sqrt(t + 4) + math.log(t + 4)),
         ("atan(t)", math.atan),
+        ("asin(t/4) + 2*acos(t/4)", lambda t: math.asin(t / 4) + 2 * math.acos(t / 4)),
+        ("sinh(t)/cosh(t)", math.tanh),
     ],
 )  # fmt: skip
 def test_formula(text, expected, t):

@@ -26,6 +26,9 @@ LAWS = {
     '"tan(t/9) + atan(t) - tanh(t)*log(t + 2)"': lambda t: (
         np.tan(t / 9) + np.arctan(t) - np.tanh(t) * np.log(t + 2)
     ),
+    '"asin(t/9)*cosh(t) - acos(t/9)*sinh(t/2)"': lambda t: (
+        np.arcsin(t / 9) * np.cosh(t) - np.arccos(t / 9) * np.sinh(t / 2)
+    ),
 }
 TIMES, VALUES = (0.2, 0.5, 1.1, 1.4, 2.0), (0.3, 1.0, -0.4, 0.7, 0.3)
 

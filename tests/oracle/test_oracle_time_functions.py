@@ -9,7 +9,14 @@ from time_functions import jet
 from linkages.components.functions import Table
 
 CLOSE = {"rel": 1e-12, "abs": 1e-12}  # a few dozen roundings of numbers of order 1
-FORMULAS = ["sin(2*t)*exp(-t)", "log(1 + t**3)/cos(t)", "tanh(t - 0.3)", "sqrt(t)*atan(3*t)"]
+FORMULAS = [
+    "sin(2*t)*exp(-t)",
+    "log(1 + t**3)/cos(t)",
+    "tanh(t - 0.3)",
+    "sqrt(t)*atan(3*t)",
+    "asin(t/4)*cosh(t)",
+    "sinh(t/2) - acos(t/5)",
+]
 
 
 @pytest.mark.parametrize("text", [*FORMULAS, "tan(t/2) - (t - 1)**2", "select(t - 2, t**2, t**3)"])

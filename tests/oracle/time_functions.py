@@ -22,11 +22,25 @@ def _hyperbolic_tangent(x: float) -> Jet:
     return math.tanh(x), slope, -2 * math.tanh(x) * slope
 
 
+def _arcsine(x: float) -> Jet:
+    root = math.sqrt(1 - x * x)
+    return math.asin(x), 1 / root, x / root**3
+
+
+def _arccosine(x: float) -> Jet:
+    value, slope, bend = _arcsine(x)
+    return math.pi / 2 - value, -slope, -bend
+
+
 ELEMENTARY = {
     "neg": lambda x: (-x, -1.0, 0.0),
     "sin": lambda x: (math.sin(x), math.cos(x), -math.sin(x)),
     "cos": lambda x: (math.cos(x), -math.sin(x), -math.cos(x)),
     "tan": _tangent,
+    "asin": _arcsine,
+    "acos": _arccosine,
+    "sinh": lambda x: (math.sinh(x), math.cosh(x), math.sinh(x)),
+    "cosh": lambda x: (math.cosh(x), math.sinh(x), math.cosh(x)),
     "exp": lambda x: (math.exp(x),) * 3,
     "log": lambda x: (math.log(x), 1 / x, -1 / x**2),
     "sqrt": lambda x: (math.sqrt(x), 0.5 / math.sqrt(x), -0.25 / x**1.5),

@@ -67,7 +67,7 @@ def _heyoka(problem: Problem) -> Solve:
 
     names = [f"y{i}" for i in range(2 * problem.flow.coordinates)]
     variables = heyoka.make_vars(*names)
-    accelerations = _expressions(problem, variables, heyoka)
+    accelerations = expressions(problem, variables, heyoka)
     rates = [*variables[problem.flow.coordinates :], *accelerations]
     system = list(zip(variables, rates, strict=True))
     built: dict[float, Any] = {}
@@ -86,7 +86,7 @@ def _heyoka(problem: Problem) -> Solve:
     return solve
 
 
-def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any]:
+def expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any]:
     """The accelerations of the free coordinates in heyoka's expression system.
 
     Raises

@@ -4,6 +4,7 @@ function takes."""
 import cmath
 import ctypes
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import sympy
 from generated_code import run_printed
 from linkage_models import program, system_of, values
 
+from linkages.benchmark.peers import expressions
 from linkages.equations import derive, render
+from linkages.errors import ComputationError
 from linkages.kernel.compiled import compile_kernel
 from linkages.kernel.counting import report_kernel
 from linkages.kernel.differentiation import derivative
@@ -167,3 +170,14 @@ def test_kernels_compile_it():
         assert out[0] == pytest.approx(4 * math.asinh(time), rel=1e-14)
         (evaluated,) = of.evaluate(of.model.free_accelerations, time, y[:2])
         assert out[0] == pytest.approx(evaluated[0], rel=1e-14)
+
+
+@pytest.mark.usefixtures("one_more")
+def test_other_programs_compute_with_it():
+    """Python's own functions in the place of a library's."""
+    library = SimpleNamespace(**vars(math), expression=float, time=0.3)
+    found = expressions(SimpleNamespace(system=system_of(FREE)), [0.3, 1.0], library)
+    assert found == pytest.approx([4 * math.asinh(0.3)], rel=1e-14)
+    absent = SimpleNamespace(**{**vars(library), "asinh": None})
+    with pytest.raises(ComputationError, match="heyoka has no 'asinh'"):
+        expressions(SimpleNamespace(system=system_of(FREE)), [0.3, 1.0], absent)

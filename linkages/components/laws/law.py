@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, assert_never
 
-from linkages.components.functions import Function, Number, Operation, Time, constant
+from linkages.components.functions import Function, Number, Operation, Time, applied
 from linkages.components.laws.harmonic import HarmonicLaw
 from linkages.components.laws.named import NamedLaw
 from linkages.components.laws.rise import Rise
@@ -61,19 +61,15 @@ class _Translation:
         return self.done[id(node)]
 
     def _translated(self, node: Node) -> Function:
-        if isinstance(node, Clock):
-            return Time()
-        if isinstance(node, Constant):
-            self.numbers += 1
-            return Number(Parameter((*self.path, self.numbers - 1), node.value))
-        return Operation(node.name, tuple(self._argument(node, i) for i in range(_count(node))))
-
-    def _argument(self, node: Call, index: int) -> Function:
-        argument = node.arguments[index]
-        if node.name == "power" and index == 1 and isinstance(argument, Constant):
-            return constant(argument.value)  # how often to multiply is structure
-        return self.of(argument)
-
-
-def _count(node: Call) -> int:
-    return len(node.arguments)
+        match node:
+            case Clock():
+                return Time()
+            case Constant(value):
+                self.numbers += 1
+                return Number(Parameter((*self.path, self.numbers - 1), value))
+            case Call("power", (base, Constant(exponent))):
+                return applied("power", self.of(base), exponent)  # how often to multiply: structure
+            case Call(name, arguments):
+                return Operation(name, tuple(self.of(argument) for argument in arguments))
+            case _:
+                assert_never(node)

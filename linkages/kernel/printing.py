@@ -172,7 +172,7 @@ def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
 def _place(place: Entry | str) -> str:
     if isinstance(place, str):
         return place
-    return "t" if place.array == "t" else f"{place.array}[{place.place}]"
+    return "t" if place.array == "t" else f"{place.array}[{place.offset}]"
 
 
 def _within(values: Sequence[str], scales: Sequence[float], limit: float) -> str:

@@ -17,14 +17,14 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.several import SEVERAL, Iteration
 
 DEEPEST = 40
-"""Operations nested in one expression: Python reads no more than 200 pairs of parentheses."""
+"""Operations nested in one expression: languages have limits (Python 200 pairs of parentheses)."""
 
 
 class Entry(NamedTuple):
     """An entry of an array; the array ``"t"`` is the time, a number."""
 
     array: str
-    place: int
+    offset: int
 
 
 Place: TypeAlias = Entry | str

@@ -35,7 +35,7 @@ class C(Python):
             case Assign(name, _):
                 return [f"const double {name} = {self._operation(statement.node)[0]};"]
             case Store(entry, node):
-                return [f"{entry.array}[{entry.place}] = {self.text(node)};"]
+                return [f"{entry.array}[{entry.offset}] = {self.text(node)};"]
             case Check(node, status):
                 return [f"if (!({self.text(node)} >= 0.0)) return {status};"]
             case Heading(title):
@@ -113,8 +113,8 @@ class Lanes:
         match block.places.get(node.index):
             case None:
                 return self.computed(block, node)
-            case Entry(array, place):
-                return self.arrays[array][place]
+            case Entry(array, offset):
+                return self.arrays[array][offset]
             case name:
                 return self.variables[name]
 
@@ -131,7 +131,7 @@ class Lanes:
                 case Assign(name, node):
                     self.variables[name] = self.computed(block, node)
                 case Store(entry, node):
-                    self.arrays[entry.array][entry.place] = self.value(block, node)
+                    self.arrays[entry.array][entry.offset] = self.value(block, node)
                 case Check(node, status):
                     self.end(~(self.value(block, node) >= 0.0), status)
                 case Iterate():

@@ -10,16 +10,17 @@ from linkages.kernel.compiled import CompiledKernel, compile_kernel
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program, write_program
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, section
 
 
+@section("derivatives of the accelerations")
 def jacobian_nodes(model: Model, accelerations: Sequence[Scalar]) -> list[list[Scalar]]:
     """Derivatives of accelerations with respect to the state, shape (n, 2n)."""
     n = model.inputs.coordinates
     state = [model.inputs.coordinate(i) for i in range(n)] + [
         model.inputs.rate(i) for i in range(n)
     ]
-    return derivative(accelerations, state, "derivatives of the accelerations")
+    return derivative(accelerations, state)
 
 
 def write_jacobian(model: Model, accelerations: Sequence[Scalar]) -> Program:

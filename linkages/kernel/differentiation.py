@@ -13,9 +13,7 @@ from linkages.kernel.several import SEVERAL, Tangent
 from linkages.operations import ELEMENTARY
 
 
-def derivative(
-    nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar], section: str = "derivatives"
-) -> list[list[Scalar]]:
+def derivative(nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar]) -> list[list[Scalar]]:
     """Partial derivatives of nodes with respect to inputs.
 
     Parameters
@@ -24,8 +22,6 @@ def derivative(
         What is differentiated.
     with_respect_to
         Nodes that count as independent of each other, inputs as a rule.
-    section
-        Heading of the new nodes in printed code.
 
     Returns
     -------
@@ -40,13 +36,11 @@ def derivative(
         return []
     one = nodes[0].graph.one
     directions = [{variable.index: one} for variable in with_respect_to]
-    return derivative_along(nodes, directions, section)
+    return derivative_along(nodes, directions)
 
 
 def derivative_along(
-    nodes: Sequence[Scalar],
-    directions: Sequence[Mapping[int, Scalar]],
-    section: str = "derivatives",
+    nodes: Sequence[Scalar], directions: Sequence[Mapping[int, Scalar]]
 ) -> list[list[Scalar]]:
     """Directional derivatives of nodes.
 
@@ -56,8 +50,6 @@ def derivative_along(
         What is differentiated.
     directions
         For each direction the rates of inputs, by the number of their node; others stand still.
-    section
-        Heading of the new nodes in printed code.
 
     Returns
     -------
@@ -71,7 +63,6 @@ def derivative_along(
     if not nodes:
         return []
     graph = nodes[0].graph
-    graph.section = section
     seeds: dict[int, Tangent] = {}
     for k, direction in enumerate(directions):
         for index, rate in direction.items():

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from linkages.components.terms import Body
 from linkages.kernel.positions import Positions
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, section
 from linkages.kernel.vectors import Vector
 
 
@@ -39,10 +39,10 @@ class Coupling:
 class Inertia:
     """Masses and moments of inertia, and the quadratic forms that they define."""
 
+    @section("masses at joints and moments of inertia")
     def __init__(self, positions: Positions) -> None:
         self._positions = positions
         self._graph = positions.graph
-        self._graph.section = "masses at joints and moments of inertia"
         self.masses: dict[str, Scalar] = {}
         self.moments: dict[str, Scalar] = {}
         self.couplings: list[Coupling] = []

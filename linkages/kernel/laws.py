@@ -51,8 +51,8 @@ def value_of(function: Function, inputs: Inputs) -> Scalar:
 def law_of(function: Function, inputs: Inputs) -> Law:
     """The nodes of a function of time and of its derivatives."""
     value = value_of(function, inputs)
-    ((rate,),) = derivative([value], [inputs.time], inputs.graph.section)
-    ((acceleration,),) = derivative([rate], [inputs.time], inputs.graph.section)
+    ((rate,),) = derivative([value], [inputs.time])
+    ((acceleration,),) = derivative([rate], [inputs.time])
     return Law(value, rate, acceleration)
 
 

@@ -11,7 +11,7 @@ from linkages.kernel.inputs import Inputs
 from linkages.kernel.loads import load_nodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.positions import Positions
-from linkages.kernel.scalars import Scalar, ScalarGraph
+from linkages.kernel.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.vectors import Vector
 from linkages.topology.topology import Topology
 
@@ -104,10 +104,10 @@ class Model:
         It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
         gravity and loads on the partial velocities.
         """
-        self.graph.section = f"projection on {partial.label}"
-        force = self.inertia.product(accelerations, partial, self.gravity)
-        for load in self.loads:
-            force = force - load.power(partial)
+        with section(f"projection on {partial.label}"):
+            force = self.inertia.product(accelerations, partial, self.gravity)
+            for load in self.loads:
+                force = force - load.power(partial)
         return force
 
     @cached_property
@@ -163,20 +163,20 @@ class Model:
         return [self.partial(name) for name in self.topology.free]
 
     @cached_property
+    @section("inertia terms J_ij of the free coordinates")
     def mass_matrix(self) -> list[list[Scalar]]:
         """Lower triangle of J_ij over the free coordinates."""
-        self.graph.section = "inertia terms J_ij of the free coordinates"
         return [
             [self.inertia.product(self.partials[i], self.partials[j]) for j in range(i + 1)]
             for i in range(len(self.partials))
         ]
 
     @cached_property
+    @section("accelerations of the free coordinates")
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
         matrix = self.mass_matrix
         forces = [-self.required_force(self.bias, partial) for partial in self.partials]
-        self.graph.section = "accelerations of the free coordinates"
         solution = solve_symmetric(matrix, forces)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:

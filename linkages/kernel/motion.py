@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from linkages.kernel.dyads import Dyad
 from linkages.kernel.iterated import Columns, Iterated
 from linkages.kernel.positions import Positions
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, section
 from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import Block, Loop, Step
 
@@ -31,10 +31,11 @@ class _Field(ABC):
         for name in (*self.topology.driven, *self.topology.free):
             self.bodies[name] = known.get(name, self.graph.zero)
         for block in self.topology.blocks:
-            self.graph.section = f"block {block.index}: {block.title}, {label}"
-            if not block.unknowns:
-                self.graph.section = f"bodies with known coordinates, {label}"
-            self._add(block)
+            title = "bodies with known coordinates"
+            if block.unknowns:
+                title = f"block {block.index}: {block.title}"
+            with section(f"{title}, {label}"):
+                self._add(block)
 
     @abstractmethod
     def _along(self, step: Step, block: Block | None = None) -> Vector:

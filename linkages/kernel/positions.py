@@ -12,7 +12,7 @@ from linkages.kernel.inputs import Inputs
 from linkages.kernel.iterated import Iterated
 from linkages.kernel.iteration import iterate_block
 from linkages.kernel.laws import Law, law_of
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, section
 from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import ITERATED, Block, Loop
 from linkages.topology.topology import Topology
@@ -66,7 +66,9 @@ class Positions:
         self.body_numbers = {name: i for i, name in enumerate(mechanism.bodies)}
         self._known_coordinates()
         for block in topology.blocks:
-            self._place(block)
+            title = f"block {block.index}: {block.title}"
+            with section(title if block.unknowns else "bodies with known coordinates"):
+                self._place(block)
 
     def body(self, name: str) -> Body:
         """A body by its name."""
@@ -79,15 +81,18 @@ class Positions:
     def _known_coordinates(self) -> None:
         """What is known before any block is solved."""
         for name in (*self.topology.driven, *self.topology.free):
-            self.graph.section = f"body {self.body_numbers[name]}: known coordinate"
-            if name in self.topology.driven:
-                law = law_of(self.topology.mechanism.prescribed[name].law, self.inputs)
-                self.laws[name] = law
-                self.assign(name, law.value)
-            else:
-                self.assign(name, self.integrated(name))
-            if name in self.units:
-                self.units[name].label(f"body{self.body_numbers[name]}_e")
+            with section(f"body {self.body_numbers[name]}: known coordinate"):
+                self._know(name)
+
+    def _know(self, name: str) -> None:
+        if name in self.topology.driven:
+            law = law_of(self.topology.mechanism.prescribed[name].law, self.inputs)
+            self.laws[name] = law
+            self.assign(name, law.value)
+        else:
+            self.assign(name, self.integrated(name))
+        if name in self.units:
+            self.units[name].label(f"body{self.body_numbers[name]}_e")
 
     def assign(self, name: str, coordinate: Scalar) -> None:
         """Enter the value of a coordinate."""
@@ -100,7 +105,6 @@ class Positions:
 
     def _place(self, block: Block) -> None:
         if block.unknowns:
-            self.graph.section = f"block {block.index}: {block.title}"
             solve = iterate_block if block.kind == ITERATED else solve_dyad
             self.dyads[block.index] = solve(self, block)
         for name, entry, labels in block.placements:

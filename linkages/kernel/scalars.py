@@ -7,7 +7,9 @@ folded away, and each node knows what it depends on: nothing, parameters, time o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -15,6 +17,19 @@ from linkages.operations import ELEMENTARY, value_of
 
 if TYPE_CHECKING:
     from linkages.kernel.several import Iteration
+
+
+_SECTION: ContextVar[str] = ContextVar("section", default="")
+
+
+@contextmanager
+def section(title: str) -> Iterator[None]:
+    """Nodes that are new within it stand under a heading of printed code; also a decorator."""
+    token = _SECTION.set(title)
+    try:
+        yield
+    finally:
+        _SECTION.reset(token)
 
 
 class Level(IntEnum):
@@ -59,13 +74,12 @@ class Scalar:
         self.level = level
         self.index = index
         self.label: str | None = None
-        self.section = graph.section
+        self.section = _SECTION.get()
 
     def __add__(self, other: Scalar | float) -> Scalar:
         return self.graph.add(self, self.graph.lift(other))
 
-    def __radd__(self, other: float) -> Scalar:
-        return self.graph.add(self.graph.lift(other), self)
+    __radd__ = __add__  # a sum is one node in either order
 
     def __sub__(self, other: Scalar | float) -> Scalar:
         return self.graph.subtract(self, self.graph.lift(other))
@@ -76,8 +90,7 @@ class Scalar:
     def __mul__(self, other: Scalar | float) -> Scalar:
         return self.graph.multiply(self, self.graph.lift(other))
 
-    def __rmul__(self, other: float) -> Scalar:
-        return self.graph.multiply(self.graph.lift(other), self)
+    __rmul__ = __mul__
 
     def __truediv__(self, other: Scalar | float) -> Scalar:
         return self.graph.divide(self, self.graph.lift(other))
@@ -97,7 +110,6 @@ class ScalarGraph:
 
     def __init__(self) -> None:
         self.nodes: list[Scalar] = []
-        self.section = ""
         self._known: dict[tuple, Scalar] = {}
         self.zero = self.number(0.0)
         self.one = self.number(1.0)

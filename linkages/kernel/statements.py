@@ -173,7 +173,7 @@ class _Builder:
                 self._depth[node.index] = depth
 
     def _assign(self, node: Scalar) -> None:
-        if node.section != self._section:
+        if node.section and node.section != self._section:
             self._section = node.section
             self.statements.append(Heading(node.section))
         self.statements.append(Assign(self._named(node), node))

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 from linkages.kernel.differentiation import derivative_along
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.scalars import Scalar, section
 
 
+@section("variational equations")
 def variations(model: Model, count: int) -> list[Scalar]:
     """Second derivatives of tangents: the equations of motion, linearised in a direction.
 
@@ -32,5 +33,5 @@ def variations(model: Model, count: int) -> list[Scalar]:
         places = {inputs.coordinate(i): inputs.coordinate(first + k * n + i) for i in range(n)}
         speeds = {inputs.rate(i): inputs.rate(first + k * n + i) for i in range(n)}
         directions.append({node.index: moved for node, moved in (places | speeds).items()})
-    rows = derivative_along(model.free_accelerations, directions, "variational equations")
+    rows = derivative_along(model.free_accelerations, directions)
     return [rows[i][k] for k in range(count) for i in range(n)]

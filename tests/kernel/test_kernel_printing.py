@@ -3,7 +3,7 @@ import itertools
 import pytest
 
 from linkages.kernel.printing import Python
-from linkages.kernel.scalars import Level, ScalarGraph, reachable
+from linkages.kernel.scalars import Level, ScalarGraph, reachable, section
 from linkages.kernel.statements import Entry, build_block
 
 # such that every wrong association shows in the last digits
@@ -125,11 +125,11 @@ def test_what_is_used_twice_gets_a_variable(graph, leaves):
 
 def test_labels_name_variables_and_never_twice(graph, leaves):
     a, b, *_ = leaves
-    graph.section = "first part"
-    first, second = graph.sin(a), graph.cos(b)
+    with section("first part"):
+        first, second = graph.sin(a), graph.cos(b)
     first.label = second.label = "angle"
-    graph.section = "second part"
-    root = first * second
+    with section("second part"):
+        root = first * second
     root.label = "product"
     assert lines([first, second, root], {a.index: "a", b.index: "b"}) == [
         "",

@@ -10,8 +10,9 @@ from linkages.cli.check_report import print_report
 from linkages.cli.contributions import drives, loads, relations
 from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.terminal import console, print_json
+from linkages.components.measures import Distance
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, Spring, axis_label
+from linkages.components.terms import Body, axis_label
 from linkages.kernel.modes import Assembly
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
@@ -147,8 +148,8 @@ def _notes(system: System) -> list[str]:
 
 def _held(mechanism: Mechanism) -> set[str]:
     """Joints that a spring or damper pulls at, or that the axis of a slider goes through."""
-    springs = [load for load in mechanism.loads if isinstance(load, Spring)]
-    held = {joint for spring in springs for joint in (spring.first, spring.second)}
+    along = [load.measure for load in mechanism.loads if isinstance(load.measure, Distance)]
+    held = {joint for distance in along for joint in (distance.first, distance.second)}
     for guide in (body.guide for body in mechanism.bodies.values() if body.guide is not None):
         places = mechanism.ground if guide.body is None else mechanism.bodies[guide.body].points
         held |= {joint for joint, place in places.items() if place == guide.origin}

@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from itertools import groupby
 from typing import assert_never
 
 from linkages.cli.terminal import number
-from linkages.components.functions import Function, Number, Operation, Time
+from linkages.components.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Time,
+)
 from linkages.components.gear import Gear
+from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
 from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
-from linkages.components.terms import (
-    AxialDamper,
-    AxialForce,
-    Load,
-    Parameter,
-    Path,
-    PointForce,
-    Spring,
-    Torque,
-    TorsionSpring,
-)
+from linkages.components.state_laws import Monomial, addends, arguments, monomial, sum_of
+from linkages.components.terms import Path
 from linkages.components.weld import Weld
 from linkages.reading.paths import dotted
+from linkages.reading.wording import listed
 from linkages.solution.law_ranges import law_range
 
 Row = dict[str, str]
@@ -34,12 +35,12 @@ def relations(mechanism: Mechanism) -> list[Row]:
     for part in mechanism.components:
         if isinstance(part, Weld):
             value = f"at {part.name}, {number(math.degrees(part.angle))}°"
-            found.append(_row("weld", part.path, " and ".join(part.bars), value))
+            found.append(_row("weld", value, part.path, " and ".join(part.bars)))
         elif isinstance(part, Gear):
             value = f"{part.bars[1]} turns {number(part.ratio)} times as fast as {part.bars[0]}"
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
-            found.append(_row("gear", part.path, " and ".join(part.bars), value))
+            found.append(_row("gear", value, part.path, " and ".join(part.bars)))
     return found
 
 
@@ -53,7 +54,7 @@ def drives(mechanism: Mechanism) -> list[Row]:
                 value = f"{number(start.value)} {unit} at t = 0, {number(speed.value)} {unit}/s"
             case _:
                 value = _law(drive.law, unit, mechanism)
-        found.append(_row("drive", drive.path, name, value))
+        found.append(_row("drive", value, drive.path, name))
     return found
 
 
@@ -63,62 +64,76 @@ def loads(mechanism: Mechanism) -> list[Row]:
     Those that are exactly zero are left out, as they are of the equations. Laws of time are shown
     with their range.
     """
-    found = [row for load in mechanism.loads if (row := _load(load, mechanism)) is not None]
+    found = []
+    for (path, given), same in groupby(mechanism.loads, lambda load: (load.path, load.given)):
+        parts = list(same)
+        if given:  # both components of a force at a joint stand in one row
+            found.append(_row(*_given(parts, mechanism), path, _on(parts[0])))
+        else:
+            found += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
     masses = [
-        _row("mass", m.path, f"joint {m.joint}", f"{number(m.mass.value)} kg")
+        _row("mass", f"{number(m.mass.value)} kg", m.path, f"joint {m.joint}")
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
     return [*found, *masses]
 
 
-def _load(load: Load, mechanism: Mechanism) -> Row | None:
-    match load:
-        case AxialForce(body, force, path):
-            value = _law(force, load.unit, mechanism)
-            return _row("force", path, f"{body}, along its axis", value)
-        case PointForce(joint, force, path):
-            parts = ", ".join(_law(part, load.unit, mechanism) for part in force)
-            return _row("force", path, f"joint {joint}", f"[{parts}]")
-        case Torque(body, reference, torque, path):
-            value = _law(torque, load.unit, mechanism)
-            return _row("torque", path, _against(body, reference), value)
-        case AxialDamper(body, damping, path):
-            value = _numbers((damping, "N s/m", ""))
-            return _row("damper", path, f"{body} in its guide", value) if value else None
-        case Spring(first, second, stiffness, length, damping, path):
-            value = _numbers(
-                (stiffness, "N/m", ""),
-                (length, "m", "length "),
-                (damping, "N s/m", "damping "),
-            )
-            kind = "damper" if stiffness.absent else "spring"
-            return _row(kind, path, f"joints {first} and {second}", value) if value else None
-        case TorsionSpring(body, reference, stiffness, angle, damping, path):
-            value = _numbers(
-                (stiffness, "N m/rad", ""),
-                (angle, "rad", "angle "),
-                (damping, "N m s/rad", "damping "),
-            )
-            kind = "torsional damper" if stiffness.absent else "torsional spring"
-            on = _against(body, reference)
-            return _row(kind, path, on, value) if value else None
+def _on(load: Load) -> str:
+    """What a load acts on."""
+    match load.measure:
+        case Distance(first, second):
+            return f"joints {first} and {second}"
+        case Turn(body, reference):
+            return body if reference is None else f"{body} against {reference}"
+        case Slide(body):
+            return f"{body}, along its axis" if load.given else f"{body} in its guide"
+        case Coordinate(joint, axis):
+            return f"joint {joint}" if load.given else f"{'xy'[axis]} of joint {joint}"
         case _:
-            assert_never(load)
+            assert_never(load.measure)
 
 
-def _row(kind: str, path: Path, on: str, value: str) -> Row:
+def _given(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
+    """Kind and value of a force or torque; that at a joint has two components."""
+    first = same[0]
+    shown = ", ".join(_law(load.law, load.unit, mechanism) for load in same)
+    kind = "torque" if isinstance(first.measure, Turn) else "force"
+    return kind, f"[{shown}]" if isinstance(first.measure, Coordinate) else shown
+
+
+def _passive(load: Load) -> tuple[str, str]:
+    """Kind and value of a spring or damper."""
+    kind = "spring" if load.elastic else "damper"
+    before = "torsional " if isinstance(load.measure, Turn) else ""
+    return before + kind, ", ".join(_terms(load))
+
+
+def _terms(load: Load) -> Iterator[str]:
+    """The numbers of terms that are linear in x or v, and what all others depend on."""
+    turning, unit = isinstance(load.measure, Turn), load.unit
+    per, relaxed = ("rad", "angle ") if turning else ("m", "length ")
+    damping = "" if isinstance(load.measure, Slide) else "damping "
+    viscous: list[str] = []
+    others: list[Function] = []
+    for term in addends(load.force):
+        match monomial(term):
+            case Monomial(Operation("neg", (Number(k),)), Measured(), 1, 0):
+                yield f"{number(k.value)} {unit}/{per}"
+            case Monomial(Operation("neg", (Number(k),)), Operation("sub", (_, Number(c))), 1, 0):
+                yield f"{number(k.value)} {unit}/{per}"
+                yield f"{relaxed}{number(c.value)} {per}"
+            case Monomial(Operation("neg", (Number(d),)), None, 0, 1):
+                viscous.append(f"{damping}{number(d.value)} {unit} s/{per}")
+            case _:
+                others.append(term)
+    yield from viscous
+    if others:
+        yield f"a law of {listed(arguments(sum_of(others)), 'and')}"
+
+
+def _row(kind: str, value: str, path: Path, on: str) -> Row:
     return {"kind": kind, "path": dotted(path), "on": on, "value": value}
-
-
-def _against(body: str, reference: str | None) -> str:
-    return body if reference is None else f"{body} against {reference}"
-
-
-def _numbers(*entries: tuple[Parameter, str, str]) -> str:
-    """Those that are not zero, with their units."""
-    shown = [(p.value, units, before) for p, units, before in entries if not p.absent]
-    return ", ".join(f"{before}{number(value)} {units}" for value, units, before in shown)
 
 
 def _law(function: Function, unit: str, mechanism: Mechanism) -> str:

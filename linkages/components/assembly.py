@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from linkages.components.component import Component, component
-from linkages.components.terms import Hint, References
+from linkages.components.references import References
+from linkages.components.terms import Hint
 from linkages.spec.quantities import Name, Point
 
 SIDES = {"left": 1, "right": -1}

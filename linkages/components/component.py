@@ -8,7 +8,35 @@ from typing import Any, ClassVar, dataclass_transform
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
-from linkages.components.terms import Path, References, Term
+from linkages.components.measures import Friction, Load
+from linkages.components.references import References
+from linkages.components.terms import (
+    Body,
+    Displacement,
+    Gravity,
+    GroundPin,
+    Hint,
+    Initial,
+    Path,
+    PointMass,
+    Prescribed,
+    Relation,
+)
+
+Term = (
+    Body
+    | GroundPin
+    | Displacement
+    | Relation
+    | PointMass
+    | Prescribed
+    | Initial
+    | Gravity
+    | Hint
+    | Load
+    | Friction
+)
+"""What components contribute."""
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True)

@@ -6,8 +6,10 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent
+from linkages.components.measures import Distance, Load, Slide, viscous
+from linkages.components.references import References
 from linkages.components.spring import ends, two_joints
-from linkages.components.terms import ZERO, AxialDamper, Parameter, Path, References, Spring
+from linkages.components.terms import Parameter, Path
 from linkages.spec.quantities import Damping, Name
 
 
@@ -39,10 +41,10 @@ class LineDamper(ListedComponent):
         """The joints."""
         return References(joints=ends((*self.path, "between"), self.between))
 
-    def terms(self) -> tuple[Spring, ...]:
-        """A spring without stiffness."""
+    def terms(self) -> tuple[Load, ...]:
+        """A damper between the joints."""
         damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (Spring(*self.between, ZERO, ZERO, damping, self.path),)
+        return (Load(Distance(*self.between), viscous(damping), self.path),)
 
 
 @component
@@ -69,7 +71,7 @@ class GuideDamper(ListedComponent):
         """The slider."""
         return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
-    def terms(self) -> tuple[AxialDamper, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One damper along the axis."""
         damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (AxialDamper(self.slider, damping, self.path),)
+        return (Load(Slide(self.slider), viscous(damping), self.path),)

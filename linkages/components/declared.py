@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from linkages.components.component import Component
+from linkages.components.measures import JointFriction
 from linkages.components.terms import (
     Body,
     Displacement,
     GroundPin,
     Hint,
     Initial,
-    JointFriction,
     Path,
     Prescribed,
     Relation,

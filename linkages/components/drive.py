@@ -9,7 +9,8 @@ from pydantic import model_validator
 from linkages.components.component import Component, component
 from linkages.components.functions import Function, linear
 from linkages.components.laws.law import AngleLaw, Law, LengthLaw, function_of
-from linkages.components.terms import Parameter, Path, Prescribed, References
+from linkages.components.references import References
+from linkages.components.terms import Parameter, Path, Prescribed
 from linkages.spec.quantities import Angle, AngularSpeed, Length, Name, Speed
 
 

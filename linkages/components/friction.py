@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from linkages.components.measures import ClearanceFriction, Friction, JointFriction, Load, Turn
 from linkages.components.revolute import GROUND
-from linkages.components.terms import (
-    ZERO,
-    Body,
-    ClearanceFriction,
-    Displacement,
-    Friction,
-    JointFriction,
-    Path,
-    TorsionSpring,
-)
+from linkages.components.terms import Body, Displacement, Path
 
 
 def turning_with(name: str, bodies: Mapping[str, Body]) -> str:
@@ -41,8 +33,8 @@ def resolved(
     bodies: Mapping[str, Body],
     ground: Iterable[str],
     displacements: Iterable[Displacement],
-) -> TorsionSpring:
-    """Return the torsional damper that a friction is.
+) -> Load:
+    """Return the load along an angle that a friction is.
 
     `bodies` have their joints as the definition names them, not displaced by clearances.
     """
@@ -52,7 +44,7 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    return TorsionSpring(second, against, ZERO, ZERO, term.damping, term.path)
+    return Load(Turn(second, against), term.law, term.path)
 
 
 def ambiguity(

@@ -1,4 +1,6 @@
-"""Functions of time as trees of operations: what laws of drives and loads consist of.
+"""Functions as trees of operations: what laws of drives and loads consist of.
+
+Those of drives are functions of time; a load's may depend on what it is measured along as well.
 
 They are data. Kernels and symbolic equations translate them node by node, so that text of a
 definition file never becomes code; their numbers are parameters like all others.
@@ -54,6 +56,16 @@ class Time(Arithmetic):
 
 
 @dataclass(frozen=True)
+class Measured(Arithmetic):
+    """What a load is measured along: its value x (`order` 0; m, rad), or its rate v (`order` 1)."""
+
+    order: int
+
+
+X, V = Measured(0), Measured(1)
+
+
+@dataclass(frozen=True)
 class Operation(Arithmetic):
     """An elementary operation.
 
@@ -100,7 +112,7 @@ class Table(Arithmetic):
     held: bool = False
 
 
-Function: TypeAlias = Number | Time | Operation | Table
+Function: TypeAlias = Number | Time | Measured | Operation | Table
 
 
 def constant(value: float) -> Number:

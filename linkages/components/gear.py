@@ -6,8 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
+from linkages.components.references import References
 from linkages.components.revolute import GROUND
-from linkages.components.terms import Parameter, Path, References, Relation
+from linkages.components.terms import Parameter, Path, Relation
 from linkages.spec.quantities import Angle, Name, Number
 
 

@@ -7,7 +7,8 @@ from typing import ClassVar
 from linkages.components.component import component
 from linkages.components.laws.law import ForceLaw, function_of
 from linkages.components.listed import ListedComponent
-from linkages.components.terms import AxialForce, PointForce, References
+from linkages.components.measures import Coordinate, Load, Slide
+from linkages.components.references import References
 from linkages.spec.quantities import Name
 
 
@@ -36,10 +37,10 @@ class SliderForce(ListedComponent):
         """The slider."""
         return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
-    def terms(self) -> tuple[AxialForce, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One force."""
         force = function_of(self.force, (*self.path, "force"))
-        return (AxialForce(self.slider, force, self.path),)
+        return (Load(Slide(self.slider), force, self.path),)
 
 
 @component
@@ -66,9 +67,13 @@ class JointForce(ListedComponent):
         """The joint."""
         return References(moving=(((*self.path, "joint"), self.joint),))
 
-    def terms(self) -> tuple[PointForce, ...]:
-        """One force."""
-        x, y = (
-            function_of(law, (*self.path, "force", place)) for place, law in enumerate(self.force)
+    def terms(self) -> tuple[Load, ...]:
+        """One force along each axis."""
+        return tuple(
+            Load(
+                Coordinate(self.joint, axis),
+                function_of(law, (*self.path, "force", axis)),
+                self.path,
+            )
+            for axis, law in enumerate(self.force)
         )
-        return (PointForce(self.joint, (x, y), self.path),)

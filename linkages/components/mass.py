@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from linkages.components.component import Component, component
-from linkages.components.terms import Parameter, PointMass, References
+from linkages.components.references import References
+from linkages.components.terms import Parameter, PointMass
 from linkages.spec.quantities import Mass, Name
 
 

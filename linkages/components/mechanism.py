@@ -7,28 +7,26 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from linkages.components.clearance import Clearance
-from linkages.components.component import Component
+from linkages.components.component import Component, Term
 from linkages.components.consistency import Declared, findings
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.friction import resolved
 from linkages.components.listed import numbered
+from linkages.components.measures import Friction, Load
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
     ZERO,
     Body,
     Displacement,
-    Friction,
     Gravity,
     GroundPin,
     Hint,
     Initial,
-    Load,
     Parameter,
     Path,
     PointMass,
     Prescribed,
     Relation,
-    Term,
     axis_label,
 )
 from linkages.components.torsional_damper import ClearanceDamper
@@ -170,6 +168,12 @@ class Mechanism:
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
+
+    def carrier(self, joint: str) -> str | None:
+        """The body that loads and masses at a joint belong to: the first there, or None."""
+        if joint in self.ground:
+            return None
+        return next((name for name, body in self.bodies.items() if joint in body.points), None)
 
     @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:

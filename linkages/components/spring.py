@@ -6,7 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent
-from linkages.components.terms import Parameter, Path, References, Spring
+from linkages.components.measures import Distance, Load, elastic
+from linkages.components.references import References
+from linkages.components.terms import Parameter, Path
 from linkages.spec.quantities import Damping, Name, NonNegativeLength, Stiffness
 
 
@@ -44,17 +46,15 @@ class JointSpring(ListedComponent):
         """The joints."""
         return References(joints=ends((*self.path, "between"), self.between))
 
-    def terms(self) -> tuple[Spring, ...]:
-        """One spring; a stiffness or damping of exactly zero is structure."""
-        return (
-            Spring(
-                *self.between,
-                stiffness=Parameter((*self.path, "stiffness"), self.stiffness, structural=True),
-                length=Parameter((*self.path, "length"), self.length, structural=True),
-                damping=Parameter((*self.path, "damping"), self.damping, structural=True),
-                path=self.path,
-            ),
-        )
+    def terms(self) -> tuple[Load, ...]:
+        """A spring and damper; numbers of exactly zero are structure."""
+        stiffness, length, damping = (
+            Parameter((*self.path, key), value, structural=True)
+            for key, value in (
+                ("stiffness", self.stiffness), ("length", self.length), ("damping", self.damping)
+            )
+        )  # fmt: skip
+        return (Load(Distance(*self.between), elastic(stiffness, length, damping), self.path),)
 
 
 def ends(path: Path, joints: tuple[str, str]) -> tuple[tuple[Path, str], ...]:

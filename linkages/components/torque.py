@@ -7,7 +7,9 @@ from typing import ClassVar
 from linkages.components.component import component
 from linkages.components.laws.law import TorqueLaw, function_of
 from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
-from linkages.components.terms import Path, References, Torque
+from linkages.components.measures import Load, Turn
+from linkages.components.references import References
+from linkages.components.terms import Path
 from linkages.spec.quantities import Name
 
 
@@ -35,10 +37,10 @@ class BarTorque(ListedComponent):
         """The bar."""
         return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
 
-    def terms(self) -> tuple[Torque, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One torque."""
         torque = function_of(self.torque, (*self.path, "torque"))
-        return (Torque(self.bar, None, torque, self.path),)
+        return (Load(Turn(self.bar, None), torque, self.path),)
 
 
 @component
@@ -70,7 +72,7 @@ class TorqueBetweenBars(ListedComponent):
         """The bodies."""
         return References(bodies=turning((*self.path, "bars"), self.bars))
 
-    def terms(self) -> tuple[Torque, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One torque and its reaction."""
         torque = function_of(self.torque, (*self.path, "torque"))
-        return (Torque(self.bars[1], reference(self.bars), torque, self.path),)
+        return (Load(Turn(self.bars[1], reference(self.bars)), torque, self.path),)

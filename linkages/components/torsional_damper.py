@@ -6,15 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent, reference, turning, two_bodies
-from linkages.components.terms import (
-    ZERO,
-    ClearanceFriction,
-    JointFriction,
-    Parameter,
-    Path,
-    References,
-    TorsionSpring,
-)
+from linkages.components.measures import ClearanceFriction, JointFriction, Load, Turn, viscous
+from linkages.components.references import References
+from linkages.components.terms import Parameter, Path
 from linkages.spec.quantities import Name, TorsionalDamping
 
 
@@ -57,7 +51,7 @@ class JointDamper(ListedComponent):
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
         damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (JointFriction(self.joint, self.bars, damping, self.path),)
+        return (JointFriction(self.joint, self.bars, viscous(damping), self.path),)
 
 
 @component
@@ -88,11 +82,11 @@ class DamperBetweenBars(ListedComponent):
         """The bodies."""
         return References(bodies=turning((*self.path, "bars"), self.bars))
 
-    def terms(self) -> tuple[TorsionSpring, ...]:
-        """A torsional spring without stiffness."""
+    def terms(self) -> tuple[Load, ...]:
+        """A damper along their angle."""
         damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        against = reference(self.bars)
-        return (TorsionSpring(self.bars[1], against, ZERO, ZERO, damping, self.path),)
+        angle = Turn(self.bars[1], reference(self.bars))
+        return (Load(angle, viscous(damping), self.path),)
 
 
 @component
@@ -122,4 +116,4 @@ class ClearanceDamper(ListedComponent):
     def terms(self) -> tuple[ClearanceFriction, ...]:
         """Friction against a bar that the clearance knows."""
         damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (ClearanceFriction(self.clearance, damping, self.path),)
+        return (ClearanceFriction(self.clearance, viscous(damping), self.path),)

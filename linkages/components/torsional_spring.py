@@ -6,7 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
-from linkages.components.terms import Parameter, Path, References, TorsionSpring
+from linkages.components.measures import Load, Turn, elastic
+from linkages.components.references import References
+from linkages.components.terms import Parameter, Path
 from linkages.spec.quantities import Angle, Name, TorsionalDamping, TorsionalStiffness
 
 
@@ -15,14 +17,14 @@ class _Torsional(ListedComponent):
     angle: Angle
     damping: TorsionalDamping
 
-    def _spring(self, body: str, against: str | None) -> tuple[TorsionSpring, ...]:
+    def _spring(self, body: str, against: str | None) -> tuple[Load, ...]:
         stiffness, angle, damping = (
             Parameter((*self.path, key), value, structural=True)
             for key, value in (
                 ("stiffness", self.stiffness), ("angle", self.angle), ("damping", self.damping)
             )
         )  # fmt: skip
-        return (TorsionSpring(body, against, stiffness, angle, damping, self.path),)
+        return (Load(Turn(body, against), elastic(stiffness, angle, damping), self.path),)
 
 
 @component
@@ -55,7 +57,7 @@ class BarSpring(_Torsional):
         """The bar."""
         return References(bodies=(((*self.path, "bar"), self.bar, TURNING),))
 
-    def terms(self) -> tuple[TorsionSpring, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One torsional spring; numbers of exactly zero are structure."""
         return self._spring(self.bar, None)
 
@@ -94,6 +96,6 @@ class SpringBetweenBars(_Torsional):
         """The bodies."""
         return References(bodies=turning((*self.path, "between_bars"), self.between_bars))
 
-    def terms(self) -> tuple[TorsionSpring, ...]:
+    def terms(self) -> tuple[Load, ...]:
         """One torsional spring; numbers of exactly zero are structure."""
         return self._spring(self.between_bars[1], reference(self.between_bars))

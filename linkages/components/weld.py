@@ -6,7 +6,8 @@ from typing import ClassVar
 
 from linkages.components.component import Component, component
 from linkages.components.listed import reference, turning, two_bodies
-from linkages.components.terms import Parameter, Path, References, Relation
+from linkages.components.references import References
+from linkages.components.terms import Parameter, Path, Relation
 from linkages.spec.quantities import Angle, Name
 
 _ONE = Parameter((), 1.0, structural=True)

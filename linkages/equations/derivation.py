@@ -14,11 +14,10 @@ from linkages.equations.energies import (
     kinetic_energy,
     massive_bodies,
 )
-from linkages.equations.forces import GeneralisedForces
 from linkages.equations.lagrange import ReducedEquations, reduce
 from linkages.equations.laws import law_of
+from linkages.equations.loads import ActingLoads
 from linkages.equations.places import Places
-from linkages.equations.springs import Distance, distances, stored_energy
 from linkages.equations.symbols import Symbols
 from linkages.topology.topology import Topology
 
@@ -48,9 +47,8 @@ class Equations:
         Vector equations, one per independent loop, and what they determine together.
     bodies
         Bodies with mass and their centres of mass.
-    distances
-        Two joints → length of the springs and dampers between them; `elastic` and `forces` refer
-        to it.
+    loads
+        What acts; `elastic` and `forces` refer to its `lengths`.
     kinetic_energy
         T in J, over the coordinates of all bodies.
     gravitational, elastic
@@ -73,7 +71,7 @@ class Equations:
     efforts: dict[sp.Symbol, sp.Symbol]
     blocks: tuple[BlockEquations, ...]
     bodies: tuple[MassiveBody, ...]
-    distances: dict[tuple[str, str], Distance]
+    loads: ActingLoads
     kinetic_energy: sp.Expr
     gravitational: sp.Expr
     elastic: sp.Expr
@@ -98,12 +96,12 @@ class Equations:
     @property
     def intermediate(self) -> tuple[Definition, ...]:
         """Distances and their rates, each from what stands before it."""
-        lengths = [Definition(d.symbol, d.length) for d in self.distances.values()]
-        rates = self.symbols.rates
-        return (*lengths, *(Definition(d.rate, d.speed(rates)) for d in self.distances.values()))
+        found, rates = self.loads.lengths.values(), self.symbols.rates
+        lengths = [Definition(d.symbol, d.length) for d in found]
+        return (*lengths, *(Definition(d.rate, d.speed(rates)) for d in found))
 
     def expanded(self, expression: sp.Expr) -> sp.Expr:
-        """An expression over coordinates and rates, without `distances`."""
+        """An expression over coordinates and rates, without lengths of loads."""
         for definition in reversed(self.intermediate):
             expression = expression.subs(definition.symbol, definition.value)
         return expression
@@ -127,11 +125,11 @@ def derive(topology: Topology) -> Equations:
     blocks = closure(topology, symbols, places)
     bodies = massive_bodies(mechanism, symbols, places)
     gravitational = gravitational_energy(bodies, mechanism, symbols)
-    between = distances(mechanism.loads, symbols, places)
-    elastic = stored_energy(mechanism.loads, between, symbols, places)
+    acting = ActingLoads(mechanism.loads, symbols, places)
+    elastic = acting.stored_energy()
     potential = gravitational + elastic
     efforts = _efforts(topology, symbols)
-    forces = GeneralisedForces(symbols, places, between).total(mechanism.loads, efforts)
+    forces = acting.generalised_forces(efforts)
     return Equations(
         title=mechanism.name,
         symbols=symbols,
@@ -147,13 +145,13 @@ def derive(topology: Topology) -> Equations:
         efforts=efforts,
         blocks=blocks,
         bodies=bodies,
-        distances=between,
+        loads=acting,
         kinetic_energy=kinetic_energy(bodies, symbols.rates),
         gravitational=gravitational,
         elastic=elastic,
         forces=forces,
         lagrange=reduce(
-            blocks, (*driven, *free), bodies, potential, between.values(), forces, symbols
+            blocks, (*driven, *free), bodies, potential, acting.lengths.values(), forces, symbols
         ),
     )
 

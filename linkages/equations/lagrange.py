@@ -14,8 +14,8 @@ import sympy as sp
 from linkages.equations.closure import BlockEquations
 from linkages.equations.coefficients import BlockCoefficients, Definition, Row, solve_block
 from linkages.equations.energies import MassiveBody
+from linkages.equations.loads import Length
 from linkages.equations.polar import derivative, dot
-from linkages.equations.springs import Distance
 from linkages.equations.symbols import Symbols
 
 
@@ -58,7 +58,7 @@ def reduce(
     independent: tuple[sp.Symbol, ...],
     bodies: tuple[MassiveBody, ...],
     potential: sp.Expr,
-    between: Collection[Distance],
+    between: Collection[Length],
     forces: Mapping[sp.Symbol, sp.Expr],
     symbols: Symbols,
 ) -> ReducedEquations:
@@ -79,7 +79,7 @@ def reduce(
     )
 
 
-def _slope(potential: sp.Expr, u: sp.Symbol, between: Collection[Distance]) -> sp.Expr:
+def _slope(potential: sp.Expr, u: sp.Symbol, between: Collection[Length]) -> sp.Expr:
     """∂V/∂u, directly and through the lengths of springs."""
     through = (sp.diff(potential, d.symbol) * d.derivative(u) for d in between)
     return sp.diff(potential, u) + sp.Add(*through)

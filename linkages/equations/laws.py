@@ -1,4 +1,4 @@
-"""Functions of time as SymPy expressions."""
+"""Laws as SymPy expressions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, assert_never
 
 import sympy as sp
 
-from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
 from linkages.equations.symbols import Symbols
 from linkages.operations import ELEMENTARY
 
@@ -44,17 +44,24 @@ class Spline(sp.Function):
         return Spline(number, order + 1, time)
 
 
-def law_of(function: Function, symbols: Symbols) -> sp.Expr:
-    """Return a function of time over the symbols of its numbers."""
+def law_of(
+    function: Function, symbols: Symbols, measured: tuple[sp.Expr, sp.Expr] | None = None
+) -> sp.Expr:
+    """Return a law over the symbols of its numbers, time, and what a load is `measured` along."""
     match function:
         case Number(parameter):
             return symbols.parameter(parameter) if parameter.path else exact(parameter.value)
         case Time():
             return symbols.time
+        case Measured(order):
+            if measured is None:
+                raise ValueError("a function of time is not measured along anything")
+            return measured[order]
         case Table():
             return Spline(symbols.table(function), 0, symbols.time)
         case Operation(name, arguments):
-            return _on_symbols(name)(*(law_of(argument, symbols) for argument in arguments))
+            found = (law_of(argument, symbols, measured) for argument in arguments)
+            return _on_symbols(name)(*found)
         case _:
             assert_never(function)
 

@@ -147,7 +147,7 @@ def _listed(names: Sequence[str]) -> str:
 def _distances(equations: Equations) -> Iterator[Line]:
     """Lengths, and the rates of those that have a damper."""
     used = set().union(*(force.free_symbols for force in equations.forces.values()))
-    for distance in equations.distances.values():
+    for distance in equations.loads.lengths.values():
         yield Line((distance.symbol, Norm(distance.between)))
         if distance.rate in used:
             yield Line((distance.rate, distance.speed(equations.symbols.rates)))

@@ -12,7 +12,6 @@ from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.modes import Assembly, Choice, Place
 from linkages.kernel.scalars import Scalar
-from linkages.kernel.springs import TorsionSpringNodes
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.explanation import explained
@@ -91,13 +90,11 @@ def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
     given = {*topology.driven, *topology.free}
     found: dict[int, float] = {}
     for index, load in enumerate(model.loads):
-        if not isinstance(load, TorsionSpringNodes):
-            continue
-        bodies = [body for body in (load.load.body, load.load.reference) if body is not None]
+        bodies = load.load.turned
         masters = {master for body in bodies for master in topology.orientations[body].masters}
         if not masters <= given:
-            (difference,) = place.values([load.difference], assembly)
-            found[index] = float(2 * np.pi * np.round(difference / (2 * np.pi)))
+            (angle,) = place.values([load.measure.displacement], assembly)
+            found[index] = float(2 * np.pi * np.round(angle / (2 * np.pi)))
     return found
 
 

@@ -1,14 +1,15 @@
-"""Functions of time as nodes of a kernel's graph, with exact first and second derivatives."""
+"""Laws as nodes of a kernel's graph, with exact first and second derivatives."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
 from linkages.components.interpolation import polynomials
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
@@ -26,14 +27,22 @@ class Law:
     acceleration: Scalar
 
 
-def value_of(function: Function, inputs: Inputs) -> Scalar:
-    """The node of a function of time."""
+def _of_time_alone(order: int) -> Scalar:
+    raise ValueError(f"a function of time has no {'rate' if order else 'displacement'}")
+
+
+def value_of(
+    function: Function, inputs: Inputs, measured: Callable[[int], Scalar] = _of_time_alone
+) -> Scalar:
+    """The node of a function of time, and of what a load is `measured` along (0: x, 1: v)."""
     graph = inputs.graph
     match function:
         case Number(parameter):
             return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
         case Time():
             return inputs.time
+        case Measured(order):
+            return measured(order)
         case Table():
             numbers = table_numbers(function)
             place = inputs.block((*function.path, "spline"), numbers)
@@ -41,9 +50,11 @@ def value_of(function: Function, inputs: Inputs) -> Scalar:
             return graph.spline(inputs.time, place, count, function.periodic)[0]
         case Operation("power", (base, Number(exponent))):
             found = COMPOSITE["power"].expanded
-            return graph.lift(found(graph.apply, value_of(base, inputs), int(exponent.value)))
+            base_value = value_of(base, inputs, measured)
+            return graph.lift(found(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
-            return graph.apply(name, *(value_of(argument, inputs) for argument in arguments))
+            values = (value_of(argument, inputs, measured) for argument in arguments)
+            return graph.apply(name, *values)
         case _:
             assert_never(function)
 

@@ -1,132 +1,72 @@
-"""Forces, torques and dampers along axes; and the nodes of every kind of load."""
+"""What every load contributes to a model: generalised force, power, potential energy, outputs."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING
 
-from linkages.components.terms import (
-    AxialDamper,
-    AxialForce,
-    Load,
-    PointForce,
-    Spring,
-    Torque,
-    TorsionSpring,
-)
-from linkages.kernel.acting import Conjugate, LoadNodes, Pull, Turning, Velocities
-from linkages.kernel.laws import value_of
+from linkages.components.measures import Load
+from linkages.kernel.measures import MeasureNodes, Velocities, measure_nodes
 from linkages.kernel.scalars import Scalar
-from linkages.kernel.springs import SpringNodes, TorsionSpringNodes
-from linkages.kernel.vectors import Vector
 from linkages.reading.paths import dotted
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
 
 
-class _Axial(Conjugate):
-    load: AxialForce | AxialDamper
+class LoadNodes:
+    """What a load contributes to the equations of a model.
 
-    def __init__(self, model: Model, load: AxialForce | AxialDamper) -> None:
-        super().__init__(model)
-        self.load = load
+    Parameters
+    ----------
+    model
+        Whose nodes these are.
+    index
+        Place of the load among those of the mechanism.
+    """
 
-    def rate(self, velocities: Velocities) -> Scalar:
-        return velocities.bodies[self.load.body]
-
-
-class _AxialForce(_Axial):
-    load: AxialForce
-    dimension = "force"
-
-    @property
-    def force(self) -> Scalar:
-        return value_of(self.load.force, self.model.inputs)
-
-    @property
-    def given(self) -> list[Scalar]:
-        """The force."""
-        return self.acting
-
-
-class _AxialDamper(_Axial):
-    load: AxialDamper
-    dimension = "spring"
-
-    @property
-    def force(self) -> Scalar:
-        return -(self.model.inputs.parameter(self.load.damping) * self.rate(self.model.velocities))
-
-    @property
-    def given(self) -> list[Scalar]:
-        """Nothing: it depends on the velocity alone."""
-        return []
-
-
-class _PointForce(Pull):
-    load: PointForce
-    dimension = "force"
-
-    def __init__(self, model: Model, load: PointForce) -> None:
+    def __init__(self, model: Model, index: int) -> None:
         self.model = model
-        self.load = load
+        self.load: Load = model.mechanism.loads[index]
+        self.measure: MeasureNodes = measure_nodes(model, self.load, index)
 
     @property
-    def labels(self) -> tuple[str, ...]:
-        """One for each component."""
-        return tuple(f"{dotted(self.load.path)}.{axis}" for axis in "xy")
+    def dimension(self) -> str:
+        """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
+        turning = self.load.unit == "N m"
+        if self.load.given:
+            return "torque" if turning else "force"
+        return "torsional_spring" if turning else "spring"
 
     @property
-    def acting(self) -> list[Scalar]:
-        """Both components."""
-        return [self.vector.x, self.vector.y]
+    def label(self) -> str:
+        """What it is called in outputs: its place in the file."""
+        return f"{dotted(self.load.path)}{self.measure.suffix}"
+
+    @property
+    def acting(self) -> Scalar:
+        """Force or torque as outputs show it."""
+        return self.measure.shown * self.measure.value(self.load.force)
 
     @property
     def given(self) -> list[Scalar]:
-        """Both components."""
-        return self.acting
+        """What of it follows from time and positions: not finite where the load has no value."""
+        return self.measure.components(self.load.still)
 
     @property
-    def vector(self) -> Vector:
-        """The force."""
-        x, y = (value_of(part, self.model.inputs) for part in self.load.force)
-        return Vector(x, y)
+    def undefined(self) -> str:
+        """Why it may have no value, as the end of a sentence."""
+        return self.measure.undefined
 
     def power(self, velocities: Velocities) -> Scalar:
-        return velocities.joints[self.load.joint].dot(self.vector)
-
-    def dissipated(self) -> Scalar | None:
-        return self.power(self.model.velocities)
-
-
-class _Torque(Turning):
-    load: Torque
-    dimension = "torque"
+        """Power of the load at some velocities: its generalised force if they are partial ones."""
+        return self.measure.power(self.load.force, velocities)
 
     @property
-    def force(self) -> Scalar:
-        return value_of(self.load.torque, self.model.inputs)
+    def potential(self) -> Scalar:
+        """Energy that it stores."""
+        return self.measure.value(self.load.energy)
 
     @property
-    def given(self) -> list[Scalar]:
-        """The torque."""
-        return self.acting
-
-
-def load_nodes(model: Model, load: Load) -> LoadNodes:
-    """The nodes of a load."""
-    match load:
-        case AxialForce():
-            return _AxialForce(model, load)
-        case AxialDamper():
-            return _AxialDamper(model, load)
-        case PointForce():
-            return _PointForce(model, load)
-        case Torque():
-            return _Torque(model, load)
-        case Spring():
-            return SpringNodes(model, load)
-        case TorsionSpring():
-            return TorsionSpringNodes(model, load)
-        case _:
-            assert_never(load)
+    def working(self) -> Scalar:
+        """Power of what it does not store, at the actual velocities."""
+        return self.measure.power(self.load.working, self.model.velocities)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from linkages.kernel.acting import LoadNodes
 from linkages.kernel.inertia import Inertia
 from linkages.kernel.inputs import Inputs
-from linkages.kernel.loads import load_nodes
+from linkages.kernel.loads import LoadNodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph, section
@@ -56,7 +55,7 @@ class Model:
     @cached_property
     def loads(self) -> list[LoadNodes]:
         """Forces, torques, springs and dampers."""
-        return [load_nodes(self, load) for load in self.mechanism.loads]
+        return [LoadNodes(self, index) for index in range(len(self.mechanism.loads))]
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:
@@ -205,15 +204,13 @@ class Model:
 
     @property
     def load_power(self) -> Scalar:
-        """Power of forces, torques and dampers."""
-        powers = (load.dissipated() for load in self.loads)
-        return self.graph.total(power for power in powers if power is not None)
+        """Power of all loads but of what they store."""
+        return self.graph.total(load.working for load in self.loads)
 
     @property
     def potential_energy(self) -> Scalar:
         """Of gravity and springs; zero for centres of mass at the origin and relaxed springs."""
-        stored = (load.potential() for load in self.loads)
-        elastic = self.graph.total(energy for energy in stored if energy is not None)
+        elastic = self.graph.total(load.potential for load in self.loads)
         return elastic - self.gravity.dot(self.inertia.moment_of_mass())
 
 

@@ -64,7 +64,7 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in _dyads(model))
     if dim in LOADS:
-        return tuple(n for load in model.loads if load.dimension == dim for n in load.labels)
+        return tuple(load.label for load in model.loads if load.dimension == dim)
     kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "clearance": ("clearance",)}[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
 
@@ -150,9 +150,7 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
 
 
 def _of_loads(dim: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [
-        node for load in model.loads if load.dimension == dim for node in load.acting
-    ]
+    return lambda model: [load.acting for load in model.loads if load.dimension == dim]
 
 
 def _kinetic_energy(model: Model) -> list[Scalar]:

@@ -100,7 +100,7 @@ class System:
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 found.append((load.load.path, message))
         if found:
-            raise self.mechanism.error(found)
+            raise self.mechanism.error(dict.fromkeys(found))  # both axes of a force say the same
 
     def _given(self) -> NDArray[np.float64]:
         """Free coordinates and their rates as they are given; zero for those carried along."""

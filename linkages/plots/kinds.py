@@ -1,4 +1,4 @@
-"""The loads of a mechanism by the symbol that stands for them in drawings."""
+"""The loads of a mechanism by what they act along, which decides on their symbols."""
 
 from __future__ import annotations
 
@@ -6,46 +6,36 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from linkages.components.terms import (
-    AxialDamper,
-    AxialForce,
-    Load,
-    PointForce,
-    Spring,
-    Torque,
-    TorsionSpring,
-)
+from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.terms import Path
 
 
 @dataclass(frozen=True)
 class Kinds:
-    """Loads by their kind, each in the order of the mechanism."""
+    """Loads by their measure, each in the order of the mechanism.
 
-    springs: list[Spring] = field(default_factory=list)
-    torsional: list[TorsionSpring] = field(default_factory=list)
-    guide_dampers: list[AxialDamper] = field(default_factory=list)
-    axial: list[AxialForce] = field(default_factory=list)
-    forces: list[PointForce] = field(default_factory=list)
-    torques: list[Torque] = field(default_factory=list)
+    Those at a joint are listed by their entry, for it is one arrow.
+    """
+
+    lines: list[tuple[Distance, Load]] = field(default_factory=list)
+    turns: list[tuple[Turn, Load]] = field(default_factory=list)
+    slides: list[tuple[Slide, Load]] = field(default_factory=list)
+    joints: dict[tuple[Path, str], list[tuple[Coordinate, Load]]] = field(default_factory=dict)
 
 
 def by_kind(loads: Iterable[Load]) -> Kinds:
     """Sort loads; none is left out."""
     found = Kinds()
     for load in loads:
-        match load:
-            case Spring():
-                found.springs.append(load)
-            case TorsionSpring():
-                found.torsional.append(load)
-            case AxialDamper():
-                found.guide_dampers.append(load)
-            case AxialForce():
-                found.axial.append(load)
-            case PointForce():
-                found.forces.append(load)
-            case Torque():
-                found.torques.append(load)
+        match load.measure:
+            case Distance():
+                found.lines.append((load.measure, load))
+            case Turn():
+                found.turns.append((load.measure, load))
+            case Slide():
+                found.slides.append((load.measure, load))
+            case Coordinate(joint):
+                found.joints.setdefault((load.path, joint), []).append((load.measure, load))
             case _:
-                assert_never(load)
+                assert_never(load.measure)
     return found

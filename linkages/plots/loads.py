@@ -8,8 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from linkages.components.functions import Function, Number
-from linkages.components.terms import Torque
+from linkages.components.functions import Number
+from linkages.components.measures import Load, Turn
+from linkages.components.state_laws import arguments
 from linkages.plots import symbols
 from linkages.plots.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.bodies import ground_direction
@@ -18,7 +19,7 @@ from linkages.plots.labels import Labels
 from linkages.plots.pose import Place, Pose
 from linkages.plots.prefixes import scale_for
 from linkages.plots.senses import force_direction, load_sense
-from linkages.plots.sliders import block_place, force_side
+from linkages.plots.sliders import block_place, force_side, pushes
 from linkages.plots.springs import bent_dashpot, dashpot, spiral, zigzag
 from linkages.plots.style import LOAD
 from linkages.plots.view import per_point, pixels
@@ -35,20 +36,20 @@ def draw_masses(ax: Axes, pose: Pose, labels: Labels) -> None:
 
 
 def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Springs and dampers between joints; several between the same two lie side by side."""
+    """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, ...], list[bool]] = {}
-    for load in by_kind(pose.mechanism.loads).springs:
-        if {load.first, load.second} <= set(pose.positions):
-            found = lines.setdefault(tuple(sorted((load.first, load.second))), [])
-            found += [True] * (not load.stiffness.absent)
-            found += [False] * (not load.damping.absent)
+    for ends, load in by_kind(pose.mechanism.loads).lines:
+        if {ends.first, ends.second} <= set(pose.positions):
+            found = lines.setdefault(tuple(sorted((ends.first, ends.second))), [])
+            found += [True] * load.elastic
+            found += [False] * (load.dissipates or (load.given and not load.absent))
     for (first, second), parts in lines.items():
-        ends = pose.positions[first], pose.positions[second]
-        if ends[0] == ends[1]:
+        start, end = pose.positions[first], pose.positions[second]
+        if start == end:
             continue
         for index, elastic in enumerate(parts):
             shift = BESIDE * (index - 0.5 * (len(parts) - 1))
-            labels.avoid((zigzag if elastic else dashpot)(ax, *ends, shift))
+            labels.avoid((zigzag if elastic else dashpot)(ax, start, end, shift))
 
 
 def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
@@ -58,16 +59,15 @@ def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = No
     """
     first = first or pose
     taken: Counter[Place] = Counter()
-    for load in by_kind(pose.mechanism.loads).torsional:
-        place = pivot(pose, load.body, load.reference)
-        before = pivot(first, load.body, load.reference)
-        if place is None or before is None:
+    for turn, load in by_kind(pose.mechanism.loads).turns:
+        place, before = pivot(pose, turn), pivot(first, turn)
+        if load.given or place is None or before is None:
             continue
         angle = _free_direction(first, before)
-        if not load.stiffness.absent:
-            labels.avoid(spiral(ax, place, _direction_of(pose, load.body, place)))
-        if not load.damping.absent:
-            radius = OUTER if not load.stiffness.absent or taken[place] else 9.5
+        if load.elastic:
+            labels.avoid(spiral(ax, place, _direction_of(pose, turn.body, place)))
+        if load.dissipates:
+            radius = OUTER if load.elastic or taken[place] else 9.5
             labels.avoid(bent_dashpot(ax, place, angle + np.pi * taken[place], radius))
         taken[place] += 1
 
@@ -76,39 +76,38 @@ def draw_forces(ax: Axes, pose: Pose, labels: Labels) -> None:
     """Arrows of forces at joints and arcs of torques on bodies."""
     mechanism = pose.mechanism
     kinds = by_kind(mechanism.loads)
-    for force in kinds.forces:
-        if force.joint not in pose.positions:
+    for (_, joint), force in kinds.joints.items():
+        if joint not in pose.positions:
             continue
-        angle, sense = force_direction(force.force, mechanism)
-        place = pose.positions[force.joint]
+        angle, sense = force_direction(force, mechanism)
+        place = pose.positions[joint]
         if sense:
             covered = straight_arrow(ax, place, angle, (symbols.MASS + 1.0, 0.0), sense, LOAD)
             labels.avoid(covered)
-    for torque in kinds.torques:
-        spot = _torque_place(pose, torque)
-        sense = load_sense(torque.torque, mechanism)
-        if spot and sense:
-            angle = _direction_of(pose, torque.body, spot) + np.pi / 2
+    for turn, torque in kinds.turns:
+        spot = _torque_place(pose, turn) if torque.given else None
+        if spot and (sense := load_sense(torque, mechanism)):
+            angle = _direction_of(pose, turn.body, spot) + np.pi / 2
             labels.avoid(arc_arrow(ax, spot, angle, TORQUE, TORQUE_SPAN, sense, LOAD))
 
 
 def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
     """What is written at loads: text, place, and its least distance from there in points."""
     kinds = by_kind(pose.mechanism.loads)
-    for force in kinds.forces:
-        size = _size(force.force, "N")
-        angle, sense = force_direction(force.force, pose.mechanism)
-        if force.joint in pose.positions and size and sense:
-            yield size, _tip(ax, pose.positions[force.joint], angle, 1), 4.0
-    for axial in kinds.axial:
-        place, size = block_place(pose, axial.body), _size((axial.force,), "N")
-        sense, turned = load_sense(axial.force, pose.mechanism), pose.angle(axial.body)
-        if place and size and sense and turned is not None:
-            side = force_side(pose, axial.body, sense)
+    for (_, joint), force in kinds.joints.items():
+        size = _size([load for _, load in force])
+        angle, sense = force_direction(force, pose.mechanism)
+        if joint in pose.positions and size and sense:
+            yield size, _tip(ax, pose.positions[joint], angle, 1), 4.0
+    for slide, axial in kinds.slides:
+        place, size = block_place(pose, slide.body), _size([axial])
+        sense, turned = load_sense(axial, pose.mechanism), pose.angle(slide.body)
+        if pushes(axial) and place and size and sense and turned is not None:
+            side = force_side(pose, slide.body, sense)
             yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
-    for torque in kinds.torques:
-        place, size = _torque_place(pose, torque), _size((torque.torque,), "N·m")
-        if place and size:
+    for turn, torque in kinds.turns:
+        place, size = _torque_place(pose, turn), _size([torque])
+        if torque.given and place and size:
             yield size, place, TORQUE + 3.0
 
 
@@ -120,32 +119,32 @@ def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
     return float(x), float(y)
 
 
-def _size(parts: tuple[Function, ...], units: str) -> str:
-    """The magnitude of a load, or the symbol of one that varies; empty for none."""
-    numbers = [part.parameter.value for part in parts if isinstance(part, Number)]
-    if len(numbers) < len(parts):
-        return "F(t)" if units == "N" else "M(t)"
+def _size(loads: list[Load]) -> str:
+    """The magnitude of loads that are one arrow, or the symbol of what varies; empty for none."""
+    turning = loads[0].unit == "N m"
+    numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
+    if len(numbers) < len(loads):
+        found = dict.fromkeys(name for load in loads for name in arguments(load.law))
+        return f"{'M' if turning else 'F'}({', '.join(found)})"
     size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
-    return scale_for(size, units).text(size) if size else ""
+    return scale_for(size, "N·m" if turning else "N").text(size) if size else ""
 
 
-def pivot(pose: Pose, body: str, reference: str | None) -> Place | None:
+def pivot(pose: Pose, turn: Turn) -> Place | None:
     """Where one body turns against another (None: the ground): a joint of both, if there is one.
 
     Otherwise a joint of the body.
     """
-    shown = pose.shown(body)
-    others = pose.mechanism.ground if reference is None else pose.shown(reference)
+    shown = pose.shown(turn.body)
+    others = pose.mechanism.ground if turn.reference is None else pose.shown(turn.reference)
     return next(
         (shown[joint] for joint in shown if joint in others), next(iter(shown.values()), None)
     )
 
 
-def _torque_place(pose: Pose, load: Torque) -> Place | None:
+def _torque_place(pose: Pose, turn: Turn) -> Place | None:
     """The joint between two bodies, or the middle of one that the ground turns."""
-    if load.reference is None:
-        return _middle(pose, load.body)
-    return pivot(pose, load.body, load.reference)
+    return _middle(pose, turn.body) if turn.reference is None else pivot(pose, turn)
 
 
 def _middle(pose: Pose, body: str) -> Place | None:
@@ -166,8 +165,7 @@ def _direction_of(pose: Pose, body: str, place: Place) -> float:
 def _free_direction(pose: Pose, place: Place) -> float:
     """The direction from a joint that is farthest from all bars there."""
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    springs = by_kind(pose.mechanism.loads).springs
-    pairs = [(spring.first, spring.second) for spring in springs]
+    pairs = [(line.first, line.second) for line, _ in by_kind(pose.mechanism.loads).lines]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(other, place)

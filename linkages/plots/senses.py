@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.functions import Function
+from linkages.components.measures import Coordinate, Load
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.laws import law_values
 
@@ -30,9 +32,9 @@ def sense_of(values: ArrayLike) -> int:
     return BOTH if rises and falls else rises - falls
 
 
-def load_sense(function: Function, mechanism: Mechanism) -> int:
-    """Which way a force or torque acts during the run."""
-    return sense_of(law_values(function, run_times(mechanism)))
+def load_sense(load: Load, mechanism: Mechanism) -> int:
+    """Which way a force or torque acts during the run: both ways if it depends on the motion."""
+    return sense_of(law_values(load.law, run_times(mechanism))) if load.given else BOTH
 
 
 def drive_sense(mechanism: Mechanism, name: str) -> int:
@@ -40,10 +42,19 @@ def drive_sense(mechanism: Mechanism, name: str) -> int:
     return sense_of(np.diff(law_values(mechanism.prescribed[name].law, run_times(mechanism))))
 
 
-def force_direction(force: tuple[Function, Function], mechanism: Mechanism) -> tuple[float, int]:
-    """Direction of a force where it is largest, in radians, and its sense along that (or 0)."""
+def force_direction(
+    force: Iterable[tuple[Coordinate, Load]], mechanism: Mechanism
+) -> tuple[float, int]:
+    """Direction of a force where it is largest, in radians, and its sense along that (or 0).
+
+    One that depends on the motion acts both ways along the first axis in which it does.
+    """
     times = run_times(mechanism)
-    vectors = np.column_stack([law_values(part, times) for part in force])
+    vectors = np.zeros((len(times), 2))
+    for measure, load in force:
+        if not load.given:
+            return 0.5 * np.pi * measure.axis, BOTH
+        vectors[:, measure.axis] += law_values(load.law, times)
     vectors = vectors[np.isfinite(vectors).all(axis=1)]
     if not vectors.any():
         return 0.0, 0

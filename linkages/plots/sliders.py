@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from linkages.components.measures import Load
 from linkages.plots import symbols
 from linkages.plots.arrows import STRAIGHT, straight_arrow
 from linkages.plots.bodies import THICKNESS, body_colour
@@ -115,22 +116,27 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
     for name in mechanism.prescribed:
         if not mechanism.bodies[name].rotates:
             _beside(ax, pose, name, drive_sense(mechanism, name), DRIVEN, labels)
-    for load in by_kind(mechanism.loads).axial:
-        _beside(ax, pose, load.body, load_sense(load.force, mechanism), LOAD, labels)
+    for slide, load in by_kind(mechanism.loads).slides:
+        if pushes(load):
+            _beside(ax, pose, slide.body, load_sense(load, mechanism), LOAD, labels)
+
+
+def pushes(load: Load) -> bool:
+    """Whether an arrow stands for a load along an axis: dashpots show rates alone."""
+    return load.given or load.elastic
 
 
 def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
     """Dampers in the guides of sliders, on the side that was free in a first position, if given."""
     first = first or pose
-    for load in by_kind(pose.mechanism.loads).guide_dampers:
-        if load.damping.absent:
+    for slide, load in by_kind(pose.mechanism.loads).slides:
+        if not load.dissipates:
             continue
-        place, angle, before = (
-            block_place(pose, load.body), pose.angle(load.body), first.angle(load.body),
-        )  # fmt: skip
+        name = slide.body
+        place, angle, before = block_place(pose, name), pose.angle(name), first.angle(name)
         if place is not None and angle is not None and before is not None:
-            start = symbols.BLOCK[0] if _grounded(pose, load.body) else symbols.SMALL_BLOCK[0]
-            turned = angle + (0.0 if _damper_side(first, load.body) > 0 else np.pi)
+            start = symbols.BLOCK[0] if _grounded(pose, name) else symbols.SMALL_BLOCK[0]
+            turned = angle + (0.0 if _damper_side(first, name) > 0 else np.pi)
             labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
 
 
@@ -159,9 +165,10 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
 
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    forces = [f for f in by_kind(pose.mechanism.loads).axial if f.body == name]
+    slides = by_kind(pose.mechanism.loads).slides
+    forces = [load for slide, load in slides if slide.body == name and pushes(load)]
     side = force_side(pose, name, -1)
-    stands = [force_side(pose, name, load_sense(f.force, pose.mechanism)) for f in forces]
+    stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
     return -side if side in stands else side
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkages.kernel.assembly import placed_joints
-from linkages.kernel.springs import TorsionSpringNodes
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
 from linkages.topology.blocks import Block
@@ -31,9 +30,9 @@ def _wound(system: System) -> Iterator[str]:
     """
     for index in system.assembly.turns:
         load = system.model.loads[index]
-        assert isinstance(load, TorsionSpringNodes)
-        turns = system.evaluate([load.elongation])[0, 0] / (2 * np.pi)
-        if abs(turns) > 0.5 and not load.stiffness.absent:
+        deflection = load.measure.value(load.load.deflection)
+        turns = system.evaluate([deflection])[0, 0] / (2 * np.pi)
+        if abs(turns) > 0.5:
             yield (
                 f"{dotted(load.load.path)} starts wound by {turns:.3g} turns: angles that are not "
                 "given start within half a turn"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.components.revolute import GROUND
 from linkages.components.terms import Body
-from linkages.solution.applied import applied_forces, carrier_of
+from linkages.solution.applied import applied_forces
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -199,7 +199,7 @@ class _Statics:
             rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
             rows[:, row + 2] += body.inertia.value * spin
         for mass in self._system.mechanism.point_masses:
-            carrier = carrier_of(self._system.mechanism, mass.joint)
+            carrier = self._system.mechanism.carrier(mass.joint)
             if carrier is not None:
                 acceleration = self._accelerations[self._joint[mass.joint]]
                 self.add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))

@@ -27,8 +27,6 @@ def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str
     """The first time at which a load of a driven system has no value, and a sentence about it."""
     found = []
     for load in system.model.loads:
-        if not load.given:
-            continue
         values = system.evaluate(load.given, times)
         lost = ~np.isfinite(values).all(axis=0) & _reached(system, times)
         if lost.any():
@@ -53,7 +51,7 @@ def loads_at_stop(system: System, trajectory: Trajectory) -> list[str]:
         for load in system.mechanism.loads
         if any(_breaks(law, time) for law in load.laws)
     ]
-    return [*found, *_springs(system, trajectory)]
+    return [*dict.fromkeys(found), *_springs(system, trajectory)]
 
 
 def _breaks(law: Function, time: float) -> bool:
@@ -72,7 +70,7 @@ def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
         [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
     )
     for load in system.model.loads:
-        if load.given and not load.load.laws:
+        if not load.load.laws:
             values = system.evaluate(load.given, trajectory.stop_time, state[:, None])
             if not np.isfinite(values).all():
                 yield f"{dotted(load.load.path)} ({load.undefined})"

@@ -2,7 +2,8 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 from linkages.components.damper import GuideDamper, LineDamper
-from linkages.components.terms import ZERO, AxialDamper, Parameter, Spring
+from linkages.components.measures import Distance, Load, Slide, viscous
+from linkages.components.terms import Parameter
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}
@@ -18,12 +19,12 @@ DAMPING = Parameter(("dampers", 0, "damping"), 2000.0, structural=True)
         (
             "{between: [O, B], damping: 2 N*s/mm}",
             LineDamper(index=0, between=("O", "B"), damping=2000),
-            Spring("O", "B", ZERO, ZERO, DAMPING, ("dampers", 0)),
+            Load(Distance("O", "B"), viscous(DAMPING), ("dampers", 0)),
         ),
         (
             "{slider: piston, damping: 2000}",
             GuideDamper(index=0, slider="piston", damping=2000),
-            AxialDamper("piston", DAMPING, ("dampers", 0)),
+            Load(Slide("piston"), viscous(DAMPING), ("dampers", 0)),
         ),
     ],
 )

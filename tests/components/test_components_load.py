@@ -3,7 +3,8 @@ from law_values import value
 
 from linkages.components.functions import Number
 from linkages.components.load import JointForce, SliderForce
-from linkages.components.terms import AxialForce, Parameter
+from linkages.components.measures import Coordinate, Load, Slide
+from linkages.components.terms import Parameter
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars:
@@ -28,14 +29,14 @@ def test_frozen_and_keyword_only():
 def test_terms():
     (term,) = PRESS.terms()
     force = Parameter(("loads", 0, "force"), -100.0, structural=True)
-    assert term == AxialForce("piston", Number(force), ("loads", 0))
-    assert SliderForce(index=0, slider="piston", force=0).terms()[0].force.parameter.absent
+    assert term == Load(Slide("piston"), Number(force), ("loads", 0))
+    assert SliderForce(index=0, slider="piston", force=0).terms()[0].absent
 
 
 def test_several_loads_on_one_slider():
     entries = "  - {slider: piston, force: 1}\n  - {slider: piston, force: 2}\n"
     loads = mechanism(SLIDER_CRANK + entries).loads
-    assert [(f.path, f.force.parameter.value) for f in loads] == [
+    assert [(f.path, f.law.parameter.value) for f in loads] == [
         (("loads", 0), 1),
         (("loads", 1), 2),
     ]
@@ -64,7 +65,7 @@ def test_force_that_follows_a_law():
         SLIDER_CRANK + "  - {slider: piston, force: {rise: polynomial, to: 2 kN, duration: 3 s}}\n"
     )
     (term,) = component(text, "loads", 0).terms()
-    assert [value(term.force, t) for t in (-1, 0, 1.5, 3, 4)] == [0, 0, 1000, 2000, 2000]
+    assert [value(term.law, t) for t in (-1, 0, 1.5, 3, 4)] == [0, 0, 1000, 2000, 2000]
 
 
 PUSH = JointForce(index=0, joint="A", force=(1.0, "-2*t"))
@@ -74,10 +75,11 @@ def test_force_at_a_joint():
     made = component(SLIDER_CRANK + "  - {joint: A, force: [1 N, -2*t]}\n", "loads", 0)
     assert made == PUSH
     assert_frozen_and_keyword_only(made)
-    (term,) = made.terms()
-    assert (term.joint, term.path) == ("A", ("loads", 0))
-    assert [value(f, 3.0) for f in term.force] == [1.0, -6.0]
-    assert term.force[0].parameter == Parameter(("loads", 0, "force", 0), 1.0, structural=True)
+    along_x, along_y = made.terms()
+    assert (along_x.measure, along_y.measure) == (Coordinate("A", 0), Coordinate("A", 1))
+    assert along_x.path == along_y.path == ("loads", 0)
+    assert [value(load.law, 3.0) for load in (along_x, along_y)] == [1.0, -6.0]
+    assert along_x.law.parameter == Parameter(("loads", 0, "force", 0), 1.0, structural=True)
 
 
 def test_joints_of_forces_must_move():

@@ -10,6 +10,7 @@ from linkages.components.free import FreeAngle
 from linkages.components.gravity import UniformGravity
 from linkages.components.ground import GroundJoint
 from linkages.components.load import SliderForce
+from linkages.components.measures import Slide, Turn
 from linkages.components.mechanism import Mechanism
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.slider import Slider
@@ -110,7 +111,7 @@ def test_ideal_has_no_clearances(slider_crank):
 
 def test_ideal_has_no_friction_in_clearances(slider_crank):
     rubbing = slider_crank.with_component(ClearanceDamper(index=0, clearance="r1", damping=0.1))
-    assert [type(load).__name__ for load in rubbing.loads] == ["AxialForce", "TorsionSpring"]
+    assert [load.measure for load in rubbing.loads] == [Slide("piston"), Turn("r1", "rod")]
     assert rubbing.ideal().loads == slider_crank.loads
 
 

@@ -1,8 +1,9 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
+from linkages.components.measures import Distance, Load, elastic
 from linkages.components.spring import JointSpring
-from linkages.components.terms import Parameter, Spring
+from linkages.components.terms import Parameter
 
 BARS = """joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.3}, rod: {joints: [A, B], length: 0.8}}
@@ -25,9 +26,10 @@ def test_terms():
         Parameter(("springs", 0, key), number, structural=True)
         for key, number in (("stiffness", 4530.0), ("length", 0.08), ("damping", 2.0))
     )
-    assert FULL.terms() == (Spring("O", "B", stiffness, length, damping, ("springs", 0)),)
+    law = elastic(stiffness, length, damping)
+    assert FULL.terms() == (Load(Distance("O", "B"), law, ("springs", 0)),)
     (bare,) = JointSpring(index=1, between=("O", "B"), stiffness=1, length=0).terms()
-    assert bare.damping.absent
+    assert not bare.dissipates
     assert bare.path == ("springs", 1)
 
 

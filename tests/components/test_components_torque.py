@@ -3,7 +3,8 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from law_values import value
 
 from linkages.components.functions import Number
-from linkages.components.terms import Parameter, Torque
+from linkages.components.measures import Load, Turn
+from linkages.components.terms import Parameter
 from linkages.components.torque import BarTorque, TorqueBetweenBars
 
 BARS = """joints: {O: [0, 0]}
@@ -36,12 +37,12 @@ def test_same_from_yaml_and_python(entry, made, body, reference):
     assert component(BARS + f"- {entry}\n", "loads", 0) == made
     assert_frozen_and_keyword_only(made)
     torque = Number(Parameter(("loads", 0, "torque"), 3.0, structural=True))
-    assert made.terms() == (Torque(body, reference, torque, ("loads", 0)),)
+    assert made.terms() == (Load(Turn(body, reference), torque, ("loads", 0)),)
 
 
 def test_torque_that_follows_a_law():
     (term,) = component(BARS + '- {bar: rod, torque: "max(0, 2 - t)"}\n', "loads", 0).terms()
-    assert [value(term.torque, t) for t in (0, 1.5, 3)] == [2, 0.5, 0]
+    assert [value(term.law, t) for t in (0, 1.5, 3)] == [2, 0.5, 0]
 
 
 @pytest.mark.parametrize(

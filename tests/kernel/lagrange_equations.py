@@ -15,7 +15,6 @@ from lagrange_states import Kernel, analysed
 from linkages.equations import render
 from linkages.equations.derivation import derive
 from linkages.equations.energies import kinetic_energy, time_derivative
-from linkages.equations.forces import GeneralisedForces
 from linkages.equations.places import Places
 from linkages.equations.polar import components
 
@@ -58,8 +57,7 @@ class Lagrange:
         places = Places(topology, symbols)
         joints = [components(places.joint(joint)) for joint in topology.joints]
         energy = kinetic_energy(equations.bodies, symbols.rates)
-        acting = GeneralisedForces(symbols, places, equations.distances)
-        forces = acting.total(topology.mechanism.loads, {})
+        forces = equations.loads.generalised_forces({})
         results = [
             *self._dynamics(energy, forces),
             *self._constraints(),

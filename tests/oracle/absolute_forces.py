@@ -5,16 +5,8 @@ from absolute_bodies import Layout, Point, State, pair
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
+from linkages.components.measures import Coordinate, Distance, Load, Measure, Slide, Turn
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import (
-    AxialDamper,
-    AxialForce,
-    Load,
-    PointForce,
-    Spring,
-    Torque,
-    TorsionSpring,
-)
 
 
 def heavy_points(mechanism: Mechanism, layout: Layout) -> list[tuple[Point, float]]:
@@ -57,36 +49,28 @@ def weight(mechanism: Mechanism, state: State) -> np.ndarray:
 
 def generalised(load: Load, state: State) -> np.ndarray:
     """Generalised force of one load."""
+    value, row = _along(load.measure, state)
+    return jet(load.law, state.time, (value, row @ state.rates))[0] * row
+
+
+def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
+    """What a load acts along, and its derivatives by all coordinates."""
     layout = state.layout
-    match load:
-        case AxialForce():
-            return jet(load.force, state.time)[0] * along_axis(layout, load.body)(state).jacobian[0]
-        case AxialDamper():
-            row = along_axis(layout, load.body)(state).jacobian[0]
-            return -load.damping.value * (row @ state.rates) * row
-        case PointForce():
-            force = np.array([jet(component, state.time)[0] for component in load.force])
-            return force @ state.jacobian(layout.carrier(load.joint))
-        case Torque():
-            row = angles(layout, [(load.body, 1.0), (load.reference, -1.0)])(state).jacobian[0]
-            return jet(load.torque, state.time)[0] * row
-        case Spring():
-            return _spring(load, state)
-        case TorsionSpring():
-            turn, jacobian, _ = angles(layout, [(load.body, 1.0), (load.reference, -1.0)])(state)
-            row = jacobian[0]
-            torque = -load.stiffness.value * (turn[0] - load.angle.value)
-            return (torque - load.damping.value * (row @ state.rates)) * row
-    raise TypeError(f"no such load: {load}")
-
-
-def _spring(load: Spring, state: State) -> np.ndarray:
-    ends = state.layout.carrier(load.first), state.layout.carrier(load.second)
-    vector, jacobian, _ = gap(*ends)(state)
-    distance = np.hypot(*vector)
-    row = vector / distance @ jacobian
-    pull = load.stiffness.value * (distance - load.length.value)
-    return -(pull + load.damping.value * (row @ state.rates)) * row
+    match measure:
+        case Slide(body):
+            found = along_axis(layout, body)(state)
+            return found.value[0], found.jacobian[0]
+        case Coordinate(joint, axis):
+            point = layout.carrier(joint)
+            return state.place(point)[axis], state.jacobian(point)[axis]
+        case Turn(body, reference):
+            found = angles(layout, [(body, 1.0), (reference, -1.0)])(state)
+            return found.value[0], found.jacobian[0]
+        case Distance(first, second):
+            vector, jacobian, _ = gap(layout.carrier(first), layout.carrier(second))(state)
+            distance = np.hypot(*vector)
+            return distance, vector / distance @ jacobian
+    raise TypeError(f"no such measure: {measure}")
 
 
 def loads(mechanism: Mechanism, state: State) -> np.ndarray:

@@ -2,21 +2,26 @@
 
 import ast
 
-from linkages.components.functions import Function, Number, Operation, Table, Time, constant, linear
+from linkages.components.functions import (
+    Function,
+    Number,
+    Operation,
+    Table,
+    Time,
+    V,
+    X,
+    constant,
+    linear,
+)
+from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
 from linkages.components.terms import (
     ZERO,
-    AxialDamper,
-    AxialForce,
     Body,
     Guide,
     Parameter,
-    PointForce,
     PointMass,
     Prescribed,
     Relation,
-    Spring,
-    Torque,
-    TorsionSpring,
 )
 
 OPERATIONS = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.Pow: "power"}
@@ -85,38 +90,43 @@ def _drive(path: tuple, entry: dict) -> Prescribed:
     return Prescribed(path[1], linear(*numbers), path)
 
 
-def _load(path: tuple, entry: dict) -> AxialForce | PointForce | Torque:
+def _load(path: tuple, entry: dict) -> Load | tuple[Load, Load]:
     if "slider" in entry:
-        return AxialForce(entry["slider"], function((*path, "force"), entry["force"]), path)
+        return Load(Slide(entry["slider"]), function((*path, "force"), entry["force"]), path)
     if "joint" in entry:
-        x, y = (function((*path, "force", i), value) for i, value in enumerate(entry["force"]))
-        return PointForce(entry["joint"], (x, y), path)
+        x, y = (
+            Load(Coordinate(entry["joint"], axis), function((*path, "force", axis), value), path)
+            for axis, value in enumerate(entry["force"])
+        )
+        return x, y
     torque = function((*path, "torque"), entry["torque"])
     first, second = entry.get("bars", ("ground", entry.get("bar")))
-    return Torque(second, _reference(first), torque, path)
+    return Load(Turn(second, _reference(first)), torque, path)
 
 
 def _reference(name: str) -> str | None:
     return None if name == "ground" else name
 
 
-def _spring(path: tuple, entry: dict) -> Spring | TorsionSpring:
-    """A spring, or a damper, which is a spring without stiffness."""
+def _spring(path: tuple, entry: dict) -> Load:
+    """A spring, or a damper, which is a spring without stiffness: −(k·(x − c) + d·v)."""
 
-    def numbers(*keys: str) -> list[Parameter]:
-        return [_number((*path, key), entry.get(key, 0.0)) for key in keys]
+    def number(key: str) -> Function:
+        return Number(_number((*path, key), entry.get(key, 0.0)))
 
-    if "between" in entry:
-        return Spring(*entry["between"], *numbers("stiffness", "length", "damping"), path)
-    pair = entry.get("between_bars") or entry.get("bars") or ("ground", entry["bar"])
-    parts = numbers("stiffness", "angle", "damping")
-    return TorsionSpring(pair[1], _reference(pair[0]), *parts, path)
+    def times(factor: Function, of: Function) -> Function:
+        return Operation("mul", (factor, of))
 
-
-def _damper(path: tuple, entry: dict) -> AxialDamper | Spring | TorsionSpring:
     if "slider" in entry:
-        return AxialDamper(entry["slider"], _number((*path, "damping"), entry["damping"]), path)
-    return _spring(path, entry)
+        measure, relaxed = Slide(entry["slider"]), "length"
+    elif "between" in entry:
+        measure, relaxed = Distance(*entry["between"]), "length"
+    else:
+        pair = entry.get("between_bars") or entry.get("bars") or ("ground", entry["bar"])
+        measure, relaxed = Turn(pair[1], _reference(pair[0])), "angle"
+    deflection = Operation("sub", (X, number(relaxed)))
+    parts = times(number("stiffness"), deflection), times(number("damping"), V)
+    return Load(measure, Operation("neg", (Operation("add", parts),)), path)
 
 
 def _mass(path: tuple, entry: float) -> PointMass:
@@ -144,7 +154,7 @@ READERS = {
     "drives": _drive,
     "loads": _load,
     "springs": _spring,
-    "dampers": _damper,
+    "dampers": _spring,
     "masses": _mass,
     "gears": _gear,
     "welds": _weld,

@@ -21,8 +21,7 @@ from linkages import (
     Plate,
     UniformGravity,
 )
-from linkages.components.component import Component
-from linkages.components.terms import Term
+from linkages.components.component import Component, Term
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,8 @@ def _components(given: Mapping[str, Any]) -> Iterator[Component]:
         entries = given.get(section, {})
         pairs = entries.items() if isinstance(entries, dict) else enumerate(entries)
         for key, entry in pairs:
-            yield Given((section, key), (read((section, key), entry),))
+            terms = read((section, key), entry)
+            yield Given((section, key), terms if isinstance(terms, tuple) else (terms,))
     for name, clearance in given.get("clearances", {}).items():
         yield Clearance(name=name, **clearance)
     for name, start in given.get("free", {}).items():

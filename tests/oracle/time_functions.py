@@ -1,4 +1,4 @@
-"""Functions of time with their first two derivatives, by truncated Taylor arithmetic.
+"""Laws with their first two derivatives by time, by truncated Taylor arithmetic.
 
 A jet is (f, f′, f″) at one time. Tables go through SciPy's spline.
 """
@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
-from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
 
 Jet = tuple[float, float, float]
 
@@ -50,23 +50,26 @@ ELEMENTARY = {
 """Name → x ↦ (g, g′, g″)."""
 
 
-def jet(function: Function, time: float) -> Jet:
-    """Value and first two derivatives of a function of time."""
+def jet(function: Function, time: float, measured: tuple[float, ...] = ()) -> Jet:
+    """Value and first two derivatives of a function of time; `measured` counts as constant."""
     if isinstance(function, Number):
         return function.parameter.value, 0.0, 0.0
     if isinstance(function, Time):
         return time, 1.0, 0.0
+    if isinstance(function, Measured):
+        return measured[function.order], 0.0, 0.0
     if isinstance(function, Table):
         return _table(function, time)
-    return _operation(function, time)
+    return _operation(function, time, measured)
 
 
-def _operation(operation: Operation, time: float) -> Jet:
+def _operation(operation: Operation, time: float, measured: tuple[float, ...]) -> Jet:
     name = operation.name
     if name == "select":
         condition, first, second = operation.arguments
-        return jet(first if jet(condition, time)[0] >= 0 else second, time)
-    first, *others = (jet(argument, time) for argument in operation.arguments)
+        chosen = first if jet(condition, time, measured)[0] >= 0 else second
+        return jet(chosen, time, measured)
+    first, *others = (jet(argument, time, measured) for argument in operation.arguments)
     if name == "power":
         return _chain(_power(first[0], others[0][0]), first)
     if name == "mul":

@@ -9,8 +9,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from linkages.components.functions import Function, Number, Operation, Table, Time
+from linkages.components.functions import Function, Operation, Table, Time
 from linkages.components.mechanism import Mechanism
+from linkages.components.state_laws import variables
 from linkages.kernel.laws import law_values
 from linkages.operations import ELEMENTARY
 from linkages.topology.orientation import slaves
@@ -144,19 +145,9 @@ def _reduced(function: Function) -> _Course:
     return replace(course, periods=(period,))
 
 
-def _constant(function: Function) -> bool:
-    """Whether time does not occur in a function."""
-    match function:
-        case Number():
-            return True
-        case Operation(_, arguments):
-            return all(_constant(argument) for argument in arguments)
-    return False
-
-
 def _course(function: Function) -> _Course:
     """Mean rate and periods of a function."""
-    if _constant(function):
+    if not variables(function):
         return _Course(0.0, ())
     match function:
         case Time():
@@ -190,12 +181,12 @@ def _course(function: Function) -> _Course:
 def _product(name: str, a: Function, b: Function) -> _Course:
     """A constant factor scales the rate; otherwise both have to repeat."""
     one, other = _course(a), _course(b)
-    if _constant(b):
+    if not variables(b):
         factor = _factor(b)
         if name == "div" and not factor:
             return _Course(0.0, None)
         return _Course(one.rate * factor if name == "mul" else one.rate / factor, one.periods)
-    if _constant(a) and name == "mul":
+    if not variables(a) and name == "mul":
         return _Course(other.rate * _factor(a), other.periods)
     if one.rate or other.rate:
         return _Course(0.0, None)

@@ -19,7 +19,7 @@ from linkages.components.gear import Gear
 from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
 from linkages.components.mechanism import Mechanism
 from linkages.components.revolute import GROUND
-from linkages.components.state_laws import Monomial, addends, arguments, monomial, sum_of
+from linkages.components.state_laws import Monomial, addends, monomial, sum_of, variables
 from linkages.components.terms import Path
 from linkages.components.weld import Weld
 from linkages.reading.paths import dotted
@@ -129,7 +129,7 @@ def _terms(load: Load) -> Iterator[str]:
                 others.append(term)
     yield from viscous
     if others:
-        yield f"a law of {listed(arguments(sum_of(others)), 'and')}"
+        yield f"a law of {listed(variables(sum_of(others)), 'and')}"
 
 
 def _row(kind: str, value: str, path: Path, on: str) -> Row:

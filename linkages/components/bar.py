@@ -64,18 +64,14 @@ class Bar(Component):
     def terms(self) -> tuple[Body, ...]:
         """One body that turns."""
         length = Parameter((*self.path, "length"), self.length)
-        along, across = self.centre
         return (
             Body(
                 name=self.name,
                 kind="bar",
                 path=self.path,
                 points={self.joints[0]: (ZERO, ZERO), self.joints[1]: (length, ZERO)},
-                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
+                mass=self.number("mass"),
                 inertia=Parameter((*self.path, "inertia"), self.central_inertia, structural=True),
-                centre=(
-                    Parameter((*self.path, "center", 0), along, structural=True),
-                    Parameter((*self.path, "center", 1), across, structural=True),
-                ),
+                centre=self.pair(self.centre, "center"),
             ),
         )

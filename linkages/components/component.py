@@ -17,6 +17,7 @@ from linkages.components.terms import (
     GroundPin,
     Hint,
     Initial,
+    Parameter,
     Path,
     PointMass,
     Prescribed,
@@ -62,6 +63,18 @@ class Component:
         """Where this component stands in the definition file."""
         name = getattr(self, "name", None)
         return (self.section,) if name is None else (self.section, name)
+
+    def number(self, key: str) -> Parameter:
+        """The number at a key; exactly zero is structure."""
+        return Parameter((*self.path, key), getattr(self, key), structural=True)
+
+    def pair(self, values: tuple[float, float], *place: str) -> tuple[Parameter, Parameter]:
+        """Two numbers at a place of the entry; exactly zero is structure."""
+        x, y = (
+            Parameter((*self.path, *place, index), value, structural=True)
+            for index, value in enumerate(values)
+        )
+        return x, y
 
     def terms(self) -> tuple[Term, ...]:
         """What this component contributes to the mechanism."""

@@ -6,10 +6,10 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent
-from linkages.components.measures import Distance, Load, Slide, viscous
+from linkages.components.measures import Distance, Load, Slide, damper_law
 from linkages.components.references import References
 from linkages.components.spring import ends, two_joints
-from linkages.components.terms import Parameter, Path
+from linkages.components.terms import Path
 from linkages.spec.quantities import Damping, Name
 
 
@@ -43,8 +43,7 @@ class LineDamper(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A damper between the joints."""
-        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (Load(Distance(*self.between), viscous(damping), self.path),)
+        return (Load(Distance(*self.between), damper_law(self.number("damping")), self.path),)
 
 
 @component
@@ -73,5 +72,4 @@ class GuideDamper(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """One damper along the axis."""
-        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (Load(Slide(self.slider), viscous(damping), self.path),)
+        return (Load(Slide(self.slider), damper_law(self.number("damping")), self.path),)

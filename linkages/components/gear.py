@@ -68,5 +68,5 @@ class Gear(ListedComponent):
         if self.carrier is not None and self.carrier != GROUND:
             share = Parameter((*self.path, "carrier"), 1.0 - self.ratio)
             parts = (*parts, (self.carrier, share))
-        offset = Parameter((*self.path, "angle"), self.angle, structural=True)
+        offset = self.number("angle")
         return (Relation(self.bars[1], parts, offset, self.path),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from linkages.components.component import Component, component
-from linkages.components.terms import Gravity, Parameter
+from linkages.components.terms import Gravity
 from linkages.spec.quantities import AccelerationVector
 
 
@@ -25,8 +25,4 @@ class UniformGravity(Component):
 
     def terms(self) -> tuple[Gravity, ...]:
         """A component of exactly zero is structure: its terms are left out."""
-        x, y = (
-            Parameter((*self.path, index), value, structural=True)
-            for index, value in enumerate(self.acceleration)
-        )
-        return (Gravity(x, y),)
+        return (Gravity(*self.pair(self.acceleration)),)

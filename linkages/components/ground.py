@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from linkages.components.component import Component, component
-from linkages.components.terms import GroundPin, Parameter
+from linkages.components.terms import GroundPin
 from linkages.spec.quantities import Name, Point
 
 
@@ -28,8 +28,4 @@ class GroundJoint(Component):
 
     def terms(self) -> tuple[GroundPin, ...]:
         """One pin; a coordinate of exactly zero is structure."""
-        x, y = (
-            Parameter((*self.path, index), value, structural=True)
-            for index, value in enumerate(self.position)
-        )
-        return (GroundPin(self.name, (x, y)),)
+        return (GroundPin(self.name, self.pair(self.position)),)

@@ -183,13 +183,13 @@ class ClearanceFriction:
 Friction = JointFriction | ClearanceFriction
 
 
-def viscous(damping: Parameter) -> Function:
+def damper_law(damping: Parameter) -> Function:
     """Return −damping·v."""
     return Operation("neg", (Operation("mul", (Number(damping), V)),))
 
 
-def elastic(stiffness: Parameter, relaxed: Parameter, damping: Parameter) -> Function:
+def spring_law(stiffness: Parameter, relaxed: Parameter, damping: Parameter) -> Function:
     """Return −damping·v − stiffness·(x − relaxed)."""
     deflection = Operation("sub", (X, Number(relaxed)))
     spring = Operation("mul", (Number(stiffness), deflection))
-    return Operation("sub", (viscous(damping), spring))
+    return Operation("sub", (damper_law(damping), spring))

@@ -65,16 +65,8 @@ class Plate(Component):
 
         A plate with one pin gets its centre of mass as a second point: two points carry the mass.
         """
-
-        def pair(key: Path, values: tuple[float, float]) -> tuple[Parameter, Parameter]:
-            x, y = (
-                Parameter((*self.path, *key, index), value, structural=True)
-                for index, value in enumerate(values)
-            )
-            return x, y
-
-        points = {joint: pair(("points", joint), xy) for joint, xy in self.points.items()}
-        centre = pair(("center",), self.center or (0.0, 0.0))
+        points = {joint: self.pair(xy, "points", joint) for joint, xy in self.points.items()}
+        centre = self.pair(self.center or (0.0, 0.0), "center")
         if len(points) == 1 and self.center is not None and self.center not in self.points.values():
             points[f"{self.name}.center"] = centre
         return (
@@ -83,7 +75,7 @@ class Plate(Component):
                 kind="plate",
                 path=self.path,
                 points=points,
-                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
+                mass=self.number("mass"),
                 inertia=Parameter((*self.path, "inertia"), self.inertia or 0.0, structural=True),
                 centre=centre,
             ),

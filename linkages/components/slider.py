@@ -81,28 +81,20 @@ class Slider(Component):
 
     def terms(self) -> tuple[Body, ...]:
         """One body that slides."""
-
-        def pair(key: Path, place: tuple[float, float]) -> tuple[Parameter, Parameter]:
-            x, y = (
-                Parameter((*self.path, *key, index), value, structural=True)
-                for index, value in enumerate(place)
-            )
-            return x, y
-
         origin: Origin = (ZERO, ZERO)
         if isinstance(self.through, str):
             origin = self.through
         elif self.through is not None:
-            origin = pair(("through",), self.through)
-        further = {name: pair(("points", name), place) for name, place in self.points.items()}
+            origin = self.pair(self.through, "through")
+        further = {name: self.pair(place, "points", name) for name, place in self.points.items()}
         return (
             Body(
                 name=self.name,
                 kind="slider",
                 path=self.path,
                 points={self.joint: (ZERO, ZERO), **further},
-                mass=Parameter((*self.path, "mass"), self.mass, structural=True),
-                inertia=Parameter((*self.path, "inertia"), self.inertia, structural=True),
+                mass=self.number("mass"),
+                inertia=self.number("inertia"),
                 guide=Guide(origin, Parameter((*self.path, "angle"), self.angle), self.on),
             ),
         )

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent
-from linkages.components.measures import Distance, Load, elastic
+from linkages.components.measures import Distance, Load, spring_law
 from linkages.components.references import References
-from linkages.components.terms import Parameter, Path
+from linkages.components.terms import Path
 from linkages.spec.quantities import Damping, Name, NonNegativeLength, Stiffness
 
 
@@ -48,13 +48,8 @@ class JointSpring(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A spring and damper; numbers of exactly zero are structure."""
-        stiffness, length, damping = (
-            Parameter((*self.path, key), value, structural=True)
-            for key, value in (
-                ("stiffness", self.stiffness), ("length", self.length), ("damping", self.damping)
-            )
-        )  # fmt: skip
-        return (Load(Distance(*self.between), elastic(stiffness, length, damping), self.path),)
+        law = spring_law(*map(self.number, ("stiffness", "length", "damping")))
+        return (Load(Distance(*self.between), law, self.path),)
 
 
 def ends(path: Path, joints: tuple[str, str]) -> tuple[tuple[Path, str], ...]:

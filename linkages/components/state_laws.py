@@ -38,7 +38,7 @@ def leaves(function: Function) -> Iterator[Function]:
         yield function
 
 
-def arguments(function: Function) -> list[str]:
+def variables(function: Function) -> list[str]:
     """What a function depends on: ``"x"``, ``"v"`` and ``"t"``."""
     found = set(leaves(function))
     timed = any(isinstance(leaf, Time | Table) for leaf in found)
@@ -53,7 +53,7 @@ def _of_state(function: Function) -> bool:
 def time_functions(law: Function) -> Iterator[Function]:
     """The largest parts of a law that depend on time, but on neither x nor v."""
     if not _of_state(law):
-        if arguments(law):
+        if variables(law):
             yield law
     elif isinstance(law, Operation):
         for argument in law.arguments:
@@ -196,7 +196,7 @@ def stored(term: Function) -> Function | None:
 
     A multiple of (x − c)ⁿ is integrated from c, so that a relaxed spring has none.
     """
-    if arguments(term) != ["x"]:
+    if variables(term) != ["x"]:
         return None
     return _integral([_MINUS, *_factors(term)])
 

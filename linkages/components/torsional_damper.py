@@ -6,9 +6,9 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import ListedComponent, reference, turning, two_bodies
-from linkages.components.measures import ClearanceFriction, JointFriction, Load, Turn, viscous
+from linkages.components.measures import ClearanceFriction, JointFriction, Load, Turn, damper_law
 from linkages.components.references import References
-from linkages.components.terms import Parameter, Path
+from linkages.components.terms import Path
 from linkages.spec.quantities import Name, TorsionalDamping
 
 
@@ -50,8 +50,9 @@ class JointDamper(ListedComponent):
 
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
-        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (JointFriction(self.joint, self.bars, viscous(damping), self.path),)
+        return (
+            JointFriction(self.joint, self.bars, damper_law(self.number("damping")), self.path),
+        )
 
 
 @component
@@ -84,9 +85,8 @@ class DamperBetweenBars(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A damper along their angle."""
-        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
         angle = Turn(self.bars[1], reference(self.bars))
-        return (Load(angle, viscous(damping), self.path),)
+        return (Load(angle, damper_law(self.number("damping")), self.path),)
 
 
 @component
@@ -115,5 +115,4 @@ class ClearanceDamper(ListedComponent):
 
     def terms(self) -> tuple[ClearanceFriction, ...]:
         """Friction against a bar that the clearance knows."""
-        damping = Parameter((*self.path, "damping"), self.damping, structural=True)
-        return (ClearanceFriction(self.clearance, viscous(damping), self.path),)
+        return (ClearanceFriction(self.clearance, damper_law(self.number("damping")), self.path),)

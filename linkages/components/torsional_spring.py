@@ -6,25 +6,16 @@ from typing import ClassVar
 
 from linkages.components.component import component
 from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
-from linkages.components.measures import Load, Turn, elastic
+from linkages.components.measures import Load, Turn, spring_law
 from linkages.components.references import References
-from linkages.components.terms import Parameter, Path
+from linkages.components.terms import Path
 from linkages.spec.quantities import Angle, Name, TorsionalDamping, TorsionalStiffness
 
 
 class _Torsional(ListedComponent):
-    stiffness: TorsionalStiffness
-    angle: Angle
-    damping: TorsionalDamping
-
     def _spring(self, body: str, against: str | None) -> tuple[Load, ...]:
-        stiffness, angle, damping = (
-            Parameter((*self.path, key), value, structural=True)
-            for key, value in (
-                ("stiffness", self.stiffness), ("angle", self.angle), ("damping", self.damping)
-            )
-        )  # fmt: skip
-        return (Load(Turn(body, against), elastic(stiffness, angle, damping), self.path),)
+        law = spring_law(*map(self.number, ("stiffness", "angle", "damping")))
+        return (Load(Turn(body, against), law, self.path),)
 
 
 @component

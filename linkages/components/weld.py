@@ -49,6 +49,6 @@ class Weld(Component):
     def terms(self) -> tuple[Relation, ...]:
         """One relation of angles; the joint holds the rest."""
         other = reference(self.bars)
-        angle = Parameter((*self.path, "angle"), self.angle, structural=True)
+        angle = self.number("angle")
         parts = () if other is None else ((other, _ONE),)
         return (Relation(self.bars[1], parts, angle, self.path),)

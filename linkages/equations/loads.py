@@ -132,11 +132,11 @@ class ActingLoads:
 
     def _along(self, load: Load) -> Along:
         places, rates = self._places, self._symbols.rates
-        slopes: dict[sp.Symbol, tuple[tuple[Any, Any], ...]]
+        slopes: Slopes = {}
         match load.measure:
             case Distance(first, second):
                 length = self.lengths[first, second]
-                slopes = {q: ((sp.S.One, length.derivative(q)),) for q in rates}
+                slopes = {q: [(sp.S.One, length.derivative(q))] for q in rates}
                 return Along(length.symbol, length.rate, slopes)
             case Turn(body, reference):
                 value = places.orientation(body)
@@ -148,13 +148,13 @@ class ActingLoads:
                 place, part = places.joint(joint), (sp.cos, sp.sin)[axis]
                 value = sp.Add(*(term.components[axis] for term in place))
                 slopes = {
-                    q: tuple((p.length, part(p.angle)) for p in derivative(place, q)) for q in rates
+                    q: [(p.length, part(p.angle)) for p in derivative(place, q)] for q in rates
                 }
-                return Along(value, _rate(slopes, rates), slopes)
             case _:
                 assert_never(load.measure)
-        slopes = {q: ((sp.S.One, sp.diff(value, q)),) for q in rates}
-        return Along(value, _rate(slopes, rates), slopes)
+        slopes = slopes or {q: [(sp.S.One, sp.diff(value, q))] for q in rates}
+        rate = sp.Add(*(a * b * rates[q] for q, terms in slopes.items() for a, b in terms))
+        return Along(value, rate, slopes)
 
 
 def _work(parts: Sequence[tuple[sp.Expr, Along]], coordinate: sp.Symbol) -> sp.Expr:
@@ -164,10 +164,6 @@ def _work(parts: Sequence[tuple[sp.Expr, Along]], coordinate: sp.Symbol) -> sp.E
         turned = (f * factor for (f, _), (_, factor) in zip(parts, terms, strict=True))
         total += terms[0][0] * sp.Add(*turned)
     return total
-
-
-def _rate(slopes: Slopes, rates: Mapping[sp.Symbol, sp.Symbol]) -> sp.Expr:
-    return sp.Add(*(a * b * rates[q] for q, terms in slopes.items() for a, b in terms))
 
 
 def _joint(load: Load) -> str | None:

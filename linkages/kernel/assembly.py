@@ -93,7 +93,7 @@ def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
         bodies = load.load.turned
         masters = {master for body in bodies for master in topology.orientations[body].masters}
         if not masters <= given:
-            (angle,) = place.values([load.measure.displacement], assembly)
+            (angle,) = place.values([load.displacement], assembly)
             found[index] = float(2 * np.pi * np.round(angle / (2 * np.pi)))
     return found
 

@@ -1,15 +1,15 @@
-"""What loads act along: value, rate, power and the forces on bodies, as nodes of a model."""
+"""What loads act along: value, rate, and the forces on bodies, as nodes of a model."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from linkages.components.functions import Function, V, X
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.measures import Coordinate, Distance, Slide, Turn
 from linkages.components.state_laws import addends, leaves, monomial
 from linkages.kernel.laws import value_of
+from linkages.kernel.loads import Forces, LoadNodes, Torques, Velocities
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 
@@ -20,81 +20,8 @@ if TYPE_CHECKING:
 ROUND_OFF = 4e-15
 """Distance of two joints, beside the size of the mechanism, that round-off may cause."""
 
-Forces = list[tuple[str | None, str, Vector]]
-"""Bodies (None: the ground), their joints, and the forces on them there."""
 
-Torques = list[tuple[str | None, Scalar]]
-"""Bodies (None: the ground) and the torques on them."""
-
-
-class Velocities(Protocol):
-    """Velocities, actual or partial."""
-
-    bodies: dict[str, Scalar]
-    joints: dict[str, Vector]
-
-    def turning(self, name: str) -> Scalar:
-        """Angular speed of a body."""
-        ...
-
-
-class MeasureNodes(ABC):
-    """What a load acts along.
-
-    Parameters
-    ----------
-    model
-        Whose nodes these are.
-    index
-        Place of the load among those of the mechanism: some measures have a number for each.
-    """
-
-    shown = 1.0
-    """Sign with which a force along the measure is an output."""
-    suffix = ""
-    """What tells it from others of the same entry of a file."""
-    undefined = "it has no finite value"
-    """Why a law that has a value may give no force, as the end of a sentence."""
-
-    def __init__(self, model: Model, index: int) -> None:
-        self.model = model
-        self.graph = model.graph
-        self.index = index
-
-    @property
-    @abstractmethod
-    def displacement(self) -> Scalar:
-        """Its value x."""
-
-    @abstractmethod
-    def rate(self, velocities: Velocities) -> Scalar:
-        """The rate of x, at velocities that may be partial ones."""
-
-    def value(self, law: Function) -> Scalar:
-        """The force that a law gives, in the direction of increasing x."""
-        return value_of(law, self.model.inputs, self._measured)
-
-    def _measured(self, order: int) -> Scalar:
-        return self.rate(self.model.velocities) if order else self.displacement
-
-    def power(self, law: Function, velocities: Velocities) -> Scalar:
-        """Power of a law's force: its generalised force if the velocities are partial ones."""
-        return self.value(law) * self.rate(velocities)
-
-    def components(self, law: Function) -> list[Scalar]:
-        """The force of a law, as numbers that are all finite where it is defined."""
-        return [self.value(law)]
-
-    def forces(self, law: Function) -> Forces:  # noqa: ARG002
-        """Forces on bodies that are together the force of a law."""
-        return []
-
-    def torques(self, law: Function) -> Torques:  # noqa: ARG002
-        """Torques on bodies that are together the force of a law."""
-        return []
-
-
-class _Distance(MeasureNodes):
+class _Distance(LoadNodes):
     """Along the line between two joints.
 
     Where its ends meet, the line has no direction of its own. A term of the law that is a multiple
@@ -103,7 +30,7 @@ class _Distance(MeasureNodes):
     force is nan.
     """
 
-    shown = -1.0  # positive where it pulls
+    sign = -1.0  # positive where it pulls
 
     def __init__(self, model: Model, index: int, measure: Distance) -> None:
         super().__init__(model, index)
@@ -137,15 +64,15 @@ class _Distance(MeasureNodes):
         distance = self.graph.select(self._apart, self.displacement, self.graph.one)
         return self._between.dot(self._opening(velocities)) / distance
 
-    def power(self, law: Function, velocities: Velocities) -> Scalar:
+    def _power(self, law: Function, velocities: Velocities) -> Scalar:
         return self._force(law).dot(self._opening(velocities))
 
-    def components(self, law: Function) -> list[Scalar]:
+    def _components(self, law: Function) -> list[Scalar]:
         force = self._force(law)
         return [force.x, force.y]
 
-    def forces(self, law: Function) -> Forces:
-        force, carrier = self._force(law), self.model.mechanism.carrier
+    def forces(self) -> Forces:
+        force, carrier = self._force(self.load.force), self.model.mechanism.carrier
         return [
             (carrier(self.second), self.second, force),
             (carrier(self.first), self.first, -force),
@@ -182,7 +109,7 @@ class _Distance(MeasureNodes):
         select, one = self.graph.select, self.graph.one
         opening, apart = self._opening(self.model.velocities), self._apart
         speed = self.graph.sqrt(opening.square)
-        rate = select(apart, self._measured(1), speed)
+        rate = select(apart, self.measured(1), speed)
         met = opening * (1.0 / select(-speed, one, speed))
         distance = select(apart, self.displacement, one)
         direction = self._selected(apart, self._between * (1.0 / distance), met)
@@ -194,7 +121,7 @@ class _Distance(MeasureNodes):
         return Vector(select(condition, first.x, second.x), select(condition, first.y, second.y))
 
 
-class _Turn(MeasureNodes):
+class _Turn(LoadNodes):
     """Along the angle of a body, against the other one if there is one."""
 
     def __init__(self, model: Model, index: int, measure: Turn) -> None:
@@ -214,12 +141,12 @@ class _Turn(MeasureNodes):
         body, reference = self.measure.body, self.measure.reference
         return of_body(body) if reference is None else of_body(body) - of_body(reference)
 
-    def torques(self, law: Function) -> Torques:
-        torque = self.value(law)
+    def torques(self) -> Torques:
+        torque = self.value(self.load.force)
         return [(self.measure.body, torque), (self.measure.reference, -torque)]
 
 
-class _Slide(MeasureNodes):
+class _Slide(LoadNodes):
     """Along the axis of a slider."""
 
     def __init__(self, model: Model, index: int, measure: Slide) -> None:
@@ -233,21 +160,24 @@ class _Slide(MeasureNodes):
     def rate(self, velocities: Velocities) -> Scalar:
         return velocities.bodies[self.body]
 
-    def forces(self, law: Function) -> Forces:
+    def forces(self) -> Forces:
         slider = self.model.mechanism.bodies[self.body]
         assert slider.guide is not None
         pin = next(iter(slider.points))
-        force = self.model.positions.unit(self.body) * self.value(law)
+        force = self.model.positions.unit(self.body) * self.value(self.load.force)
         return [(self.body, pin, force), (slider.guide.body, pin, -force)]
 
 
-class _Coordinate(MeasureNodes):
+class _Coordinate(LoadNodes):
     """Along a direction of the ground's frame."""
 
     def __init__(self, model: Model, index: int, measure: Coordinate) -> None:
         super().__init__(model, index)
         self.joint, self.axis = measure.joint, measure.axis
-        self.suffix = f".{'xy'[measure.axis]}"
+
+    @property
+    def label(self) -> str:
+        return f"{super().label}.{'xy'[self.axis]}"
 
     def _part(self, vector: Vector) -> Scalar:
         return vector.y if self.axis else vector.x
@@ -259,25 +189,25 @@ class _Coordinate(MeasureNodes):
     def rate(self, velocities: Velocities) -> Scalar:
         return self._part(velocities.joints[self.joint])
 
-    def forces(self, law: Function) -> Forces:
-        force, zero = self.value(law), self.graph.zero
+    def forces(self) -> Forces:
+        force, zero = self.value(self.load.force), self.graph.zero
         vector = Vector(zero, force) if self.axis else Vector(force, zero)
         return [(self.model.mechanism.carrier(self.joint), self.joint, vector)]
 
 
-def measure_nodes(model: Model, load: Load, index: int) -> MeasureNodes:
-    """The nodes of what a load acts along."""
-    match load.measure:
-        case Distance():
-            return _Distance(model, index, load.measure)
-        case Turn():
-            return _Turn(model, index, load.measure)
-        case Slide():
-            return _Slide(model, index, load.measure)
-        case Coordinate():
-            return _Coordinate(model, index, load.measure)
-        case _:
-            assert_never(load.measure)
+def load_nodes(model: Model, index: int) -> LoadNodes:
+    """The nodes of the load at a place among those of the mechanism."""
+    match model.mechanism.loads[index].measure:
+        case Distance() as measure:
+            return _Distance(model, index, measure)
+        case Turn() as measure:
+            return _Turn(model, index, measure)
+        case Slide() as measure:
+            return _Slide(model, index, measure)
+        case Coordinate() as measure:
+            return _Coordinate(model, index, measure)
+        case _ as measure:
+            assert_never(measure)
 
 
 def extent(mechanism: Mechanism) -> float:

@@ -8,6 +8,7 @@ from functools import cached_property
 from linkages.kernel.inertia import Inertia
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.loads import LoadNodes
+from linkages.kernel.measures import load_nodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph, section
@@ -55,7 +56,7 @@ class Model:
     @cached_property
     def loads(self) -> list[LoadNodes]:
         """Forces, torques, springs and dampers."""
-        return [LoadNodes(self, index) for index in range(len(self.mechanism.loads))]
+        return [load_nodes(self, index) for index in range(len(self.mechanism.loads))]
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:

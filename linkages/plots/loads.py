@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from linkages.components.functions import Number
 from linkages.components.measures import Load, Turn
-from linkages.components.state_laws import arguments
+from linkages.components.state_laws import variables
 from linkages.plots import symbols
 from linkages.plots.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.bodies import ground_direction
@@ -124,7 +124,7 @@ def _size(loads: list[Load]) -> str:
     turning = loads[0].unit == "N m"
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
-        found = dict.fromkeys(name for load in loads for name in arguments(load.law))
+        found = dict.fromkeys(name for load in loads for name in variables(load.law))
         return f"{'M' if turning else 'F'}({', '.join(found)})"
     size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
     return scale_for(size, "N·m" if turning else "N").text(size) if size else ""

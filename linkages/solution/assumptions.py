@@ -30,7 +30,7 @@ def _wound(system: System) -> Iterator[str]:
     """
     for index in system.assembly.turns:
         load = system.model.loads[index]
-        deflection = load.measure.value(load.load.deflection)
+        deflection = load.value(load.load.deflection)
         turns = system.evaluate([deflection])[0, 0] / (2 * np.pi)
         if abs(turns) > 0.5:
             yield (

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from linkages.components.revolute import GROUND
 from linkages.components.terms import Body
-from linkages.solution.applied import applied_forces
 from linkages.solution.evaluation import evaluate_nodes
 from linkages.solution.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -111,17 +110,29 @@ class _Statics:
         """Solve, and add the pairs of each joint."""
         columns = [*self._pair_columns(), *self._guide_columns(), *self._effort_columns()]
         matrix = np.stack(columns, axis=-1) if columns else np.zeros((self._samples, 0, 0))
-        right = self._inertia() - applied_forces(self._piece, self.add)
+        right = self._inertia() - self._applied()
         forces = _solved(matrix, right)
         result = np.zeros((self._samples, len(self._joint), 2))
         for index, pair in enumerate(self._pairs):
             result[:, self._joint[pair.joint]] += forces[:, 2 * index : 2 * index + 2]
         return result
 
+    def _applied(self) -> Floats:
+        """Forces and moments of all loads on each body."""
+        rows, piece = self._column(), self._piece
+        for load in self._system.model.loads:
+            for body, joint, force in load.forces():
+                if body is not None:
+                    self._add(rows, body, joint, evaluate_nodes(piece, [force.x, force.y]).T)
+            for body, torque in load.torques():
+                if body is not None:
+                    self._add_torque(rows, body, evaluate_nodes(piece, [torque])[0])
+        return rows
+
     def _column(self) -> Floats:
         return np.zeros((self._samples, 3 * len(self._bodies)))
 
-    def add(self, rows: Floats, body: str, joint: str, force: Floats) -> None:
+    def _add(self, rows: Floats, body: str, joint: str, force: Floats) -> None:
         """Add a force on a body at a joint to its equations, shape (samples, 2)."""
         row = self._row[body]
         arm = self._places[self._joint[joint]] - self._reference(body)
@@ -132,9 +143,9 @@ class _Statics:
         for pair in self._pairs:
             for direction in ((1.0, 0.0), (0.0, 1.0)):
                 column, force = self._column(), np.tile(direction, (self._samples, 1))
-                self.add(column, pair.second, pair.joint, force)
+                self._add(column, pair.second, pair.joint, force)
                 if pair.first != GROUND:
-                    self.add(column, pair.first, pair.joint, -force)
+                    self._add(column, pair.first, pair.joint, -force)
                 yield column
 
     def _guide_columns(self) -> Iterator[Floats]:
@@ -154,9 +165,9 @@ class _Statics:
         column, axis = self._column(), self._units[self._index[body.name]]
         force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
         pin = next(iter(body.points))
-        self.add(column, body.name, pin, force)
+        self._add(column, body.name, pin, force)
         if body.guide is not None and body.guide.body is not None:
-            self.add(column, body.guide.body, pin, -force)
+            self._add(column, body.guide.body, pin, -force)
         return column
 
     def _add_torque(self, rows: Floats, body: str, torque: float | Floats) -> None:
@@ -202,7 +213,7 @@ class _Statics:
             carrier = self._system.mechanism.carrier(mass.joint)
             if carrier is not None:
                 acceleration = self._accelerations[self._joint[mass.joint]]
-                self.add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))
+                self._add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))
         return rows
 
     def _centre(self, body: Body) -> tuple[Floats, Floats]:

@@ -1,8 +1,8 @@
-"""Evaluates functions of time in plain Python, for the tests of this folder."""
+"""Evaluates laws in plain Python, for the tests of this folder."""
 
 import math
 
-from linkages.components.functions import Number, Operation, Time
+from linkages.components.functions import Measured, Number, Operation, Time
 
 OPERATIONS = {
     "add": lambda a, b: a + b,
@@ -14,17 +14,19 @@ OPERATIONS = {
 }
 
 
-def value(function, t):
-    """The value at a time."""
+def value(function, t, x=0.0, v=0.0):
+    """The value at a time, and where a load has the value x and the rate v."""
     if isinstance(function, Number):
         return function.parameter.value
     if isinstance(function, Time):
         return t
+    if isinstance(function, Measured):
+        return v if function.order else x
     assert isinstance(function, Operation)
     if function.name == "select":
         condition, first, second = function.arguments
-        return value(first if value(condition, t) >= 0 else second, t)
-    arguments = [value(argument, t) for argument in function.arguments]
+        return value(first if value(condition, t, x, v) >= 0 else second, t, x, v)
+    arguments = [value(argument, t, x, v) for argument in function.arguments]
     operation = OPERATIONS.get(function.name) or getattr(math, function.name)
     return operation(*arguments)
 

@@ -2,7 +2,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 from linkages.components.damper import GuideDamper, LineDamper
-from linkages.components.measures import Distance, Load, Slide, viscous
+from linkages.components.measures import Distance, Load, Slide, damper_law
 from linkages.components.terms import Parameter
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
@@ -19,12 +19,12 @@ DAMPING = Parameter(("dampers", 0, "damping"), 2000.0, structural=True)
         (
             "{between: [O, B], damping: 2 N*s/mm}",
             LineDamper(index=0, between=("O", "B"), damping=2000),
-            Load(Distance("O", "B"), viscous(DAMPING), ("dampers", 0)),
+            Load(Distance("O", "B"), damper_law(DAMPING), ("dampers", 0)),
         ),
         (
             "{slider: piston, damping: 2000}",
             GuideDamper(index=0, slider="piston", damping=2000),
-            Load(Slide("piston"), viscous(DAMPING), ("dampers", 0)),
+            Load(Slide("piston"), damper_law(DAMPING), ("dampers", 0)),
         ),
     ],
 )

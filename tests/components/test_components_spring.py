@@ -1,7 +1,7 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.measures import Distance, Load, elastic
+from linkages.components.measures import Distance, Load, spring_law
 from linkages.components.spring import JointSpring
 from linkages.components.terms import Parameter
 
@@ -26,7 +26,7 @@ def test_terms():
         Parameter(("springs", 0, key), number, structural=True)
         for key, number in (("stiffness", 4530.0), ("length", 0.08), ("damping", 2.0))
     )
-    law = elastic(stiffness, length, damping)
+    law = spring_law(stiffness, length, damping)
     assert FULL.terms() == (Load(Distance("O", "B"), law, ("springs", 0)),)
     (bare,) = JointSpring(index=1, between=("O", "B"), stiffness=1, length=0).terms()
     assert not bare.dissipates

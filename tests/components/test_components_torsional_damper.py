@@ -1,7 +1,7 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.measures import Load, Turn, viscous
+from linkages.components.measures import Load, Turn, damper_law
 from linkages.components.terms import Parameter
 from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper
 
@@ -56,7 +56,7 @@ def test_same_from_yaml_and_python(entry, made):
 )
 def test_between_which_bodies(entry, body, reference):
     (load,) = mechanism(BARS + f"- {{{entry}, damping: 0.1}}\n").loads
-    assert load == Load(Turn(body, reference), viscous(DAMPING), ("dampers", 0))
+    assert load == Load(Turn(body, reference), damper_law(DAMPING), ("dampers", 0))
 
 
 def test_a_block_turns_with_what_carries_it():

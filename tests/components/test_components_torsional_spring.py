@@ -3,7 +3,7 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.measures import Load, Turn, elastic
+from linkages.components.measures import Load, Turn, spring_law
 from linkages.components.terms import Parameter
 from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
 
@@ -39,7 +39,7 @@ def test_same_from_yaml_and_python(where, made, body, reference):
         Parameter(("springs", 0, key), number, structural=True)
         for key, number in (("stiffness", 5.0), ("angle", math.pi), ("damping", 0.0))
     )
-    law = elastic(stiffness, angle, damping)
+    law = spring_law(stiffness, angle, damping)
     assert made.terms() == (Load(Turn(body, reference), law, ("springs", 0)),)
 
 

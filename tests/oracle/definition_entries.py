@@ -13,7 +13,7 @@ from linkages.components.functions import (
     constant,
     linear,
 )
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.measures import Coordinate, Distance, Load, Measure, Slide, Turn
 from linkages.components.terms import (
     ZERO,
     Body,
@@ -32,7 +32,7 @@ def _number(path: tuple, value: float, structural: bool = True) -> Parameter:
 
 
 def function(path: tuple, text: str | float | dict) -> Function:
-    """A formula in t, a table, or a number."""
+    """A formula in t (and in x and v, of a law of state), a table, or a number."""
     if isinstance(text, dict):
         table = text["table"]
         return Table(path, tuple(table["times"]), tuple(table["values"]), table["periodic"])
@@ -47,6 +47,8 @@ def _translated(node: ast.expr) -> Function:
             return constant(float(value))
         case ast.Name(id="t"):
             return Time()
+        case ast.Name(id="x" | "v" as name):
+            return X if name == "x" else V
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return Operation("neg", (_translated(operand),))
         case ast.BinOp(op=op, left=left, right=right):
@@ -91,6 +93,9 @@ def _drive(path: tuple, entry: dict) -> Prescribed:
 
 
 def _load(path: tuple, entry: dict) -> Load | tuple[Load, Load]:
+    """A given load, or any law along any measure, which no file can ask for."""
+    if "law" in entry:
+        return Load(_measure(entry), function((*path, "law"), entry["law"]), path)
     if "slider" in entry:
         return Load(Slide(entry["slider"]), function((*path, "force"), entry["force"]), path)
     if "joint" in entry:
@@ -108,6 +113,17 @@ def _reference(name: str) -> str | None:
     return None if name == "ground" else name
 
 
+def _measure(entry: dict) -> Measure:
+    if "slider" in entry:
+        return Slide(entry["slider"])
+    if "between" in entry:
+        return Distance(*entry["between"])
+    if "joint" in entry:
+        return Coordinate(entry["joint"], entry["axis"])
+    pair = entry.get("between_bars") or entry.get("bars") or ("ground", entry["bar"])
+    return Turn(pair[1], _reference(pair[0]))
+
+
 def _spring(path: tuple, entry: dict) -> Load:
     """A spring, or a damper, which is a spring without stiffness: −(k·(x − c) + d·v)."""
 
@@ -117,13 +133,8 @@ def _spring(path: tuple, entry: dict) -> Load:
     def times(factor: Function, of: Function) -> Function:
         return Operation("mul", (factor, of))
 
-    if "slider" in entry:
-        measure, relaxed = Slide(entry["slider"]), "length"
-    elif "between" in entry:
-        measure, relaxed = Distance(*entry["between"]), "length"
-    else:
-        pair = entry.get("between_bars") or entry.get("bars") or ("ground", entry["bar"])
-        measure, relaxed = Turn(pair[1], _reference(pair[0])), "angle"
+    measure = _measure(entry)
+    relaxed = "angle" if isinstance(measure, Turn) else "length"
     deflection = Operation("sub", (X, number(relaxed)))
     parts = times(number("stiffness"), deflection), times(number("damping"), V)
     return Load(measure, Operation("neg", (Operation("add", parts),)), path)

@@ -22,6 +22,7 @@ from linkages import (
     UniformGravity,
 )
 from linkages.components.component import Component, Term
+from linkages.reading.document import Document
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,11 @@ class Unchecked(Mechanism):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
+
+    @property
+    def definition(self) -> Document:
+        """No file says the same: problems have a path, and no line."""
+        return Document(self.source, {}, {})
 
 
 def mechanism_of(definition: Mapping[str, Any]) -> Mechanism:

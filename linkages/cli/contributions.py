@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from itertools import groupby
 from typing import assert_never
 
+import numpy as np
+
 from linkages.cli.terminal import number
 from linkages.components.functions import (
     Function,
@@ -22,6 +24,7 @@ from linkages.components.revolute import GROUND
 from linkages.components.state_laws import Monomial, addends, monomial, sum_of, variables
 from linkages.components.terms import Path
 from linkages.components.weld import Weld
+from linkages.kernel.laws import law_values
 from linkages.reading.paths import dotted
 from linkages.reading.wording import listed
 from linkages.solution.law_ranges import law_range
@@ -110,7 +113,7 @@ def _passive(load: Load) -> tuple[str, str]:
 
 
 def _terms(load: Load) -> Iterator[str]:
-    """The numbers of terms that are linear in x or v, and what all others depend on."""
+    """The numbers of terms that are constant or linear, and what all others depend on."""
     turning, unit = isinstance(load.measure, Turn), load.unit
     per, relaxed = ("rad", "angle ") if turning else ("m", "length ")
     damping = "" if isinstance(load.measure, Slide) else "damping "
@@ -125,6 +128,8 @@ def _terms(load: Load) -> Iterator[str]:
                 yield f"{relaxed}{number(c.value)} {per}"
             case Monomial(Operation("neg", (Number(d),)), None, 0, 1):
                 viscous.append(f"{damping}{number(d.value)} {unit} s/{per}")
+            case _ if not variables(term):
+                yield f"{number(float(law_values(term, np.zeros(1))[0]))} {unit}"
             case _:
                 others.append(term)
     yield from viscous

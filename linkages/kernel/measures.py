@@ -89,7 +89,7 @@ class _Distance(LoadNodes):
         product = monomial(term)
         if product is not None and product.base == X:
             return self._between * self.value(product.over(X))
-        if product is not None and product.rate:
+        if product is not None and product.rate == 1:
             return self._along * self.value(product.over(V))
         if V in leaves(term):
             return self._following(term)

@@ -64,12 +64,12 @@ def _largest(function: Function, times: NDArray[np.float64], sign: float) -> flo
 
 
 def laws_of(mechanism: Mechanism) -> Iterator[tuple[Path, Function, str]]:
-    """All laws of drives and loads: path, function of time, and SI unit."""
+    """All laws of drives and loads: path, function of time, and SI unit (none of a factor)."""
     for name, drive in mechanism.prescribed.items():
         yield drive.path, drive.law, "rad" if mechanism.bodies[name].rotates else "m"
     for load in mechanism.loads:
         for law in load.laws:
-            yield load.path, law, load.unit
+            yield load.path, law, load.unit if load.given else ""
 
 
 def law_notes(mechanism: Mechanism) -> list[str]:
@@ -90,12 +90,13 @@ def law_notes(mechanism: Mechanism) -> list[str]:
 
 def _outside(table: Table, unit: str) -> list[str]:
     least, most = min(table.values), max(table.values)
+    unit = unit and f" {unit}"
     low, high = extremes(table, table.times[0], table.times[-1])
     slack = ROUND_OFF * (most - least)
     if low >= least - slack and high <= most + slack:
         return []
     return [
         f"{dotted(table.path)}: the spline leaves the range of its values: it goes from {low:.4g} "
-        f"to {high:.4g} {unit}, they go from {least:.4g} to {most:.4g} {unit}; 'interpolation: "
+        f"to {high:.4g}{unit}, they go from {least:.4g} to {most:.4g}{unit}; 'interpolation: "
         "pchip' never leaves it, and more times beside a step bend a spline less"
     ]

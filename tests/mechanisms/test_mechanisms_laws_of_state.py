@@ -85,6 +85,9 @@ def test_friction_between_ends_that_meet_acts_against_their_motion():
     met = System(sliding({"between": ["O", "B"], "law": "-3*tanh(v/0.2)"}, speed=0.1))
     (found,) = met.evaluate(met.model.free_accelerations)[:, 0]
     assert found == pytest.approx(-3 * np.tanh(0.5) / MASS, rel=1e-14)
+    swift = System(sliding({"between": ["O", "B"], "law": "-3*v**3"}, speed=0.5))
+    (found,) = swift.evaluate(swift.model.free_accelerations)[:, 0]
+    assert found == pytest.approx(-3 * 0.5**3 / MASS, rel=1e-14)
     rests = System(sliding({"between": ["O", "B"], "law": "-3*tanh(v/0.2)"}))
     assert rests.evaluate(rests.model.free_accelerations)[0, 0] == 0.0
 
@@ -205,7 +208,7 @@ def test_reports_and_drawings_leave_none_out():
     assert [(row["kind"], row["on"], row["value"]) for row in loads(mechanism)] == [
         ("torsional damper", "rod against crank", "a law of v"),
         ("spring", "joints O and T", "a law of x"),
-        ("spring", "joints C and T", "40 N/m, length 0.5 m, a law of x and v"),
+        ("spring", "joints C and T", "12 N, 40 N/m, length 0.5 m, a law of x and v"),
         ("torsional spring", "tail", "a law of x"),
         ("damper", "bead in its guide", "a law of v"),
         ("spring", "y of joint T", "damping 0.2 N s/m, a law of x"),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from linkages.chaos.bifurcation import bifurcation
     from linkages.chaos.lyapunov import lyapunov
     from linkages.chaos.maps import chaos_map
+    from linkages.chaos.report import verdict
     from linkages.chaos.section import poincare
     from linkages.components.assembly import AssemblyHint
     from linkages.components.bar import Bar
@@ -87,6 +88,7 @@ _HOMES = {
     "lyapunov": "linkages.chaos.lyapunov",
     "poincare": "linkages.chaos.section",
     "simulate": "linkages.solution.simulate",
+    "verdict": "linkages.chaos.report",
 }
 
 __all__ = [
@@ -132,6 +134,7 @@ __all__ = [
     "lyapunov",
     "poincare",
     "simulate",
+    "verdict",
 ]
 
 

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import linkages
-from linkages.chaos.report import ChaosReport, chaos
+from linkages.chaos.report import ChaosReport
 from linkages.chaos.sweep import Executor, sweep
 from reproduction.reported import ANGLE, SIZE, press, speeds
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What `linkages.chaos.report.chaos` says of one start.
+    """What `linkages.verdict` says of one start.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def verdict(
     """Judge one motion over so many periods, and again at a tenth of the tolerance."""
     turning = {} if speed is None else speeds(speed)
     mechanism = press(changes={SIZE: size, ANGLE: f"{angle:g} deg", **turning})
-    return _read(size, angle, chaos(mechanism, periods=periods, rtol=rtol))
+    return _read(size, angle, linkages.verdict(mechanism, periods=periods, rtol=rtol))
 
 
 def _read(size: float, angle: float, report: ChaosReport) -> Verdict:

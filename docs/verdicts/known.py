@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import linkages
 from linkages.chaos.judge import Course, judge
-from linkages.chaos.report import chaos
+from linkages.chaos.report import verdict
 from linkages.chaos.systems import Map, Ode
 
 Answer = tuple[str, int | None]
@@ -104,7 +104,7 @@ def of_mechanism(mechanism: Callable[[], linkages.Mechanism]) -> Callable[..., A
     """Judge a mechanism as ``linkages chaos`` does."""
 
     def judged(skip: int | None, rtol: float) -> Answer:
-        report = chaos(mechanism(), periods=PERIODS, skip=skip, rtol=rtol)
+        report = verdict(mechanism(), periods=PERIODS, skip=skip, rtol=rtol)
         return report.verdict, report.period if report.verdict == "periodic" else None
 
     return judged

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,25 +15,23 @@ from linkages.chaos.common_period import NoPeriodError
 from linkages.chaos.continuation import End, crossing_points, stroboscopic_points
 from linkages.chaos.diagram import Value, diagram
 from linkages.chaos.lyapunov import run_exponents
-from linkages.chaos.section import how, require_section, section_settings
-from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Outcome, Progress, sweep
+from linkages.chaos.section import require_section
+from linkages.chaos.sweep import Executor, Outcome, Progress, per_period, sweep
 from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible, varied
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
-from linkages.solution.arguments import whole_number
+from linkages.options.exponents import ExponentOptions
+from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.solution.flows import Flows
-from linkages.solution.motion import Settings
+from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-STARTS = ("same", "forward", "backward")
 EXPONENT_PERIODS = 100
 ALIGNING = 10
 """Periods in which tangents turn into the direction that grows fastest, before exponents count."""
-
-SECTION = ("periods", "skip", "phase", "section", "direction")
 
 Floats = NDArray[np.float64]
 
@@ -46,10 +45,16 @@ class _Request:
 
     mechanism: Mechanism
     axis: Axis
-    section: Mapping[str, Any]
-    start: str
-    exponent: bool
-    max_steps: int | None
+    given: Mapping[str, Any]
+
+    @cached_property
+    def options(self) -> BifurcationOptions:
+        """What is asked for where nothing is varied."""
+        return options_of(BifurcationOptions, self.mechanism, self.given)
+
+    def options_at(self, mechanism: Mechanism, periods: int) -> BifurcationOptions:
+        """The same at a value, in the steps that so many periods may take."""
+        return per_period(options_of(BifurcationOptions, mechanism, self.given), periods)
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
         return varied(self.mechanism, {**self.axis.at(index), **overrides})
@@ -66,12 +71,11 @@ class _Request:
         system = first_possible(self.system, points[0])
         for others in points[1:]:
             first_possible(lambda point: self.at(*point[:2]), others)
-        taken = {key: self.section[key] for key in SECTION}
         try:
-            require_section(system, **taken)
+            require_section(system, self.options)
         except NoPeriodError:
             first_possible(
-                lambda point: require_section(self.system(point), **taken),
+                lambda point: require_section(self.system(point), self.options),
                 points[0],
                 (InputError, NoPeriodError),
             )
@@ -82,18 +86,16 @@ class _Request:
         """The points of a value, and the exponent of the motion that they belong to."""
         index, overrides, before = point
         mechanism = self.at(index, overrides)
-        settings = self._settings(mechanism, self.section["periods"] + self.section["skip"])
-        continued = self.start != "same"
-        if self.section["section"] is None:
+        options = self.options_at(mechanism, self._periods)
+        continued = options.start != "same"
+        if options.section is None:
             system = System(mechanism) if before is None else before.system(mechanism)
-            taken = {key: self.section[key] for key in ("periods", "skip", "phase")}
-            ends = self.exponent, continued
-            visited = stroboscopic_points(system, settings, **taken, ends=ends)
+            ends = options.exponent, continued
+            visited = stroboscopic_points(system, options, ends=ends)
         else:
-            section = {**self.section, "max_steps": settings.max_steps}
-            ends_too = self.exponent or continued
-            visited = crossing_points(mechanism, before, settings, section, ends=ends_too)
-        if not self.exponent or visited.refusal is not None or visited.first is None:
+            ends_too = options.exponent or continued
+            visited = crossing_points(mechanism, before, options, ends=ends_too)
+        if not options.exponent or visited.refusal is not None or visited.first is None:
             return Value(visited, refusal=visited.refusal)
         try:
             return Value(visited, self._exponent(mechanism, visited.first))
@@ -101,34 +103,37 @@ class _Request:
             return Value(visited, refusal=error)
 
     @property
+    def _periods(self) -> int:
+        return self.options.periods + self.options.skip
+
+    @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
-        settings = self._settings(self.mechanism, self.section["periods"] + self.section["skip"])
-        taken = {key: "" if found is None else found for key, found in self.section.items()}
+        taken = per_period(self.options, self._periods)
         return {
             "name": self.mechanism.name,
             "source": self.mechanism.source,
             "varied": self.axis.label,
-            "start": self.start,
-            **taken,
-            **how(settings),
-            "max_steps": settings.max_steps,
-            "exponent_periods": EXPONENT_PERIODS if self.exponent else 0,
+            "start": taken.start,
+            "periods": taken.periods,
+            "skip": taken.skip,
+            "phase": taken.phase,
+            "section": taken.section or "",
+            "direction": taken.direction,
+            **taken.how,
+            "max_steps": taken.most_steps,
+            "exponent_periods": EXPONENT_PERIODS if taken.exponent else 0,
         }
-
-    def _settings(self, mechanism: Mechanism, periods: int) -> Settings:
-        steps = STEPS_PER_PERIOD * periods if self.max_steps is None else self.max_steps
-        return section_settings(mechanism, self.section["method"], self.section["rtol"], steps)
 
     def _exponent(self, mechanism: Mechanism, first: End) -> tuple[float, float]:
         """The largest exponent and its error, from where the points begin."""
-        exponents = run_exponents(
-            first.system(mechanism),
-            self._settings(mechanism, ALIGNING + EXPONENT_PERIODS),
+        options = ExponentOptions.like(
+            self.options_at(mechanism, ALIGNING + EXPONENT_PERIODS),
             periods=EXPONENT_PERIODS,
             skip=ALIGNING,
             count=1,
         )
+        exponents = run_exponents(first.system(mechanism), options)
         return float(exponents.values[0]), float(exponents.errors[0])
 
 
@@ -136,19 +141,10 @@ def bifurcation(
     mechanism: Mechanism,
     vary: Vary,
     *,
-    periods: int = 200,
-    skip: int = 100,
-    phase: float = 0.0,
-    section: str | None = None,
-    direction: str = "up",
-    start: str = "same",
     initial: Sequence[Mapping[str, object]] = ({},),
-    exponent: bool = False,
-    method: str | None = None,
-    rtol: float | None = None,
-    max_steps: int | None = None,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
+    **options: Unpack[BifurcationKeywords],
 ) -> xr.Dataset:
     """Section points for every value of a parameter, or of several in lockstep.
 
@@ -159,25 +155,15 @@ def bifurcation(
     vary
         Dotted path of its definition → values in SI; several paths vary together. Or a range as on
         the command line, which may have a unit: ``"clearances.r1.size=0.01mm:0.5mm:200"``.
-    periods, skip, phase, section, direction, method, rtol
-        As `linkages.poincare` takes them.
-    start
-        ``"same"``: each value starts from the state of the definition; ``"forward"`` or
-        ``"backward"``: from the last state of the value before or behind it, in the same assembly
-        mode and at the start of a period of the drives, which shows hysteresis.
     initial
         Overrides of the definition, one for each initial state that is tried at every value, such
         as ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
-    exponent
-        Whether to compute the largest Lyapunov exponent at every value as well: of the motion that
-        the points belong to, over 100 periods that begin 10 after the first point.
-    max_steps
-        Steps of the integration that a value may take, and its exponent once more; one that needs
-        more is left out, with this as its reason. 100,000 for each period if not given.
     executor
         Where values are computed; the cores that this process may use if not given.
     watch
         Called after each value with the progress.
+    options
+        As `BifurcationOptions` describes them.
 
     Returns
     -------
@@ -199,20 +185,21 @@ def bifurcation(
         After Ctrl-C; ``kept["bifurcation"]`` has the values so far.
     """
     values = axis_of(vary)
-    if start not in STARTS:
-        raise ValueError(f"start must be one of {', '.join(STARTS)}, found {start!r}")
-    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
-    max_steps = None if max_steps is None else whole_number("max_steps", max_steps)
-    taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
-             "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
-    request = _Request(mechanism, values, taken, start, exponent, max_steps)
+    request = _Request(mechanism, values, options)
+    asked = request.options
     system = request.checked(initial)
-    compute = _independent if start == "same" else _continued
+    compute = _independent if asked.start == "same" else _continued
     found, interrupted = compute(request, initial, executor, watch)
     shape = len(initial), len(values)
     attributes = {**request.attributes, "interrupted": int(interrupted)}
     data = diagram(
-        system, found, shape, periods, exponent, coordinates(mechanism, values, "value"), attributes
+        system,
+        found,
+        shape,
+        asked.periods,
+        asked.exponent,
+        coordinates(mechanism, values, "value"),
+        attributes,
     )
     if interrupted:
         done = sum(outcome is not None for outcome in found)
@@ -245,7 +232,7 @@ def _continued(
 ) -> Found:
     """Every value from the last state of its neighbour, all initial states side by side."""
     count = len(request.axis)
-    order = range(count) if request.start == "forward" else range(count - 1, -1, -1)
+    order = range(count) if request.options.start == "forward" else range(count - 1, -1, -1)
     ends: list[End | None] = [None for _ in initial]
     found: list[Outcome | None] = [None] * (len(initial) * count)
     begun = time.monotonic()

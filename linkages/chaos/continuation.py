@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from linkages.chaos.common_period import NoPeriodError, common_period
 from linkages.chaos.contact_log import contact_values
 from linkages.chaos.free_states import PAIRS, free_names, free_values
-from linkages.chaos.section import poincare
+from linkages.chaos.section import section_points
 from linkages.chaos.strobe import strobe
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.assembly import AssemblyHint
@@ -21,6 +21,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
+from linkages.options.sections import PoincareOptions, SectionOptions
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 
 Floats = NDArray[np.float64]
@@ -143,11 +144,7 @@ class Visited:
 
 def stroboscopic_points(
     system: System,
-    settings: Settings,
-    *,
-    periods: int,
-    skip: int,
-    phase: float,
+    options: SectionOptions,
     ends: tuple[bool, bool] = (True, True),
 ) -> Visited:
     """Points of a stroboscopic section, and the first and the last end if wanted, from one run.
@@ -159,10 +156,11 @@ def stroboscopic_points(
         After Ctrl-C.
     """
     period = common_period(system.mechanism)
+    skip, periods, phase = options.skip, options.periods, options.phase
     # without a phase the last point is at a whole period itself
     wanted = period * skip, period * (skip + periods - (not phase))
     further = tuple(time for time, asked in zip(wanted, ends, strict=True) if asked)
-    found = strobe(system, settings, periods=periods, skip=skip, phase=phase, further=further)
+    found = strobe(system, options, further=further)
     motion = found.motion
     _require_uninterrupted(motion)
     places = [found.place(time) for time in wanted]
@@ -183,8 +181,7 @@ def stroboscopic_points(
 def crossing_points(
     mechanism: Mechanism,
     before: End | None,
-    settings: Settings,
-    section: Mapping[str, Any],
+    options: SectionOptions,
     ends: bool = True,
 ) -> Visited:
     """Crossings of a section, and where the motion was at whole periods of the drives.
@@ -201,7 +198,8 @@ def crossing_points(
     """
     refusal: ComputationError | None = None
     try:
-        data = poincare(mechanism if before is None else before.mechanism(mechanism), **section)
+        start = mechanism if before is None else before.mechanism(mechanism)
+        data = section_points(start, PoincareOptions.like(options))
     except UnfinishedError as error:
         if not error.kept["poincare"].sizes["crossing"]:
             raise
@@ -210,7 +208,7 @@ def crossing_points(
     if ends and data.sizes["crossing"]:
         system = System(mechanism) if before is None else before.system(mechanism)
         times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
-        motion = compute_motion(system, replace(settings, times=np.unique(times), passing=False))
+        motion = compute_motion(system, Settings(times=np.unique(times), run=options))
         _require_uninterrupted(motion)
         places = [int(np.searchsorted(motion.time, time)) for time in times]
         first, last = (

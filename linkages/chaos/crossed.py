@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from linkages.chaos.contact import Contact
 from linkages.chaos.contact_log import ContactLog, check_interval
 from linkages.chaos.stops import stop_text
-from linkages.chaos.surface import Surface
+from linkages.chaos.surface import Surface, parse_section
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.options.sections import SectionOptions
 from linkages.solution.flows import Flows, watched
-from linkages.solution.motion import Motion, Piece, Settings
+from linkages.solution.motion import Floats, Motion, Piece, Watch
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
@@ -39,16 +41,15 @@ class Met:
 
 def crossed(
     system: System,
-    settings: Settings,
-    surface: Surface,
-    points: int,
-    skip: int,
-    direction: str,
+    options: SectionOptions,
     end: float,
+    watch: Watch | None = None,
 ) -> Met:
-    """Integrate until enough crossings are found."""
+    """Integrate until enough crossings of a section are found, or a time in seconds is over."""
+    assert options.section is not None
+    surface, skip = parse_section(system, options.section), options.skip
     flow, function = Flows(system).flow(), watched(system, surface.nodes)
-    wanted = points + skip
+    wanted = options.periods + skip
     capacity = wanted
     interval = check_interval(system, end)
     log = None if interval is None else ContactLog(system, interval)
@@ -57,11 +58,11 @@ def crossed(
     while True:
         event = Event(
             function=function,
-            direction=DIRECTIONS[direction],
+            direction=DIRECTIONS[options.direction],
             terminal=capacity,
             capacity=capacity,
         )
-        trajectory = _integrated(system, flow, replace(settings, times=times), event)
+        trajectory = _integrated(system, flow, times, options, event, watch)
         piece = _met(system, surface, trajectory)
         if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
             break
@@ -90,20 +91,18 @@ def crossed(
     return Met(motion, log.contacts, log.interval)
 
 
-def _integrated(system: System, flow: Flow, settings: Settings, event: Event) -> Trajectory:
+def _integrated(
+    system: System, flow: Flow, times: Floats, run: RunOptions, event: Event, watch: Watch | None
+) -> Trajectory:
     """Integrate until a number of crossings are met, or to the last of the times."""
     return integrate(
         flow,
         system.state,
-        settings.times,
+        times,
         start=system.time,
-        method=settings.method,
-        rtol=settings.rtol,
-        atol=settings.atol,
-        step=settings.step,
-        max_steps=settings.max_steps,
+        **run.integration,
         events=[event],
-        watch=settings.watch,
+        watch=watch,
     )
 
 

@@ -16,10 +16,11 @@ from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapp
 from linkages.chaos.rotation import Rotation, classify_angle, refined
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.stretch import Evidence
-from linkages.chaos.surface import parse_section
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.options.sections import SectionOptions
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import evaluate_variables
@@ -75,25 +76,27 @@ class Section:
             return {"section": self.text, "direction": self.direction, "warning": ""}
         return {"period": self.period, "phase": 0.0, "warning": ""}
 
-    def points(self, system: System, settings: Settings, count: int) -> tuple[Floats, Floats]:
+    def points(self, system: System, run: RunOptions, count: int) -> tuple[Floats, Floats]:
         """Points of a geometric section from where a system is, and their times.
 
         Returns
         -------
         Shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom crosses.
         """
-        surface = parse_section(system, self.text)
+        options = SectionOptions.like(
+            run, section=self.text, direction=self.direction, periods=count
+        )
         end = system.time + LONGER * count * self.period
         size = len(system.topology.free)
         try:
-            motion = crossed(system, settings, surface, count, 0, self.direction, end).motion
+            motion = crossed(system, options, end).motion
         except NeverCrossedError:
             return np.empty((0, 2 * size)), np.empty(0)
         state = motion.state
         return np.concatenate([state[:size], state[len(state) // 2 :][:size]]).T, motion.time
 
 
-def section_for(system: System, settings: Settings, periods: int) -> Section:
+def section_for(system: System, run: RunOptions, periods: int) -> Section:
     """Stroboscopic, or where the motion is seen to return: its rate vanishes, or it turns over."""
     try:
         return Section(period=common_period(system.mechanism))
@@ -103,7 +106,7 @@ def section_for(system: System, settings: Settings, periods: int) -> Section:
     tried = [Section(period=end, text=t, direction=d) for t, d in _sections(system)]
     for section in tried:
         probe = replace(section, period=end * periods / RETURNS / LONGER)
-        _, times = probe.points(system, settings, RETURNS)
+        _, times = probe.points(system, run, RETURNS)
         if len(times) >= FEWEST_RETURNS:
             return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
     return tried[0]
@@ -158,14 +161,16 @@ def labelled_section(system: System, section: Section, evidence: Evidence) -> xr
 
 
 def followed(
-    system: System, settings: Settings, period: float, periods: int, watch: Watch | None
+    system: System, run: RunOptions, period: float, periods: int, watch: Watch | None
 ) -> Solution:
     """The motion over time from where a system is: free coordinates and clearance forces."""
     outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")
     times = system.time + period * np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
-    settings = replace(settings, times=times, passing=passes(system), counting=True, watch=watch)
+    settings = Settings(
+        times=times, run=run, passing=passes(system, run), counting=True, watch=watch
+    )
     motion = compute_motion(system, settings)
     solution = Solution(
         data=labelled(system, motion, evaluate_variables(motion, outputs)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -25,16 +25,15 @@ from linkages.chaos.exponents import (
 )
 from linkages.chaos.free_states import require_free
 from linkages.chaos.invariants import Invariant
-from linkages.chaos.section import how, section_settings
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.chaos.volumes import Volumes
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.solution.arguments import whole_number
-from linkages.solution.motion import Settings
-from linkages.solvers.integrate import MAX_STEPS
+from linkages.options.exponents import ExponentKeywords, ExponentOptions
+from linkages.options.option import OptionError
+from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,14 +48,8 @@ PARTS = 4
 def lyapunov(
     mechanism: Mechanism,
     *,
-    periods: int = 300,
-    skip: int = 0,
-    count: int | None = None,
-    interval: float | None = None,
-    method: str | None = None,
-    rtol: float | None = None,
-    max_steps: int = MAX_STEPS,
     watch: Callable[[float], None] | None = None,
+    **options: Unpack[ExponentKeywords],
 ) -> xr.Dataset:
     """Lyapunov exponents from the variational equations, with exact derivatives.
 
@@ -64,19 +57,10 @@ def lyapunov(
     ----------
     mechanism
         With at least one free coordinate.
-    periods
-        Length of the run in common periods of the drives, or in units of `interval`.
-    skip
-        Periods before the average begins.
-    count
-        How many exponents, the largest; the whole spectrum if not given. The cost grows with it.
-    interval
-        What counts as a period, in seconds; the common period of the drives, or the file's end
-        time where drives have none.
-    method, rtol, max_steps
-        As `linkages.simulate` takes them; those of the file if not given.
     watch
         Called now and then with the fraction done.
+    options
+        As `ExponentOptions` describes them.
 
     Returns
     -------
@@ -99,12 +83,13 @@ def lyapunov(
     Interrupted
         After Ctrl-C, with the same.
     """
-    system, settings = System(mechanism), section_settings(mechanism, method, rtol, max_steps)
+    asked = options_of(ExponentOptions, mechanism, options)
+    system = System(mechanism)
     looked = check_interval(system)
     log = None if looked is None else ContactLog(system, looked)
 
     def labelled(exponents: Exponents) -> xr.Dataset:
-        data = labelled_exponents(mechanism, exponents).assign_attrs(skip=skip, **how(settings))
+        data = labelled_exponents(mechanism, exponents).assign_attrs(skip=asked.skip, **asked.how)
         if log is None:
             return data
         contacts = log.contacts
@@ -113,16 +98,7 @@ def lyapunov(
         return data.assign(values).assign_coords(clearance=np.array(names, dtype=object))
 
     try:
-        exponents = run_exponents(
-            system,
-            settings,
-            periods=periods,
-            skip=skip,
-            count=count,
-            interval=interval,
-            watch=watch,
-            log=log,
-        )
+        exponents = run_exponents(system, asked, watch, log)
     except UnfinishedExponentsError as error:
         kept = {"lyapunov": labelled(error.exponents)}
         raise UnfinishedError(str(error), kept, time=error.time) from None
@@ -179,25 +155,18 @@ def _invariants(certificate: Sequence[Invariant]) -> dict[str, Any]:
 
 def run_exponents(
     system: System,
-    settings: Settings,
-    *,
-    periods: int,
-    skip: int = 0,
-    count: int | None = None,
-    interval: float | None = None,
+    options: ExponentOptions,
     watch: Callable[[float], None] | None = None,
     log: ContactLog | None = None,
 ) -> Exponents:
     """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
-    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
-    if periods < 1 or skip < 0:
-        raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
+    periods, skip, count = options.periods, options.skip, options.count
     whole = 2 * len(system.topology.free)
     columns = whole if count is None else count
-    if not 1 <= columns <= whole:
-        raise ValueError(f"count must be from 1 to {whole}, found {count}")
-    length = characteristic_period(system.mechanism) if interval is None else interval
+    if columns > whole:
+        raise OptionError("count", f"count must be from 1 to {whole}, found {count}")
+    length = options.interval or characteristic_period(system.mechanism)
 
     def run(parts: int) -> Exponents:
         if log is not None:
@@ -205,11 +174,7 @@ def run_exponents(
         tangents = LinkageTangents(
             system,
             columns,
-            settings.method,
-            settings.rtol,
-            settings.atol,
-            settings.step,
-            settings.max_steps,
+            options,
             samples_needed(system, periods * parts) if columns == whole else 0,
             log,
         )
@@ -228,7 +193,7 @@ def run_exponents(
         )
 
     parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
-    return run(parts) if interval is not None else resolved(run, parts)
+    return run(parts) if options.interval is not None else resolved(run, parts)
 
 
 def resolved(run: Callable[[int], Exponents], parts: int) -> Exponents:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -14,9 +15,8 @@ from linkages.chaos.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.free_states import require_free
 from linkages.chaos.indicators import CHAOTIC_POWER, fast_indicators
 from linkages.chaos.lyapunov import characteristic_period
-from linkages.chaos.map_data import INDICATORS, MapPoint, map_data
-from linkages.chaos.section import how, section_settings
-from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Progress, sweep
+from linkages.chaos.map_data import MapPoint, map_data
+from linkages.chaos.sweep import Executor, Progress, per_period, sweep
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import (
     Axis,
@@ -30,9 +30,9 @@ from linkages.chaos.varied import (
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.solution.arguments import whole_number
+from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.solution.flows import Flows
-from linkages.solution.motion import Settings
+from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,11 +52,17 @@ class _Request:
     mechanism: Mechanism
     x: Axis
     y: Axis
-    indicator: str
-    periods: int
-    method: str | None
-    rtol: float | None
-    max_steps: int | None
+    given: Mapping[str, Any]
+
+    @cached_property
+    def options(self) -> MapOptions:
+        """What is asked for where nothing is varied."""
+        return self.options_at(self.mechanism)
+
+    def options_at(self, mechanism: Mechanism) -> MapOptions:
+        """The same at a point, in the steps that it may take."""
+        options = options_of(MapOptions, mechanism, self.given)
+        return per_period(options, options.periods)
 
     def at(self, point: tuple[int, int]) -> Mechanism:
         """The mechanism at a column and a row."""
@@ -66,7 +72,7 @@ class _Request:
     @property
     def tangents(self) -> int:
         """How many tangents the indicator needs."""
-        return 2 if self.indicator == "gali" else 1
+        return 2 if self.options.indicator == "gali" else 1
 
     def system(self, point: tuple[int, int]) -> System:
         """The same, assembled."""
@@ -75,53 +81,38 @@ class _Request:
     def compute(self, point: tuple[int, int]) -> MapPoint:
         """The indicator, what every free angle does, and forces in clearances."""
         mechanism = self.at(point)
-        settings = self.settings(mechanism)
-        count = self.tangents
+        options, count = self.options_at(mechanism), self.tangents
         system = System(mechanism)
         looked = check_interval(system)
         log = None if looked is None else ContactLog(system, looked)
-        tangents = _Followed(
-            system,
-            count,
-            settings.method,
-            settings.rtol,
-            settings.atol,
-            settings.step,
-            settings.max_steps,
-            log=log,
-        )
-        intervals = self.periods * PARTS
+        tangents = _Followed(system, count, options, log=log)
+        intervals = options.periods * PARTS
         interval = characteristic_period(mechanism) / PARTS
         error, told = math.nan, 0
-        if self.indicator == "exponent":
+        if options.indicator == "exponent":
             exponents = lyapunov_spectrum(tangents, intervals=intervals, interval=interval, count=1)
             value, error = float(exponents.values[0]), float(exponents.errors[0])
             told = sign_of(exponents)
         else:
             series = fast_indicators(tangents, intervals=intervals, interval=interval, count=count)
-            value = float((series.fli if self.indicator == "fli" else series.gali)[-1])
+            value = float((series.fli if options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
         return MapPoint(value, error, told, tangents.kinds(), contacts, looked or 0.0)
 
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
-        settings = self.settings(self.mechanism)
+        run = self.options
         return {
             "name": self.mechanism.name,
             "source": self.mechanism.source,
-            "kind": self.indicator,
+            "kind": run.indicator,
             "x": self.x.label,
             "y": self.y.label,
-            "periods": self.periods,
-            **how(settings),
-            "max_steps": settings.max_steps,
+            "periods": run.periods,
+            **run.how,
+            "max_steps": run.most_steps,
         }
-
-    def settings(self, mechanism: Mechanism) -> Settings:
-        """How a point is integrated."""
-        steps = STEPS_PER_PERIOD * self.periods if self.max_steps is None else self.max_steps
-        return section_settings(mechanism, self.method, self.rtol, steps)
 
 
 def sign_of(exponents: Exponents) -> int:
@@ -169,13 +160,9 @@ def chaos_map(
     x: Vary,
     y: Vary,
     *,
-    indicator: str = "exponent",
-    periods: int = 100,
-    method: str | None = None,
-    rtol: float | None = None,
-    max_steps: int | None = None,
     executor: Executor | None = None,
     watch: Callable[[Progress], None] | None = None,
+    **options: Unpack[MapKeywords],
 ) -> xr.Dataset:
     """An indicator of chaos over a grid: of two parameters, or of an initial state.
 
@@ -186,18 +173,10 @@ def chaos_map(
     x, y
         As `linkages.bifurcation` takes what is varied: two parameters, or ``clearances.r1.angle``
         and ``clearances.r1.speed`` for the plane of initial states.
-    indicator
-        ``"exponent"`` (1/s), ``"fli"`` (grows in proportion to time where motion is chaotic) or
-        ``"gali"`` (shrinks to zero there, for motions that conserve energy).
-    periods
-        Length of each run.
-    method, rtol
-        As `linkages.simulate` takes them.
-    max_steps
-        Steps of the integration that a point may take; one that needs more is left out, with this
-        as its reason. 100,000 for each period if not given.
     executor, watch
         As `linkages.bifurcation` takes them.
+    options
+        As `MapOptions` describes them.
 
     Returns
     -------
@@ -216,14 +195,9 @@ def chaos_map(
     Interrupted
         After Ctrl-C; ``kept["map"]`` has the points so far.
     """
-    if indicator not in INDICATORS:
-        raise ValueError(f"indicator must be one of {', '.join(INDICATORS)}, found {indicator!r}")
-    periods = whole_number("periods", periods)
-    max_steps = None if max_steps is None else whole_number("max_steps", max_steps)
-    if periods < 4:
-        raise ValueError(f"a map needs at least 4 periods, found {periods}")
     axes = axis_of(x), axis_of(y)
-    request = _Request(mechanism, *axes, indicator, periods, method, rtol, max_steps)
+    request = _Request(mechanism, *axes, options)
+    indicator = request.options.indicator
     require_different(axes)
     points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
     first = first_possible(request.system, points)  # what is wrong everywhere shows here

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from linkages.chaos.findings import ChaosReport
 from linkages.chaos.free_states import require_free
 from linkages.chaos.judge import Course, Judgement, judge
 from linkages.chaos.lyapunov import labelled_exponents, samples_needed
-from linkages.chaos.section import section_settings
 from linkages.chaos.stretch import Evidence
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
@@ -25,8 +24,10 @@ from linkages.chaos.verdict import FEWEST_PERIODS
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
-from linkages.solution.arguments import whole_number
-from linkages.solution.motion import Settings
+from linkages.options.exponents import VerdictKeywords, VerdictOptions
+from linkages.options.option import OptionError
+from linkages.options.run import RunOptions
+from linkages.solution.options import options_of
 from linkages.solution.solution import IncompleteError
 from linkages.solvers.integrate import LEAST_RTOL
 from linkages.solvers.methods import METHODS
@@ -40,14 +41,11 @@ TIGHTER = 0.1
 """Factor on the tolerance under which a verdict must not change."""
 
 
-def chaos(
+def verdict(
     mechanism: Mechanism,
     *,
-    periods: int = 300,
-    skip: int | None = None,
-    method: str | None = None,
-    rtol: float | None = None,
     watch: Callable[[float], None] | None = None,
+    **options: Unpack[VerdictKeywords],
 ) -> ChaosReport:
     """Say whether a motion comes to rest, is periodic, quasi-periodic or chaotic.
 
@@ -55,16 +53,10 @@ def chaos(
     ----------
     mechanism
         With at least one free coordinate.
-    periods
-        Length of the stretch that is judged, at least 200: in common periods of the drives or,
-        where there is none, in mean returns to a section where the motion comes back.
-    skip
-        Periods before it is judged. If not given, the transient of a motion with friction is
-        skipped as far as it is found; without friction there is none.
-    method, rtol
-        As `linkages.simulate` takes them; those of the file if not given.
     watch
         Called now and then with the fraction done.
+    options
+        As `VerdictOptions` describes them.
 
     Raises
     ------
@@ -78,18 +70,15 @@ def chaos(
     Interrupted
         After Ctrl-C, with the same.
     """
-    periods = whole_number("periods", periods)
-    skip = None if skip is None else whole_number("skip", skip)
+    asked = options_of(VerdictOptions, mechanism, options)
+    if asked.periods < FEWEST_PERIODS:
+        message = f"a verdict needs at least {FEWEST_PERIODS} periods, found {asked.periods}"
+        raise OptionError("periods", message)
     system = System(mechanism)
     require_free(system)
-    if periods < FEWEST_PERIODS:
-        raise ValueError(f"a verdict needs at least {FEWEST_PERIODS} periods, found {periods}")
-    if skip is not None and skip < 0:
-        raise ValueError(f"expected skip >= 0, found {skip}")
-    settings = section_settings(mechanism, method, rtol)
     kept: dict[str, xr.Dataset] = {}
     try:
-        return _report(system, settings, periods, skip, watch, kept)
+        return _report(system, asked, watch, kept)
     except Interrupted as error:
         kept = _of_last(mechanism, error) | kept
         raise Interrupted(str(error), time=error.time, kept=kept) from None
@@ -104,15 +93,14 @@ def chaos(
 
 def _report(
     system: System,
-    settings: Settings,
-    periods: int,
-    skip: int | None,
+    options: VerdictOptions,
     watch: Callable[[float], None] | None,
     kept: dict[str, xr.Dataset],
 ) -> ChaosReport:
     """Judge, put what is there into `kept`, and look at the motion over time."""
-    mechanism, tight, parts = system.mechanism, tightened(settings), _Parts(watch, 3)
-    section = gathering.section_for(system, settings, periods)
+    mechanism, tight, parts = system.mechanism, tightened(options), _Parts(watch, 3)
+    periods = options.periods
+    section = gathering.section_for(system, options, periods)
     conservative = gathering.conservative(mechanism)
 
     def keep(found: Evidence) -> None:
@@ -120,30 +108,30 @@ def _report(
         kept["chaos_section"] = gathering.labelled_section(system, section, found)
 
     def points(at: LinkageTangents, smaller: bool) -> tuple[Floats, Floats]:
-        return section.points(at.here, tight if smaller else settings, periods)
+        return section.points(at.here, tight if smaller else options, periods)
 
     course = Course(
         period=section.period,
         periods=periods,
-        skip=skip,
+        skip=options.skip,
         dissipative=not conservative,
         section=points if section.text else None,
-        tolerance=gathering.alike(system, section.period, settings.rtol),
+        tolerance=gathering.alike(system, section.period, options.rtol),
         observed=len(system.topology.free),
         certified=_certified,
     )
     samples = samples_needed(system, periods * course.parts)
     found = judge(
-        _tangents(system, settings, samples),
+        _tangents(system, options, samples),
         course,
         lambda start: _tangents(start.here, tight),
         watches=(parts.of(0), parts.of(1)),
         keep=keep,
     )
-    solution = gathering.followed(found.start.here, settings, section.period, periods, parts.of(2))
+    solution = gathering.followed(found.start.here, options, section.period, periods, parts.of(2))
     contact = contact_of(solution.data)
     verdict, reasons = certified(
-        *_confirmed(found, settings, tight), found.evidence.exponents.certificate
+        *_confirmed(found, options, tight), found.evidence.exponents.certificate
     )
     if conservative:
         reasons.append(
@@ -177,7 +165,7 @@ def _report(
         },
         run={
             "method": solution.motion.method,
-            "how": _how(settings),
+            "how": _how(options),
             "period": section.period,
             "periods": periods,
             "skip": found.skipped,
@@ -189,18 +177,9 @@ def _report(
     )
 
 
-def _tangents(system: System, settings: Settings, samples: int = 0) -> LinkageTangents:
+def _tangents(system: System, run: RunOptions, samples: int = 0) -> LinkageTangents:
     """A system with a whole set of tangents, which keeps so many samples of each advance."""
-    return LinkageTangents(
-        system,
-        2 * len(system.topology.free),
-        settings.method,
-        settings.rtol,
-        settings.atol,
-        settings.step,
-        settings.max_steps,
-        samples,
-    )
+    return LinkageTangents(system, 2 * len(system.topology.free), run, samples)
 
 
 def _certified(tangents: LinkageTangents, exponents: Exponents) -> Exponents:
@@ -209,11 +188,11 @@ def _certified(tangents: LinkageTangents, exponents: Exponents) -> Exponents:
 
 
 def _confirmed(
-    found: Judgement[LinkageTangents], settings: Settings, tight: Settings
+    found: Judgement[LinkageTangents], run: RunOptions, tight: RunOptions
 ) -> tuple[str, list[str]]:
     """The verdict if the run with a smaller error gives the same, and the reasons."""
     reasons = list(found.reasons)
-    if (tight.rtol, tight.step) == (settings.rtol, settings.step):
+    if (tight.rtol, tight.step) == (run.rtol, run.step):
         return "undecided", [
             *reasons, "No smaller error can be asked for, so nothing confirms this."
         ]  # fmt: skip
@@ -226,16 +205,16 @@ def _confirmed(
     ]
 
 
-def tightened(settings: Settings) -> Settings:
-    """Settings that make errors ten times smaller, as far as there are such."""
-    if settings.step is None:
-        atol = None if settings.atol is None else TIGHTER * settings.atol
-        return replace(settings, rtol=max(TIGHTER * settings.rtol, LEAST_RTOL), atol=atol)
-    return replace(settings, step=settings.step * TIGHTER ** (1 / METHODS[settings.method].order))
+def tightened(run: RunOptions) -> RunOptions:
+    """Options that make errors ten times smaller, as far as there are such."""
+    if run.step is None:
+        atol = None if run.atol is None else TIGHTER * run.atol
+        return replace(run, rtol=max(TIGHTER * run.rtol, LEAST_RTOL), atol=atol)
+    return replace(run, step=run.step * TIGHTER ** (1 / METHODS[run.method].order))
 
 
-def _how(settings: Settings) -> str:
-    return f"rtol {settings.rtol:g}" if settings.step is None else f"step {settings.step:.3g} s"
+def _how(run: RunOptions) -> str:
+    return f"rtol {run.rtol:g}" if run.step is None else f"step {run.step:.3g} s"
 
 
 def _last(mechanism: Mechanism, error: ComputationError) -> dict[str, xr.Dataset]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from linkages.chaos.contact_log import (
     contact_values,
     contact_variables,
 )
-from linkages.chaos.crossed import DIRECTIONS, crossed
+from linkages.chaos.crossed import crossed
 from linkages.chaos.free_states import free_values, labelled_states, require_free
 from linkages.chaos.strobe import strobe
 from linkages.chaos.surface import SECTION, parse_section
@@ -22,10 +21,9 @@ from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.solution.arguments import whole_number
-from linkages.solution.motion import Motion, Settings
-from linkages.solvers.integrate import MAX_STEPS
-from linkages.solvers.methods import FIXED_STEP_METHODS
+from linkages.options.sections import PoincareKeywords, PoincareOptions, SectionOptions
+from linkages.solution.motion import Motion, Watch
+from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,17 +37,8 @@ ROOM = 2
 def poincare(
     mechanism: Mechanism,
     *,
-    periods: int = 500,
-    skip: int = 0,
-    phase: float = 0.0,
-    section: str | None = None,
-    direction: str = "up",
-    end: float | None = None,
-    wrap: bool = True,
-    method: str | None = None,
-    rtol: float | None = None,
-    max_steps: int = MAX_STEPS,
     watch: Callable[[float], None] | None = None,
+    **options: Unpack[PoincareKeywords],
 ) -> xr.Dataset:
     """Points of a Poincaré section.
 
@@ -57,26 +46,10 @@ def poincare(
     ----------
     mechanism
         With at least one free coordinate.
-    periods
-        Number of points: one per common period of the drives, or one per crossing of `section`.
-    skip
-        Points left out before.
-    phase
-        Where in the period points are taken, from 0 to 1; not with `section`.
-    section
-        Where points are taken instead: ``"slider9.velocity=0"``, an element, a quantity of position
-        or velocity (angle, speed, position, velocity) and a value in SI.
-    direction
-        ``"up"``, ``"down"`` or ``"both"``: how the quantity crosses the value of `section`.
-    end
-        Time until which crossings of a section are looked for; if not given, ``periods + skip + 2``
-        times the common period of the drives (or the file's end time, if there is none).
-    wrap
-        Whether angles are taken within one turn.
-    method, rtol, max_steps
-        As `linkages.simulate` takes them; method and tolerance of the file if not given.
     watch
         Called about 20 times a second with the fraction of simulated time done.
+    options
+        As `PoincareOptions` describes them.
 
     Returns
     -------
@@ -101,34 +74,39 @@ def poincare(
     ComputationError
         If the motion never crosses the section.
     """
-    periods, skip = whole_number("periods", periods), whole_number("skip", skip)
+    return section_points(mechanism, options_of(PoincareOptions, mechanism, options), watch)
+
+
+def section_points(
+    mechanism: Mechanism, options: PoincareOptions, watch: Watch | None = None
+) -> xr.Dataset:
+    """What `poincare` returns."""
     system = System(mechanism)
-    require_section(system, periods, skip, phase, section, direction, end)
-    settings = replace(section_settings(mechanism, method, rtol, max_steps), watch=watch)
+    require_section(system, options)
     attributes: dict[str, object]
-    if section is None:
-        found = strobe(system, settings, periods=periods, skip=skip, phase=phase)
-        motion, failure, time, values = found.motion, found.failure, found.time, found.values(wrap)
-        contacts, interval = found.contacts, found.interval
-        attributes = {"period": common_period(system.mechanism), "phase": phase, "warning": ""}
+    if options.section is None:
+        found = strobe(system, options, watch)
+        motion, failure, time = found.motion, found.failure, found.time
+        values, contacts, interval = found.values(options.wrap), found.contacts, found.interval
+        period = common_period(system.mechanism)
+        attributes = {"period": period, "phase": options.phase, "warning": ""}
     else:
-        surface = parse_section(system, section)
-        last = _limit(system, periods + skip) if end is None else end
-        met = crossed(system, settings, surface, periods, skip, direction, last)
+        last = options.end or _limit(system, options.periods + options.skip)
+        met = crossed(system, options, last, watch)
         motion, failure, time = met.motion, met.motion.failure, met.motion.time
-        values = free_values(system, motion, wrap)
+        values = free_values(system, motion, options.wrap)
         contacts, interval = met.contacts, met.interval
         attributes = {
-            "section": section,
-            "direction": direction,
-            "warning": _shortage(motion, periods, last),
+            "section": options.section,
+            "direction": options.direction,
+            "warning": _shortage(motion, options.periods, last),
         }
     data = labelled_states(
         system,
         values,
         "crossing",
         {"time": ("crossing", time, {"units": "s", "long_name": "time"})},
-        {**attributes, "skip": skip, **how(settings)},
+        {**attributes, "skip": options.skip, **options.how},
     )
     if "clearance" in data.coords:
         names = [str(name) for name in data["clearance"].to_numpy()]
@@ -140,82 +118,21 @@ def poincare(
     return data
 
 
-def require_section(
-    system: System,
-    periods: int,
-    skip: int,
-    phase: float,
-    section: str | None,
-    direction: str,
-    end: float | None = None,
-) -> None:
-    """Whether arguments of `poincare` make sense, before anything is computed.
+def require_section(system: System, options: SectionOptions) -> None:
+    """Whether there can be such points, before anything is computed.
 
     Raises
     ------
     InputError
-        If nothing is free.
-    ValueError
-        If they do not.
+        If nothing is free, or the section names nothing.
+    NoPeriodError
+        If drives have no common period, and points are to be taken once a period.
     """
     require_free(system)
-    if periods < 1 or skip < 0:
-        raise ValueError(f"expected periods > 0 and skip >= 0, found {periods} and {skip}")
-    if not 0.0 <= phase < 1.0:
-        raise ValueError(f"phase must be from 0 to below 1, found {phase:g}")
-    if direction not in DIRECTIONS:
-        raise ValueError(f"direction must be up, down or both, found {direction!r}")
-    if section is None:
-        _require_stroboscopic(direction, end)
+    if options.section is None:
         stroboscopic_period(system.mechanism)
     else:
-        _require_geometric(phase, end)
-        parse_section(system, section)
-
-
-def _require_stroboscopic(direction: str, end: float | None) -> None:
-    """Points at times cross nothing, and are as many as are asked for."""
-    needed = "goes with a section where a quantity has a value, and none is given"
-    if direction != "up":
-        raise ValueError(f"direction {direction!r} {needed}")
-    if end is not None:
-        raise ValueError(f"end = {end:g} s {needed}; points once a period end with their number")
-
-
-def _require_geometric(phase: float, end: float | None) -> None:
-    """Crossings have no phase, and are looked for after the start."""
-    if phase:
-        raise ValueError(
-            f"phase {phase:g} goes with points once a period; a section where a quantity has a "
-            "value has none"
-        )
-    if end is not None and not end > 0.0:
-        raise ValueError(f"end must be a time in s > 0, found {end:g}")
-
-
-def section_settings(
-    mechanism: Mechanism, method: str | None, rtol: float | None, max_steps: int = MAX_STEPS
-) -> Settings:
-    """How a motion is integrated whose samples are chosen later."""
-    if max_steps < 1:
-        raise ValueError(f"max_steps must be at least 1, found {max_steps}")
-    defaults = mechanism.simulation
-    chosen = defaults.method if method is None else method
-    return Settings(
-        times=np.zeros(1),
-        method=chosen,
-        rtol=defaults.rtol if rtol is None else rtol,
-        atol=defaults.atol,
-        step=defaults.step if chosen in FIXED_STEP_METHODS else None,
-        max_steps=max_steps,
-    )
-
-
-def how(settings: Settings) -> dict[str, object]:
-    """How a motion is integrated, as attributes of a dataset; nan for what is not set."""
-    atol = settings.rtol if settings.atol is None else settings.atol
-    step = np.nan if settings.step is None else settings.step
-    return {"method": settings.method, "rtol": settings.rtol, "atol": atol, "step": step}
+        parse_section(system, options.section)
 
 
 def stroboscopic_period(mechanism: Mechanism) -> float:

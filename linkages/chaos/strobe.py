@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,8 @@ from linkages.chaos.contact_log import MOST_TIMES, PER_PERIOD, contacts_in
 from linkages.chaos.free_states import free_values
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Settings, compute_motion
+from linkages.options.sections import SectionOptions
+from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.simulate import passes
 
 Floats = NDArray[np.float64]
@@ -71,33 +72,32 @@ class Strobe:
 
 def strobe(
     system: System,
-    settings: Settings,
-    *,
-    periods: int,
-    skip: int,
-    phase: float,
+    options: SectionOptions,
+    watch: Watch | None = None,
     further: tuple[float, ...] = (),
 ) -> Strobe:
     """Follow a motion to the last point of a stroboscopic section.
 
     Parameters
     ----------
-    system, settings
-        What moves, and how it is integrated.
-    periods, skip, phase
-        As `linkages.poincare` takes them.
+    system, options
+        What moves, and at which points it is wanted.
+    watch
+        Called now and then with the fraction done.
     further
         Times in seconds at which the motion is wanted as well.
     """
     period = common_period(system.mechanism)
-    first, parts, lasting = phase + skip, 1, 0
+    periods, first = options.periods, options.phase + options.skip
+    parts, lasting = 1, 0
     if labels(system.model, "clearance"):
         lasting = max(1, periods - 1)  # contact is looked at over a period at least
         parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
     wanted = period * (first + np.arange(periods, dtype=np.float64))
     checked = period * (first + np.arange(lasting * parts + 1) / parts)
     times = np.unique(np.concatenate([wanted, checked, further]))
-    motion = compute_motion(system, replace(settings, times=times, passing=passes(system)))
+    settings = Settings(times=times, run=options, passing=passes(system, options), watch=watch)
+    motion = compute_motion(system, settings)
     points, looks = (np.searchsorted(times, asked) for asked in (wanted, checked))
     reached = len(motion.time)
     return Strobe(

@@ -11,11 +11,12 @@ import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeVar
 
 from linkages.chaos.cores import available_cores
 from linkages.errors import InputError, LinkagesError
+from linkages.options.run import RunOptions
 
 POLL = 0.1
 INTERRUPTED = "not computed: interrupted"
@@ -25,8 +26,16 @@ STEPS_PER_PERIOD = 100_000
 
 Motions of mechanisms with clearances take thousands: one that needs more than this is stuck."""
 
+Run = TypeVar("Run", bound=RunOptions)
+
 _WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
 _SET = re.compile(r" \(from set .*\)$")
+
+
+def per_period(run: Run, periods: int) -> Run:
+    """Options of a computation of a sweep that covers so many periods."""
+    most = STEPS_PER_PERIOD * periods
+    return replace(run, max_steps=most) if run.max_steps is None else run
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.stops import stop_text
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
+from linkages.options.run import DEFAULTS, RunOptions
 from linkages.solution.flows import Flows
-from linkages.solvers.integrate import MAX_STEPS, integrate
+from linkages.solvers.integrate import integrate
 from linkages.solvers.outcome import Outcome
 
 Floats = NDArray[np.float64]
@@ -30,9 +31,9 @@ class LinkageTangents:
         A system with free coordinates.
     tangents
         Number of tangents, at most 2n.
-    method, rtol, atol, step, max_steps
-        As `linkages.simulate` takes them; `atol` is that of the motion, and `max_steps` are those
-        of all advances together.
+    run
+        How it is integrated; `atol` is that of the motion, and `max_steps` are those of all
+        advances together.
     parts
         Equal parts of every advance after which `passed` keeps where the motion is; none if 0.
     log
@@ -49,11 +50,7 @@ class LinkageTangents:
         self,
         system: System,
         tangents: int = 1,
-        method: str = "dop853",
-        rtol: float = 1e-10,
-        atol: float | None = None,
-        step: float | None = None,
-        max_steps: int = MAX_STEPS,
+        run: RunOptions = DEFAULTS,
         parts: int = 0,
         log: ContactLog | None = None,
     ) -> None:
@@ -62,15 +59,15 @@ class LinkageTangents:
         self._count = len(system.topology.free)
         self._columns = tangents
         self._flow = Flows(system, tangents=tangents).flow()
-        self._method, self._rtol, self._step = method, rtol, step
+        self._run = run
         self._total = self._flow.coordinates
         self._tangent_rows = self._rows()
-        self._atol = np.full(2 * self._total, rtol if atol is None else atol)
+        self._atol = np.full(2 * self._total, run.rtol if run.atol is None else run.atol)
         self._atol[self._tangent_rows.ravel()] = TANGENT_ATOL
         self._vector = np.zeros(2 * self._total)
         self.evaluations = 0
         self._turns = np.zeros(self._count)
-        self._max_steps, self._steps = max_steps, 0
+        self._steps = 0
         self._parts = max(parts, 1)
         self._keeps, self._log = bool(parts), log
         self.passed: list[tuple[Floats, Floats]] = []
@@ -92,7 +89,7 @@ class LinkageTangents:
     @property
     def tolerance(self) -> float:
         """Error of a step in tangents of length one."""
-        return max(TANGENT_ATOL, self._rtol)
+        return max(TANGENT_ATOL, self._run.rtol)
 
     @property
     def angles(self) -> NDArray[np.bool_]:
@@ -173,11 +170,7 @@ class LinkageTangents:
             self._vector,
             times,
             start=self.time,
-            method=self._method,
-            rtol=self._rtol,
-            atol=self._atol,
-            step=self._step,
-            max_steps=max(1, self._max_steps - self._steps),
+            **self._run.after(self._steps).integration | {"atol": self._atol},
         )
         self._steps += trajectory.steps + trajectory.rejected
         self.evaluations += trajectory.evaluations

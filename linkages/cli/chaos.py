@@ -37,7 +37,7 @@ Table = tuple[str, list[str], list[list[str]]]
 
 def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) -> int:
     """Judge a motion with the arguments of `linkages.chaos`; returns the exit code."""
-    from linkages.chaos.report import chaos
+    from linkages.chaos.report import verdict
     from linkages.chaos.verdict import FEWEST_PERIODS
 
     request = request.asks("chaos", periods=periods, quick=quick, **run)
@@ -45,7 +45,7 @@ def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) ->
     label = f"judging {escape(mechanism.name)}"
     length = periods if periods is not None else FEWEST_PERIODS if quick else 300
     with request.answering(), progress(label, shown=not request.json) as watch:
-        report = chaos(mechanism, periods=length, rtol=request.rtol, watch=watch, **run)
+        report = verdict(mechanism, periods=length, rtol=request.rtol, watch=watch, **run)
     tables = _tables(report)
     with request.publishing() as (aside, place):
         _save(report, tables, aside)

@@ -15,10 +15,11 @@ from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Body, axis_label
 from linkages.kernel.modes import Assembly
 from linkages.kernel.system import System
+from linkages.options.run import SimulationOptions
 from linkages.reading.paths import dotted
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
-from linkages.solution.simulate import require_settings
+from linkages.solution.options import options_of
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -37,7 +38,7 @@ def run_check(
     mechanism = mechanism_from(file, assignments)
     if out is not None:
         require_folder(out)
-    require_settings(mechanism)
+    options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
     if kernel:

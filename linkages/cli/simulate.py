@@ -121,7 +121,7 @@ def run_simulate(
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
     """Until when the solution holds, noted in its data for figures and files."""
     if verify is None:
-        cheap = solution.settings.step is None and bool(solution.motion.method)
+        cheap = solution.settings.run.step is None and bool(solution.motion.method)
         verify = cheap and cost_factor(solution.motion.method) < DEAREST
     if not verify:
         return None
@@ -244,7 +244,7 @@ def _report(
     )
     for line in _legend(rows, horizon):
         screen.print(line, markup=False, soft_wrap=True)
-    if solution.settings.method == AUTO and solution.motion.reason:
+    if solution.settings.run.method == AUTO and solution.motion.reason:
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
     if horizon is not None:
         screen.print(_believable(horizon))
@@ -274,11 +274,11 @@ def _how(solution: Solution) -> str:
         driven = solution.system.topology.driven
         why = "all coordinates driven" if driven else "a structure, which cannot move"
         return f"{span}, {why}, nothing integrated"
-    settings, cost = solution.settings, solution.motion.cost
-    if settings.step is not None:
-        how = f"{solution.motion.method}, step {number(settings.step)} s"
+    run, cost = solution.settings.run, solution.motion.cost
+    if run.step is not None:
+        how = f"{solution.motion.method}, step {number(run.step)} s"
     else:
-        how = f"{solution.motion.method}, rtol {settings.rtol:g}, {cost['rejected']} rejected"
+        how = f"{solution.motion.method}, rtol {run.rtol:g}, {cost['rejected']} rejected"
     return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"
 
 

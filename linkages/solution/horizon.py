@@ -87,15 +87,16 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
 
 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
-    times = motion.time
-    settings = replace(settings, max_steps=_MORE_STEPS * settings.max_steps)
-    if settings.step is not None:
-        return replace(settings, times=times, step=settings.step / 2, work=False, watch=None)
-    if settings.rtol <= LEAST_RTOL:
+    run = settings.run
+    if run.step is not None:
+        closer = replace(run, step=run.step / 2)
+    elif run.rtol <= LEAST_RTOL:
         return None
-    rtol = max(LEAST_RTOL, settings.rtol * TIGHTER)
-    atol = None if settings.atol is None else settings.atol * rtol / settings.rtol
-    return replace(settings, times=times, rtol=rtol, atol=atol, work=False, watch=None)
+    else:
+        rtol = max(LEAST_RTOL, run.rtol * TIGHTER)
+        closer = replace(run, rtol=rtol, atol=run.atol and run.atol * rtol / run.rtol)
+    closer = replace(closer, max_steps=_MORE_STEPS * run.most_steps)
+    return replace(settings, times=motion.time, run=closer, work=False, watch=None)
 
 
 def _relative(
@@ -112,7 +113,7 @@ def _relative(
     for row, name in enumerate(system.topology.free):
         if system.mechanism.bodies[name].rotates:
             amplitude[row] = min(amplitude[row], np.pi)
-    within = settings.rtol if settings.atol is None else settings.atol
+    within = settings.run.rtol if settings.run.atol is None else settings.run.atol
     scale = np.maximum(amplitude, ADDED_UP * within / WRONG)[:, None]
     return (np.abs(own - better) / scale).max(axis=0)
 

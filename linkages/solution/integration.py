@@ -146,17 +146,13 @@ class _Run:
 
     def _integrate(self) -> Trajectory:
         """Integrate until something happens, and keep the samples."""
-        settings = self._settings
+        used = self._cost["steps"] + self._cost["rejected"]
         trajectory = integrate(
             self._flows.flow(self._flipped, self._least),
             self._state,
-            settings.times[self._taken :],
+            self._settings.times[self._taken :],
             start=self._time,
-            method=settings.method,
-            rtol=settings.rtol,
-            atol=settings.atol,
-            step=settings.step,
-            max_steps=max(1, settings.max_steps - self._cost["steps"] - self._cost["rejected"]),
+            **self._settings.run.after(used).integration,
             angles=self._angles,
             watch=self._watch(),
         )
@@ -247,9 +243,9 @@ class _Run:
         return self._keep(passage, beyond)
 
     def _tolerance(self) -> Floats:
-        settings = self._settings
-        rtol = max(settings.rtol, PASSAGE_RTOL)
-        atol = rtol if settings.atol is None else max(settings.atol, PASSAGE_RTOL)
+        run = self._settings.run
+        rtol = max(run.rtol, PASSAGE_RTOL)
+        atol = rtol if run.atol is None else max(run.atol, PASSAGE_RTOL)
         return np.asarray(atol + rtol * np.abs(self._state))
 
     def _keep(self, passage: Passage, beyond: tuple[int, ...]) -> bool:

@@ -110,7 +110,7 @@ class Limits:
         """Search the motion in order, a chunk at a time."""
         if not self._margin_blocks:
             return None
-        for chunk in chunks(settings.times, self._fastest, begun, most=settings.max_steps):
+        for chunk in chunks(settings.times, self._fastest, begun, most=settings.run.most_steps):
             stop = self._stop_in(chunk, depth=0)
             if stop is not None:
                 return stop

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from linkages.components.terms import axis_label
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
@@ -31,8 +32,8 @@ class Settings:
     ----------
     times
         Sample times in seconds, shape (samples,), from 0 on.
-    method, rtol, atol, step, max_steps
-        As `linkages.solvers.integrate.integrate` takes them.
+    run
+        How it is integrated.
     passing
         Whether to go on smoothly through change points.
     work
@@ -45,11 +46,7 @@ class Settings:
     """
 
     times: Floats
-    method: str
-    rtol: float
-    atol: float | None
-    step: float | None
-    max_steps: int
+    run: RunOptions
     passing: bool = False
     work: bool = False
     counting: bool = False

@@ -87,6 +87,6 @@ def _factor(solution: Solution, data: xr.Dataset, names: Sequence[str]) -> int:
     """
     found = per_swing(data, names)
     factor = ceil(PER_SWING / found) if np.isfinite(found) else 1
-    if solution.settings.step is None:
+    if solution.settings.run.step is None:
         factor = max(factor, ceil(solution.motion.cost.get("steps", 0) / data.sizes["time"]))
     return factor

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +13,17 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions, SimulationKeywords, SimulationOptions
 from linkages.reading.wording import TOO_LARGE
-from linkages.solution.arguments import real_number, whole_number
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import ANGLES, evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.options import options_of
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.soundness import sound_part
 from linkages.solution.switching import movable
-from linkages.solvers.choice import AUTO
-from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
-from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
-
-MAX_SAMPLES = 10_000_000
-"""More would not fit into memory as tables."""
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
 
@@ -38,17 +33,10 @@ _ERROR = "_error"
 def simulate(
     mechanism: Mechanism,
     *,
-    end: float | None = None,
-    samples: int | None = None,
-    method: str | None = None,
-    rtol: float | None = None,
-    atol: float | None = None,
-    step: float | None = None,
-    max_steps: int = MAX_STEPS,
-    change_points: str | None = None,
     outputs: Iterable[str] | None = None,
     watch: Watch | None = None,
     throw: bool = True,
+    **options: Unpack[SimulationKeywords],
 ) -> Solution:
     """Compute the motion of a mechanism from t = 0.
 
@@ -58,25 +46,6 @@ def simulate(
     ----------
     mechanism
         From `linkages.load`, or built in Python.
-    end
-        Simulated time in seconds; negative to go back in time.
-    samples
-        Number of equally spaced output times, both ends included.
-    method
-        A solver of `linkages.solvers.methods.METHODS`, such as ``"dop853"`` (adaptive, order 8)
-        or ``"rk4"`` (fixed step, order 4), or ``"auto"``, which picks one by the tolerance. Not
-        used where nothing is free to move: such a motion is solved without integrating.
-    rtol, atol
-        Tolerances of an adaptive method; `atol` (rad, m, rad/s, m/s) is `rtol` if not given.
-    step
-        Step of a fixed-step method in seconds.
-    max_steps
-        A run that needs more ends with an error, and keeps what it has. Where nothing is
-        integrated, places at which the way of the mechanism is looked for count: one per degree.
-    change_points
-        ``"pass"`` to go on smoothly where the mechanism could go on in two ways, as inertia would
-        have it, or ``"stop"``. If neither is said, motions with a free coordinate other than a
-        clearance pass, and those that drives impose stop.
     outputs
         Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
         Only what is asked for is computed.
@@ -84,6 +53,8 @@ def simulate(
         Called about 20 times a second with the fraction of simulated time done.
     throw
         Whether a motion that cannot go on raises, or returns what was computed.
+    options
+        As `SimulationOptions` describes them.
 
     Raises
     ------
@@ -98,20 +69,15 @@ def simulate(
     """
     system = System(mechanism)
     names = requested(system, outputs)
-    settings = _settings(
-        mechanism,
-        end,
-        samples,
-        method,
-        rtol,
-        atol,
-        step,
-        max_steps,
-        "energy_residual" in names,
-        watch,
+    run = options_of(SimulationOptions, mechanism, options)
+    settings = Settings(
+        times=np.linspace(0.0, run.end, run.samples),
+        run=run,
+        passing=passes(system, run),
+        work="energy_residual" in names,
+        counting=any(name in ANGLES for name in names),
+        watch=watch,
     )
-    counting = any(name in ANGLES for name in names)
-    settings = replace(settings, passing=passes(system, change_points), counting=counting)
     _require_inertia(system)
     notes = [*assumptions(system), *doubts(mechanism)]
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
@@ -142,82 +108,9 @@ def simulate(
     return solution
 
 
-def _settings(
-    mechanism: Mechanism,
-    end: float | None,
-    samples: int | None,
-    method: str | None,
-    rtol: float | None,
-    atol: float | None,
-    step: float | None,
-    max_steps: int,
-    work: bool,
-    watch: Watch | None,
-) -> Settings:
-    """Arguments over the defaults of the file, checked."""
-    defaults = mechanism.simulation
-    given = {"samples": samples, "rtol": rtol, "method": method, "step": step}
-
-    def refused(key: str, message: str, asked: str = "") -> Exception:
-        """What the definition says is an input error at its line, an argument is a ValueError."""
-        by_file = given[asked or key] is None
-        return _input(mechanism, key, message) if by_file else ValueError(message)
-
-    end = defaults.end if end is None else real_number("end", end)
-    samples = defaults.samples if samples is None else whole_number("samples", samples)
-    method = defaults.method if method is None else method
-    step = defaults.step if step is None else real_number("step", step)
-    rtol = defaults.rtol if rtol is None else real_number("rtol", rtol)
-    atol = defaults.atol if atol is None else real_number("atol", atol)
-    max_steps = whole_number("max_steps", max_steps)
-    if not (math.isfinite(end) and end != 0):
-        raise ValueError(f"end must be a time in seconds other than 0, found {end}")
-    if not 2 <= samples <= MAX_SAMPLES:
-        message = f"samples must be at least 2 and at most {MAX_SAMPLES}, found {samples:g}"
-        raise refused("samples", message)
-    if max_steps < 1:
-        raise ValueError(f"max_steps must be at least 1, found {max_steps}")
-    if not LEAST_RTOL <= rtol < 1:
-        raise refused("rtol", f"rtol must be from {LEAST_RTOL:.3g} to 1, found {rtol:g}")
-    if method not in (*METHODS, AUTO):
-        known = [*METHODS, AUTO]
-        raise refused("method", f"unknown method {method!r}; expected one of: {', '.join(known)}")
-    if method in FIXED_STEP_METHODS and step is None:
-        message = f"method {method!r} needs a step; expected a time in seconds"
-        raise refused("step", message, asked="method")
-    if method in FIXED_STEP_METHODS and step is not None and abs(end) > max_steps * step > 0:
-        message = f"step {step:g} s needs more than {max_steps} steps to reach {end:g} s"
-        raise refused("step", message)
-    return Settings(
-        times=np.linspace(0.0, end, samples),
-        method=method,
-        rtol=rtol,
-        atol=atol,
-        step=step if method in FIXED_STEP_METHODS else None,
-        max_steps=max_steps,
-        work=work,
-        watch=watch,
-    )
-
-
-def require_settings(mechanism: Mechanism) -> None:
-    """Make sure that a simulation can run as the definition says.
-
-    Raises
-    ------
-    InputError
-        For a method, tolerance, step or number of samples that `simulate` would refuse.
-    """
-    nothing = dict.fromkeys(("end", "samples", "method", "rtol", "atol", "step"))
-    _settings(mechanism, **nothing, max_steps=MAX_STEPS, work=False, watch=None)
-
-
-def passes(system: System, change_points: str | None = None) -> bool:
-    """Whether a motion goes on through change points, as `simulate` describes it."""
-    wanted = change_points or system.mechanism.simulation.change_points
-    if wanted not in (None, "pass", "stop"):
-        raise ValueError(f"change_points must be 'pass' or 'stop', found {wanted!r}")
-    return bool(movable(system)) if wanted is None else wanted == "pass"
+def passes(system: System, run: RunOptions) -> bool:
+    """Whether a motion goes on through change points, as `RunOptions` describes it."""
+    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
 def _require_inertia(system: System) -> None:
@@ -248,10 +141,6 @@ def _require_inertia(system: System) -> None:
         message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
         paths = [system.mechanism.initial[name].path for name in idle]
         raise system.mechanism.error([(paths[0], message)])
-
-
-def _input(mechanism: Mechanism, key: str, message: str) -> InputError:
-    return mechanism.error([(("simulate", key), message)])
 
 
 def _add_derived(

@@ -109,11 +109,8 @@ class Solution:
         return {
             "end": float(settings.times[-1]),
             "samples": len(settings.times),
-            "method": self.motion.method or settings.method,
-            "rtol": settings.rtol,
-            "atol": settings.atol,
-            "step": settings.step,
-            "max_steps": settings.max_steps,
+            **settings.run.integration,
+            "method": self.motion.method or settings.run.method,
             "change_points": "pass" if settings.passing else "stop",
             "outputs": [str(name) for name in self.data.data_vars],
         }

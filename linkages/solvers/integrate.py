@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.options.run import MAX_STEPS
 from linkages.solvers.choice import AUTO, Choice, choose
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
@@ -24,8 +25,6 @@ LOGGER = logging.getLogger(__name__)
 
 # Below this the round-off of a step exceeds what is asked for.
 LEAST_RTOL = 1e-14
-MAX_STEPS = 10**8
-"""Unless told otherwise. It takes minutes to use them up: whoever needs more knows it."""
 
 
 def integrate(

@@ -18,13 +18,13 @@ def summary(model: Any) -> str:
 
 @cache
 def field_texts(model: Any) -> dict[str, str]:
-    """Return what a docstring says of each field, by the name of the field in Python."""
-    found = _PARAMETERS.search(_docstring(model))
-    if found is None:
-        return {}
-    return {
-        name: _line(text) for names, text in _FIELD.findall(found[1]) for name in names.split(", ")
-    }
+    """Return what docstrings say of each field, by its name in Python: of the class, or a base."""
+    texts: dict[str, str] = {}
+    for kind in reversed(_class(model).__mro__):
+        found = _PARAMETERS.search(inspect.cleandoc(vars(kind).get("__doc__") or ""))
+        for names, text in [] if found is None else _FIELD.findall(found[1]):
+            texts |= dict.fromkeys(names.split(", "), _line(text))
+    return texts
 
 
 def _line(text: str) -> str:
@@ -32,4 +32,9 @@ def _line(text: str) -> str:
 
 
 def _docstring(model: Any) -> str:
-    return inspect.cleandoc((get_origin(model) or model).__doc__ or "")
+    return inspect.cleandoc(_class(model).__doc__ or "")
+
+
+def _class(model: Any) -> type:
+    found: type = get_origin(model) or model
+    return found

@@ -5,15 +5,18 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Any
-
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from typing import TYPE_CHECKING, Annotated, Any
 
 from linkages.reading.wording import shown
 from linkages.spec import dimensions
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core import CoreSchema
+
+# pydantic itself is imported when it is needed: options have these types too, and `--help` is fast
 
 _LONGEST_NAME = 64
 _NAME = r"\w([\w -]*\w)?"
@@ -47,6 +50,8 @@ class FieldType(ABC):
         return ()
 
     def __get_pydantic_core_schema__(self, _: Any, __: GetCoreSchemaHandler) -> CoreSchema:
+        from pydantic_core import core_schema
+
         return core_schema.no_info_plain_validator_function(self._validate)
 
     def __get_pydantic_json_schema__(self, _: Any, __: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -56,6 +61,8 @@ class FieldType(ABC):
         try:
             return self.read(value)
         except QuantityError as error:
+            from pydantic_core import PydanticCustomError
+
             # Through the context: braces in a message must not be taken for placeholders.
             context = {"expected": error.expected, "found": error.found}
             template = "expected {expected}, found {found}"
@@ -86,7 +93,9 @@ class Quantity(FieldType):
 
 @dataclass(frozen=True)
 class Count(FieldType):
-    """A whole number from 1."""
+    """A whole number from `least` on."""
+
+    least: int = 1
 
     def read(self, value: Any) -> int:
         """Return the number; ``2001.5`` is refused rather than rounded."""
@@ -94,17 +103,17 @@ class Count(FieldType):
             number = parse_quantity(value, dimensions.NUMBER)
         except QuantityError as error:
             raise QuantityError(self.expected(), error.found) from None
-        if number < 1 or number != int(number):
+        if number < self.least or number != int(number):
             raise QuantityError(self.expected(), shown(value))
         return int(number)
 
     def expected(self) -> str:
-        """Return ``"a whole number > 0"``."""
-        return "a whole number > 0"
+        """Return for example ``"a whole number > 0"``."""
+        return f"a whole number > {self.least - 1}" if self.least else "a whole number >= 0"
 
     def json_schema(self) -> dict[str, Any]:
         """Return an integer, or text that begins with arithmetic."""
-        return {"type": ["integer", "string"], "minimum": 1, "pattern": ARITHMETIC}
+        return {"type": ["integer", "string"], "minimum": self.least, "pattern": ARITHMETIC}
 
 
 @dataclass(frozen=True)
@@ -154,6 +163,7 @@ class TextRule(FieldType):
 Name = Annotated[str, NameRule()]
 Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
+NonNegativeInteger = Annotated[int, Count(0)]
 Number = Annotated[float, Quantity(dimensions.NUMBER)]
 Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
 Length = Annotated[float, Quantity(dimensions.LENGTH)]

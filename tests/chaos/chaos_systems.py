@@ -6,9 +6,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from linkages.chaos.lyapunov import run_exponents
-from linkages.chaos.section import section_settings
 from linkages.chaos.systems import Map, Ode
 from linkages.kernel.system import System
+from linkages.options.exponents import ExponentOptions
+from linkages.solution.options import options_of
 
 
 def lorenz_rates(_, y):
@@ -134,7 +135,6 @@ def samples(rates, start, interval, count, skip=100):
     return solution.y.T
 
 
-def exponents_of(mechanism, *, method=None, rtol=None, **run):
+def exponents_of(mechanism, **options):
     """What `linkages.lyapunov` averages: exponents with the growth in every interval."""
-    settings = section_settings(mechanism, method, rtol)
-    return run_exponents(System(mechanism), settings, **run)
+    return run_exponents(System(mechanism), options_of(ExponentOptions, mechanism, options))

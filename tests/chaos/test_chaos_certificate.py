@@ -14,6 +14,7 @@ from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
 from linkages.components.definition import from_document
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 
 DOUBLE = """\
@@ -198,7 +199,7 @@ def test_many_samples_only_where_damping_is_averaged():
     """The sum without damping follows from the ends of intervals, however they are sampled."""
     once = exponents_of(built(DOUBLE), periods=20, interval=1.0)
     system = System(built(DOUBLE))
-    tangents = LinkageTangents(system, 4, rtol=1e-9, parts=16)
+    tangents = LinkageTangents(system, 4, RunOptions(rtol=1e-9), parts=16)
     again = lyapunov_spectrum(tangents, intervals=80, interval=0.25)
     (one, *_), (two, *_) = once.certificate, certificate(tangents, again, 0)
     assert (again.growth == once.growth).all()

@@ -8,6 +8,7 @@ from linkages.chaos.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.tangents import LinkageTangents
 from linkages.components.definition import from_document
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 
 PARTS = 4
@@ -74,7 +75,7 @@ def test_tori_of_a_pendulum():
     """Without friction both exponents are zero, whatever the amplitude: tangents grow like t."""
     rng = np.random.default_rng(8)
     system = System(from_document(parse(PENDULUM, "pendulum.yaml")))
-    tangents = LinkageTangents(system, 2, rtol=1e-9)
+    tangents = LinkageTangents(system, 2, RunOptions(rtol=1e-9))
     covered = []
     for amplitude in rng.uniform(0.3, 2.6, RUNS // 10):
         tangents.restart(np.array([-np.pi / 2 + amplitude, 0.0]), time=0.0)

@@ -11,7 +11,7 @@ from linkages.chaos.certificate import pair_sums
 from linkages.chaos.contact import contact_check
 from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
 from linkages.chaos.maps import chaos_map
-from linkages.chaos.report import chaos
+from linkages.chaos.report import verdict
 from linkages.chaos.surface import parse_section
 from linkages.chaos.sweep import Threads, sweep
 from linkages.chaos.tangents import LinkageTangents
@@ -21,6 +21,7 @@ from linkages.errors import ComputationError, InputError
 from linkages.kernel.derivatives import compile_jacobian
 from linkages.kernel.modes import parameter_values
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solvers.foreign import caller
 
@@ -162,7 +163,7 @@ def test_requests_that_make_no_sense():
     with pytest.raises(InputError, match="did you mean 'size'"):
         linkages.bifurcation(ninebar(), {"clearances.r1.sise": [1e-4, 2e-4]})
     with pytest.raises(ValueError, match="at least 200 periods"):
-        chaos(ninebar(), periods=10)
+        verdict(ninebar(), periods=10)
 
 
 def test_exponents_come_in_pairs_without_dissipation():
@@ -210,13 +211,13 @@ def test_sum_of_exponents_is_the_mean_divergence():
 def test_tangents_are_derivatives_of_the_motion():
     """Against differences of two motions that start beside each other."""
     system = System(ninebar())
-    tangents = LinkageTangents(system, 2, rtol=1e-12)
+    tangents = LinkageTangents(system, 2, RunOptions(rtol=1e-12))
     start, step = tangents.state, 1e-6
     tangents.advance(0.05)
     for column in range(2):
         ends = []
         for side in (step, -step):
-            beside = LinkageTangents(system, 2, rtol=1e-12)
+            beside = LinkageTangents(system, 2, RunOptions(rtol=1e-12))
             beside.restart(start + side * np.eye(2)[column])
             beside.advance(0.05)
             ends.append(beside.state)
@@ -371,7 +372,7 @@ def test_contact_check_of_a_sine():
     ("angle", "verdict"), [(0, "quasi-periodic"), ("90 deg", "chaotic")], ids=["0", "90 deg"]
 )
 def test_verdicts_of_the_nine_bar(angle, verdict):
-    report = chaos(ninebar(**{"clearances.r1.angle": angle}))
+    report = verdict(ninebar(**{"clearances.r1.angle": angle}))
     assert report.verdict == report.tighter["verdict"] == verdict, report.reasons
     assert report.conservative
     exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
@@ -392,7 +393,7 @@ def test_verdicts_of_the_nine_bar(angle, verdict):
 @pytest.mark.slow
 @pytest.mark.parametrize(("amplitude", "verdict"), [(15.0, "periodic"), (25.0, "chaotic")])
 def test_verdicts_of_a_driven_damped_double_pendulum(amplitude, verdict):
-    report = chaos(pendulum(amplitude), periods=400, skip=200)
+    report = verdict(pendulum(amplitude), periods=400, skip=200)
     assert report.verdict == verdict, report.reasons
     assert not report.conservative
     assert report.exponents.attrs["sum"] < 0

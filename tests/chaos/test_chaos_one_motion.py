@@ -10,9 +10,9 @@ import pytest
 
 import linkages
 from linkages.chaos.lyapunov import run_exponents
-from linkages.chaos.section import section_settings
 from linkages.components.definition import from_document
 from linkages.kernel.system import System
+from linkages.options.exponents import ExponentOptions
 from linkages.reading.document import parse
 
 BISTABLE = """\
@@ -62,9 +62,8 @@ def test_a_second_run_from_the_start_goes_the_other_way(border):
     found = []
     for speed in border:
         mechanism = pendulum(speed)
-        settings = section_settings(mechanism, None, None)
-        run = {"periods": 100, "skip": SKIP, "count": 1}
-        found.append(run_exponents(System(mechanism), settings, **run).values[0] > 0.5 * SWINGING)
+        options = ExponentOptions(periods=100, skip=SKIP, count=1)
+        found.append(run_exponents(System(mechanism), options).values[0] > 0.5 * SWINGING)
     assert found != [False, True]
 
 

@@ -9,14 +9,15 @@ import pytest
 
 import linkages
 from linkages.chaos.evidence import PER_PERIOD
-from linkages.chaos.report import chaos, tightened
-from linkages.chaos.section import section_settings
+from linkages.chaos.report import tightened, verdict
 from linkages.chaos.sweep import Threads, attempt
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.definition import from_document
 from linkages.errors import Interrupted
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solution.motion import compute_motion
+from linkages.solution.options import options_of
 
 PENDULUM = """\
 name: Driven pendulum
@@ -99,11 +100,12 @@ def test_too_few_intervals_for_an_error_are_no_result():
 def test_evidence_so_far_is_kept(part, names, monkeypatch):
     def for_long(system, settings):
         times = system.time + 1e4 * (settings.times - system.time)
-        return compute_motion(system, dataclasses.replace(settings, times=times, max_steps=10**10))
+        run = dataclasses.replace(settings.run, max_steps=10**10)
+        return compute_motion(system, dataclasses.replace(settings, times=times, run=run))
 
     monkeypatch.setattr("linkages.chaos.evidence.compute_motion", for_long)
     with pytest.raises(Interrupted) as caught:
-        chaos(pendulum(), periods=200, watch=Interrupt(part))
+        verdict(pendulum(), periods=200, watch=Interrupt(part))
     assert set(caught.value.kept) == names
     if "chaos_motion" in names:
         assert caught.value.kept["chaos_motion"].sizes["time"] < 200 * PER_PERIOD
@@ -143,7 +145,7 @@ def test_chains_of_continuation_do_not_depend_on_each_other():
         lambda mechanism, **given: linkages.simulate(mechanism, end=1e6, throw=False, **given),
         lambda mechanism, **given: linkages.poincare(mechanism, periods=10**6, **given),
         lambda mechanism, **given: linkages.lyapunov(mechanism, periods=10**4, **given),
-        lambda mechanism, **given: chaos(mechanism, periods=10**5, **given),
+        lambda mechanism, **given: verdict(mechanism, periods=10**5, **given),
     ],
     ids=["simulate", "simulate-throw", "poincare", "lyapunov", "chaos"],
 )
@@ -219,14 +221,14 @@ def test_interrupting_one_computation_interrupts_the_sweep():
 def test_verdict_on_a_mechanism_at_rest():
     """Nothing drives it, and its section is never crossed."""
     rest = {"loads": [], "gravity": [1, 0], "free.arm.angle": 0}
-    report = chaos(pendulum(**rest), periods=200)
+    report = verdict(pendulum(**rest), periods=200)
     assert report.verdict == "at rest"
     assert report.section.sizes["crossing"] == 0
     assert report.rotation["arm"].kind == "resting"
 
 
 def test_verdict_on_a_motion_that_dies_away():
-    report = chaos(pendulum(loads=[]), periods=200, skip=0)
+    report = verdict(pendulum(loads=[]), periods=200, skip=0)
     assert report.verdict == "at rest"
     assert any("comes to rest" in reason for reason in report.reasons)
     # exponents of the equilibrium: eigenvalues -d/2 ± iω, with d = 0.5 N m s and J = 1 kg m²
@@ -235,13 +237,13 @@ def test_verdict_on_a_motion_that_dies_away():
 
 def test_verdict_on_a_section_that_is_one_point():
     """Strong damping: after the transient all section points coincide to the last digit."""
-    report = chaos(pendulum(**{"dampers[0].damping": 4.0}), periods=200, skip=100)
+    report = verdict(pendulum(**{"dampers[0].damping": 4.0}), periods=200, skip=100)
     assert report.verdict == "periodic"
     assert report.period == 1
 
 
 def test_all_tolerances_are_tightened():
-    given = section_settings(pendulum(**{"simulate.atol": 1e-7}), None, 1e-6)
+    given = options_of(RunOptions, pendulum(**{"simulate.atol": 1e-7}), {"rtol": 1e-6})
     assert (given.rtol, given.atol) == (1e-6, 1e-7)  # the file's atol stays, as in `simulate`
     tight = tightened(given)
     assert (tight.rtol, tight.atol) == pytest.approx((1e-7, 1e-8))
@@ -254,5 +256,5 @@ def test_fixed_steps_are_shortened_instead_of_tolerances():
     exact = linkages.lyapunov(pendulum(**{"dampers[0].damping": 0.5}), **given)
     # RK4 at this step errs by 1e-8 a period, chaos makes 20 periods from it: sums do not care
     assert fixed.attrs["sum"] == pytest.approx(exact.attrs["sum"], abs=1e-6)
-    report = chaos(pendulum(**{"simulate.method": "rk4", "simulate.step": 0.05}), periods=200)
+    report = verdict(pendulum(**{"simulate.method": "rk4", "simulate.step": 0.05}), periods=200)
     assert report.tighter["how"] == f"step {0.05 / 10**0.25:.3g} s"

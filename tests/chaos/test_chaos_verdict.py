@@ -8,7 +8,7 @@ import pytest
 import linkages
 from linkages.chaos.evidence import alike
 from linkages.chaos.judge import judge
-from linkages.chaos.report import chaos
+from linkages.chaos.report import verdict
 from linkages.components.definition import from_document
 from linkages.kernel.system import System
 from linkages.reading.document import parse
@@ -85,7 +85,7 @@ DAMPED = {
     ["driven 0.8", *(pytest.param(c, marks=pytest.mark.slow) for c in DAMPED if c != "driven 0.8")],
 )
 def test_damped_motions_are_periodic(case, skip):
-    report = chaos(DAMPED[case](), periods=200, skip=skip)
+    report = verdict(DAMPED[case](), periods=200, skip=skip)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     assert report.tighter["verdict"] == "periodic"
     assert report.run["skip"] == (100 if skip is None else 0)
@@ -94,7 +94,7 @@ def test_damped_motions_are_periodic(case, skip):
 @pytest.mark.parametrize("skip", [None, 0])
 def test_a_pendulum_that_nothing_drives_comes_to_rest(skip):
     damped = {"dampers": "[{joint: O, damping: 0.1}]"}
-    report = chaos(linkages.load("pendulum", set=damped), periods=200, skip=skip)
+    report = verdict(linkages.load("pendulum", set=damped), periods=200, skip=skip)
     assert report.verdict == "at rest", report.reasons
     if skip is None:
         assert report.run["skip"] >= 100
@@ -104,7 +104,7 @@ def test_a_pendulum_that_nothing_drives_comes_to_rest(skip):
 def test_points_and_exponents_are_of_one_run(monkeypatch):
     """Of the driven pendulum where it is chaotic: every other run soon goes elsewhere."""
     seen = judgements(monkeypatch)
-    report = chaos(pendulum(0.5), periods=200)
+    report = verdict(pendulum(0.5), periods=200)
     evidence = seen[0].evidence
     states, times = evidence.exponents.states, evidence.exponents.times
     parts = (len(times) - 1) // 200
@@ -123,7 +123,7 @@ def test_points_and_exponents_are_of_one_run(monkeypatch):
 
 def test_the_confirming_run_gathers_all_evidence_anew(monkeypatch):
     seen = judgements(monkeypatch)
-    chaos(pendulum(0.5), periods=200)
+    verdict(pendulum(0.5), periods=200)
     one, other = seen[0].evidence, seen[0].again
     assert (one.points[0] == other.points[0]).all()
     # errors of 1e-8 grow by e^(0.14 · 9.4) in a period: after 20 periods nothing is alike
@@ -136,14 +136,14 @@ def test_the_confirming_run_gathers_all_evidence_anew(monkeypatch):
 
 def test_a_verdict_that_changes_with_the_tolerance_is_none(monkeypatch):
     judgements(monkeypatch, verdict_again="chaotic")
-    report = chaos(pendulum(0.8), periods=200)
+    report = verdict(pendulum(0.8), periods=200)
     assert report.verdict == "undecided"
     assert report.tighter["verdict"] == "chaotic"
     assert any("it changes with the step size" in reason for reason in report.reasons)
 
 
 def test_a_verdict_that_nothing_can_confirm_is_none():
-    report = chaos(pendulum(0.8), periods=200, rtol=LEAST_RTOL)
+    report = verdict(pendulum(0.8), periods=200, rtol=LEAST_RTOL)
     assert report.verdict == "undecided"
     assert any("nothing confirms this" in reason for reason in report.reasons)
 
@@ -151,18 +151,18 @@ def test_a_verdict_that_nothing_can_confirm_is_none():
 def test_longer_transients_are_skipped_by_default():
     """Small oscillations decay like exp(-0.01 t): to a ten-thousandth in 98 periods of 9.4 s."""
     slow = pendulum(0.02, loads=[{"bar": "arm", "torque": "0.01*cos(2*t/3)"}])
-    report = chaos(slow, periods=200)
+    report = verdict(slow, periods=200)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     assert report.run["skip"] == 300
     assert "settled from there on" in report.run["skipped"]
-    short = chaos(slow, periods=200, skip=0)
+    short = verdict(slow, periods=200, skip=0)
     assert short.run["skip"] == 0
     assert short.verdict in ("periodic", "undecided")
     assert any("transient" in reason or "from its point" in reason for reason in short.reasons)
 
 
 def test_nothing_is_skipped_where_nothing_dissipates():
-    report = chaos(linkages.load("pendulum"), periods=200)
+    report = verdict(linkages.load("pendulum"), periods=200)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     assert (report.run["skip"], report.run["skipped"]) == (0, "nothing dissipates")
     assert report.section.time[0] == pytest.approx(0, abs=report.run["period"])

@@ -1,0 +1,133 @@
+"""Which points of a motion a section takes, of one motion or at many values of a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from linkages.options.option import OptionError
+from linkages.options.run import RunKeywords, RunOptions
+from linkages.spec import dimensions
+from linkages.spec.quantities import Instant, NonNegativeInteger, PositiveInteger, Quantity
+
+Direction = Literal["up", "down", "both"]
+Start = Literal["same", "forward", "backward"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SectionOptions(RunOptions):
+    """Points of a motion: once a period of its drives, or where a quantity has a value.
+
+    Parameters
+    ----------
+    periods
+        Number of points: one per common period of the drives, or one per crossing of `section`.
+    skip
+        Points left out before.
+    phase
+        Where in the period of the drives points are taken, from 0 to 1. Not with `section`.
+    section
+        Take points where this is crossed instead, e.g. ``slider9.velocity=0``. It is an element, a
+        quantity of position or velocity (angle, speed, position, velocity) and a value in SI.
+    direction
+        How the section is crossed.
+    """
+
+    periods: PositiveInteger = 500
+    skip: NonNegativeInteger = 0
+    phase: Annotated[float, Quantity(dimensions.NUMBER)] = 0.0
+    section: str | None = None
+    direction: Direction = "up"
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.phase < 1.0:
+            message = f"phase must be from 0 to below 1, found {self.phase:g}"
+            raise OptionError("phase", message)
+        if self.section is None and self.direction != "up":
+            raise OptionError("direction", f"direction {self.direction!r} {_NEEDED}")
+        if self.section is not None and self.phase:
+            raise OptionError(
+                "phase",
+                f"phase {self.phase:g} goes with points once a period; a section where a quantity "
+                "has a value has none",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoincareOptions(SectionOptions):
+    """Points of one motion.
+
+    Parameters
+    ----------
+    end
+        Time in s until which crossings of a section are looked for. If not given, ``periods + skip
+        + 2`` times the common period of the drives (or the file's end time, if there is none).
+    wrap
+        Take angles within one turn.
+    """
+
+    end: Instant | None = None
+    wrap: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.end is None:
+            return
+        if self.section is None:
+            what = f"end = {self.end:g} s {_NEEDED}; points once a period end with their number"
+            raise OptionError("end", what)
+        if not self.end > 0.0:
+            raise OptionError("end", f"end must be a time in s > 0, found {self.end:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BifurcationOptions(SectionOptions):
+    """Points at each value of a parameter.
+
+    Parameters
+    ----------
+    periods
+        Points at each value.
+    skip
+        Points left out before, at each value.
+    start
+        From the file's state, or from the last state of the value before. With ``same`` each value
+        starts from the state of the definition; with ``forward`` or ``backward`` from the last
+        state of the value before or behind it, in the same assembly mode and at the start of a
+        period of the drives, which shows hysteresis.
+    exponent
+        Compute the largest Lyapunov exponent as well. It is that of the motion which the points
+        belong to, over 100 periods that begin 10 after the first point.
+    """
+
+    periods: PositiveInteger = 200
+    skip: NonNegativeInteger = 100
+    start: Start = "same"
+    exponent: bool = False
+
+
+_NEEDED = "goes with a section where a quantity has a value, and none is given"
+
+
+class SectionKeywords(RunKeywords, total=False):
+    """`SectionOptions` as keyword arguments."""
+
+    periods: int
+    skip: int
+    phase: float
+    section: str | None
+    direction: str
+
+
+class PoincareKeywords(SectionKeywords, total=False):
+    """`PoincareOptions` as keyword arguments."""
+
+    end: float | None
+    wrap: bool
+
+
+class BifurcationKeywords(SectionKeywords, total=False):
+    """`BifurcationOptions` as keyword arguments."""
+
+    start: str
+    exponent: bool

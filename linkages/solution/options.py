@@ -1,0 +1,76 @@
+"""Options of a run over those of the definition file, as far as its motion can be integrated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from linkages.components.mechanism import Mechanism
+from linkages.options.given import Options, given_options
+from linkages.options.option import OptionError
+from linkages.options.run import RunOptions, SimulationOptions
+from linkages.solvers.choice import AUTO
+from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
+
+MAX_SAMPLES = 10_000_000
+"""More would not fit into memory as tables."""
+
+
+def options_of(kind: type[Options], mechanism: Mechanism, given: Mapping[str, Any]) -> Options:
+    """Options of a run of a mechanism; a step only where the method has a fixed one.
+
+    Parameters
+    ----------
+    kind
+        Their class.
+    mechanism
+        Its definition says what is not given.
+    given
+        Keyword arguments; None says nothing.
+
+    Raises
+    ------
+    InputError
+        For what the definition says, at its line.
+    OptionError, TypeError
+        For what is given.
+    """
+    found = given_options(kind, given, mechanism.simulation)
+    for refusal in (_integration(found), _span(found)):
+        if refusal is not None:
+            key, message, asked = refusal
+            if given.get(asked) is None:
+                raise mechanism.error([(("simulate", key), message)])
+            raise OptionError(asked, message)
+    return found if found.method in FIXED_STEP_METHODS else replace(found, step=None)
+
+
+def _integration(run: RunOptions) -> tuple[str, str, str] | None:
+    """What is wrong with how a motion is integrated: key, message, option that asks for it."""
+    if not LEAST_RTOL <= run.rtol < 1:
+        return "rtol", f"rtol must be from {LEAST_RTOL:.3g} to 1, found {run.rtol:g}", "rtol"
+    if run.method not in (*METHODS, AUTO):
+        known = ", ".join([*METHODS, AUTO])
+        return "method", f"unknown method {run.method!r}; expected one of: {known}", "method"
+    if run.method in FIXED_STEP_METHODS and run.step is None:
+        message = f"method {run.method!r} needs a step; expected a time in seconds"
+        return "step", message, "method"
+    return None
+
+
+def _span(run: RunOptions) -> tuple[str, str, str] | None:
+    """What is wrong with the times of a simulation, in the same way."""
+    if not isinstance(run, SimulationOptions):
+        return None
+    if run.end == 0:
+        return "end", "end must be a time in seconds other than 0, found 0", "end"
+    if not 2 <= run.samples <= MAX_SAMPLES:
+        limits = f"at least 2 and at most {MAX_SAMPLES}"
+        return "samples", f"samples must be {limits}, found {run.samples:g}", "samples"
+    step = run.step if run.method in FIXED_STEP_METHODS else None
+    if step is not None and abs(run.end) > run.most_steps * step:
+        what = f"step {step:g} s needs more than {run.most_steps} steps to reach {run.end:g} s"
+        return "step", what, "step"
+    return None

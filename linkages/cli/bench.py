@@ -3,43 +3,31 @@
 from __future__ import annotations
 
 import json as json_format
-from collections.abc import Sequence
 from pathlib import Path
 
 from linkages.benchmark.report import TARGETS, BenchReport, run_benchmark
 from linkages.benchmark.work_precision import Point
-from linkages.cli.loading import mechanism_from
-from linkages.cli.published import published
+from linkages.cli.requests import Request
 from linkages.cli.terminal import console, number, print_json, table
 from linkages.solution.files import replaced
 
 
-def run_bench(
-    file: str,
-    assignments: Sequence[str],
-    out: Path | None,
-    json: bool,
-    figures: bool,
-    repeats: int,
-    format: str = "png",  # noqa: A002
-) -> int:
+def run_bench(request: Request, repeats: int) -> int:
     """Measure, write ``bench.json`` and a figure, print tables; returns the exit code."""
-    mechanism = mechanism_from(file, assignments)
     screen = console(error=True)
 
     def show(point: Point) -> None:
-        if not json and screen.is_terminal:
+        if not request.json and screen.is_terminal:
             screen.print(f"{point.method} {number(point.setting)}: {number(point.seconds)} s")
 
-    report = run_benchmark(mechanism, file, assignments, repeats=repeats, watch=show)
-    folder = Path("results") / Path(file).stem if out is None else out
-    with published("bench", folder, mechanism, {"repeats": repeats}) as run:
-        _save(report, run.folder, format if figures else None)
-    written = run.files
-    if json:
-        print_json({**report.as_dict(), "files": [str(path) for path in written]})
+    mechanism, assignments = request.mechanism, request.assignments
+    report = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
+    with request.publishing() as run:
+        _save(report, run.folder, request.format if request.figures else None)
+    if request.json:
+        print_json({**report.as_dict(), "files": [str(path) for path in run.files]})
     else:
-        _print(report, written)
+        _print(report, run.files)
     return 0
 
 

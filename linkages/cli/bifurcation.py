@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.markup import escape
 
-from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, initial_states, ranges
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
 from linkages.cli.swept import (
+    close_report,
     contact_columns,
     contact_content,
+    coordinate_head,
     counted,
     failure_notes,
     failures,
-    finished,
-    watched,
+    publish_sweep,
+    swept,
 )
-from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
-from linkages.components.mechanism import Mechanism
+from linkages.cli.terminal import console, number, print_json, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,64 +31,24 @@ if TYPE_CHECKING:
     from linkages.chaos.varied import Axis
 
 BOTH = "both"
-INTERRUPTED = "interrupted: what was computed up to then is in"
-TOO_EARLY = "interrupted before anything was computed"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sweep:
-    """What is varied, and from where each value starts.
+def run_bifurcation(
+    request: Request, vary: Sequence[str], start: str, initial: Sequence[str], cores: int | None
+) -> int:
+    """Sweep over a parameter; returns the exit code."""
+    axis, states = ranges("--vary", vary), initial_states(initial)
+    data = _compute(request, axis, states, start, cores)
 
-    Parameters
-    ----------
-    vary, initial
-        Ranges and initial states as on the command line.
-    start
-        ``"same"``, ``"forward"``, ``"backward"`` or ``"both"`` of the latter.
-    cores
-        Number of threads; all cores if None.
-    """
+    def save(data: xr.Dataset, folder: Path) -> None:
+        _save(data, request, folder)
 
-    vary: Sequence[str]
-    initial: Sequence[str] = ()
-    start: str = "same"
-    cores: int | None = None
-
-
-def run_bifurcation(request: Request, swept: Sweep, **run: Any) -> int:
-    """Sweep with the arguments of `linkages.bifurcation`; returns the exit code."""
-    request = request.asks("bifurcation", **vars(swept), **run)
-    mechanism = request.mechanism()
-    axis = ranges("--vary", swept.vary)
-    states = initial_states(swept.initial)
-    with request.answering():
-        data = _compute(request, mechanism, axis, states, swept, run)
-    failed = failures(data)
-    interrupted = bool(data.attrs["interrupted"])
-    nothing = not _counts(data).any()
-    if interrupted and nothing:
-        raise EndedError(TOO_EARLY)
-    with request.publishing(complete=not nothing, interrupted=interrupted) as (aside, place):
-        _save(data, aside)
-    written = place.files
-    if request.json:
-        _print_json(data, written, failed)
-    else:
-        _print(data, written, failed)
-    if interrupted:
-        raise EndedError(f"{INTERRUPTED} {written[0].parent}")
-    if nothing:
-        print(f"no value could be computed: {next(iter(failed))}", file=sys.stderr)
-    return int(nothing)
+    show = _print_json if request.json else _print
+    return publish_sweep(request, data, "value", bool(_counts(data).any()), save, show)
 
 
 def _compute(
-    request: Request,
-    mechanism: Mechanism,
-    axis: Axis,
-    states: Sequence[dict[str, object]],
-    swept: Sweep,
-    run: dict[str, Any],
+    request: Request, axis: Axis, states: Sequence[dict[str, object]], start: str, cores: int | None
 ) -> xr.Dataset:
     """One sweep, or one in either direction put together; starts have names."""
     import xarray as xr
@@ -97,26 +56,15 @@ def _compute(
     from linkages.chaos.bifurcation import bifurcation
     from linkages.chaos.sweep import Threads
 
-    starts = ("forward", "backward") if swept.start == BOTH else (swept.start,)
+    starts = ("forward", "backward") if start == BOTH else (str(start),)
     parts: list[xr.Dataset] = []
-    for start in starts:
+    for one in starts:
         if parts and parts[-1].attrs["interrupted"]:
             break
-        label = f"{escape(axis.label)} of {escape(mechanism.name)}"
-        with progress(label, shown=not request.json, what="of values") as update:
-            task = partial(
-                bifurcation,
-                mechanism,
-                axis,
-                start=start,
-                initial=states,
-                rtol=request.rtol,
-                executor=Threads(swept.cores),
-                watch=watched(update),
-                **run,
-            )
-            data = finished(task)
-        parts.append(data.assign_coords(start=_names(start if len(starts) > 1 else "", states)))
+        given = {**request.given, "start": one, "initial": states, "executor": Threads(cores)}
+        task = partial(bifurcation, request.mechanism, axis, **given)
+        data = swept(request, axis.label, "value", task)
+        parts.append(data.assign_coords(start=_names(one if len(starts) > 1 else "", states)))
     whole = parts[0] if len(parts) == 1 else xr.concat(parts, "start", data_vars="all")
     whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
     return whole
@@ -129,8 +77,7 @@ def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
     return np.array([": ".join(t for t in (start, text) if t) for text in texts], dtype=object)
 
 
-def _save(data: xr.Dataset, request: Request) -> None:
-    folder = request.folder
+def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
     save_netcdf(data, folder / "bifurcation.nc")
     save_table(_points(data), folder / "bifurcation.csv")
     save_table(_values(data), folder / "bifurcation_values.csv")
@@ -146,12 +93,11 @@ def _save(data: xr.Dataset, request: Request) -> None:
 
 def _parameters(data: xr.Dataset) -> dict[str, np.ndarray]:
     """Head → values of what is varied, shape (values,)."""
-    found = {}
-    for name, array in data.coords.items():
-        if array.dims == ("value",):
-            unit = array.attrs.get("units", "")
-            found[f"{name} ({unit})" if unit else str(name)] = array.to_numpy()
-    return found
+    return {
+        coordinate_head(name, array): array.to_numpy()
+        for name, array in data.coords.items()
+        if array.dims == ("value",)
+    }
 
 
 def _points(data: xr.Dataset) -> dict[str, Any]:
@@ -187,7 +133,7 @@ def _counts(data: xr.Dataset) -> np.ndarray:
     return np.asarray(np.isfinite(first.to_numpy()[..., 0]).sum(axis=2))
 
 
-def _print_json(data: xr.Dataset, written: list[Any], failed: dict[str, int]) -> None:
+def _print_json(data: xr.Dataset, written: Sequence[Path]) -> None:
     values = _values(data)
     print_json(
         {
@@ -196,7 +142,7 @@ def _print_json(data: xr.Dataset, written: list[Any], failed: dict[str, int]) ->
             "starts": [str(name) for name in data["start"].values],
             "interrupted": bool(data.attrs["interrupted"]),
             "values": {head: np.asarray(column).tolist() for head, column in values.items()},
-            "failures": failed,
+            "failures": failures(data),
             "warnings": counted(_warnings(data)),
             "contact": contact_content(data),
             "files": [str(path) for path in written],
@@ -204,9 +150,7 @@ def _print_json(data: xr.Dataset, written: list[Any], failed: dict[str, int]) ->
     )
 
 
-def _print(data: xr.Dataset, written: list[Any], failed: dict[str, int]) -> None:
-    from linkages.chaos.contact_log import contact_kept, contact_sentences
-
+def _print(data: xr.Dataset, written: Sequence[Path]) -> None:
     screen = console()
     path = data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
@@ -225,11 +169,12 @@ def _print(data: xr.Dataset, written: list[Any], failed: dict[str, int]) -> None
         rows.append(row)
     heads += ["exponent positive"] if "exponent" in data else []
     screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
-    notes = failure_notes(failed, "value") + failure_notes(counted(_warnings(data)), "value")
-    print_notes([*contact_sentences(data), *notes], screen)
-    if kept := contact_kept(data):
-        screen.print(kept, markup=False)
-    screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
+    notes = [
+        note
+        for reasons in (failures(data), counted(_warnings(data)))
+        for note in failure_notes(reasons, "value")
+    ]
+    close_report(data, notes, written)
 
 
 def _warnings(data: xr.Dataset) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
@@ -17,7 +17,6 @@ from linkages.cli.terminal import (
     number,
     print_json,
     print_notes,
-    progress,
     table,
 )
 from linkages.solution.files import replaced
@@ -35,20 +34,18 @@ LOOK = {
 Table = tuple[str, list[str], list[list[str]]]
 
 
-def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) -> int:
-    """Judge a motion with the arguments of `linkages.chaos`; returns the exit code."""
+def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
+    """Judge a motion; returns the exit code."""
     from linkages.chaos.report import verdict
     from linkages.chaos.verdict import FEWEST_PERIODS
 
-    request = request.asks("chaos", periods=periods, quick=quick, **run)
-    mechanism = request.mechanism()
-    label = f"judging {escape(mechanism.name)}"
-    length = periods if periods is not None else FEWEST_PERIODS if quick else 300
-    with request.answering(), progress(label, shown=not request.json) as watch:
-        report = verdict(mechanism, periods=length, rtol=request.rtol, watch=watch, **run)
+    length = FEWEST_PERIODS if periods is None and quick else periods
+    with request.computing("judging") as watch:
+        given = {**request.given, "periods": length}
+        report = verdict(request.mechanism, watch=watch, **given)
     tables = _tables(report)
-    with request.publishing() as (aside, place):
-        _save(report, tables, aside)
+    with request.publishing({**request.asked, "periods": report.run["periods"]}) as place:
+        _save(report, tables, request, place.folder)
     if request.json:
         print_json({**report.to_dict(), "files": [str(path) for path in place.files]})
     else:
@@ -57,10 +54,9 @@ def run_chaos(request: Request, periods: int | None, quick: bool, **run: Any) ->
     return 0
 
 
-def _save(report: ChaosReport, tables: list[Table], request: Request) -> None:
+def _save(report: ChaosReport, tables: list[Table], request: Request, folder: Path) -> None:
     from linkages.plots.chaos_page import chaos_figures, chaos_page
 
-    folder = request.folder
     _write(json_text(report.to_dict()), folder / "chaos.json")
     save_netcdf(report.section, folder / "chaos_section.nc")
     save_netcdf(report.exponents, folder / "chaos_exponents.nc")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
-from linkages.cli.swept import contact_content
-from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
+from linkages.cli.swept import close_report, contact_content
+from linkages.cli.terminal import console, number, print_json, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,53 +19,44 @@ BEYOND = 3.0
 """Standard errors beyond which an exponent is said to differ from zero."""
 
 
-def run_lyapunov(request: Request, **run: Any) -> int:
-    """Compute exponents with the arguments of `linkages.lyapunov`; returns the exit code."""
-    from linkages.chaos.contact_log import contact_kept, contact_sentences
+def run_lyapunov(request: Request) -> int:
+    """Compute exponents; returns the exit code."""
     from linkages.chaos.lyapunov import lyapunov
 
-    request = request.asks("lyapunov", **run)
-    mechanism = request.mechanism()
-    label = f"exponents of {escape(mechanism.name)}"
-    with request.answering(), progress(label, shown=not request.json) as watch:
-        data = lyapunov(mechanism, rtol=request.rtol, watch=watch, **run)
-    with request.publishing() as (aside, place):
-        _save(data, aside)
-    rows = exponent_rows(data)
-    end = float(data["time"][-1])
+    with request.computing("exponents of") as watch:
+        data = lyapunov(request.mechanism, watch=watch, **request.given)
+    with request.publishing() as place:
+        _save(data, request, place.folder)
+    rows, known = exponent_rows(data), certificate_rows(data)
+    end, total, error = float(data["time"][-1]), data.attrs["sum"], data.attrs["sum_error"]
+    warning, name = data.attrs["warning"], data.attrs["name"]
     if request.json:
         print_json(
             {
-                "mechanism": mechanism.name,
+                "mechanism": name,
                 "end": end,
                 "exponents": rows,
-                "sum": {"value": data.attrs["sum"], "error": data.attrs["sum_error"]},
-                "certificate": certificate_rows(data),
+                "sum": {"value": total, "error": error},
+                "certificate": known,
                 "contact": contact_content(data),
                 "settled": bool(data.attrs["settled"]),
-                "warning": data.attrs["warning"] or None,
+                "warning": warning or None,
                 "files": [str(path) for path in place.files],
             }
         )
         return 0
     screen = console()
-    screen.print(f"[bold]{escape(mechanism.name)}[/bold]: exponents up to t = {number(end)} s")
+    screen.print(f"[bold]{escape(name)}[/bold]: exponents up to t = {number(end)} s")
     screen.print(exponent_table(rows))
-    total = f"{number(data.attrs['sum'])} ± {data.attrs['sum_error']:.2g} 1/s"
-    screen.print(f"sum of these: {total}")
-    if data.sizes["invariant"]:
-        heading, heads, cells = certificate_table(certificate_rows(data))
+    screen.print(f"sum of these: {number(total)} ± {error:.2g} 1/s")
+    if known:
+        heading, heads, cells = certificate_table(known)
         screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
-    warnings = [data.attrs["warning"]] if data.attrs["warning"] else []
-    print_notes([*contact_sentences(data), *warnings], screen)
-    if kept := contact_kept(data):
-        screen.print(kept, markup=False)
-    screen.print(f"{len(place.files)} files in {request.folder}", markup=False)
+    close_report(data, [warning] if warning else [], place.files)
     return 0
 
 
-def _save(data: xr.Dataset, request: Request) -> None:
-    folder = request.folder
+def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
     save_netcdf(data, folder / "lyapunov.nc")
     columns = {"time (s)": data["time"].to_numpy()} | {
         f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()

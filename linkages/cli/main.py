@@ -17,17 +17,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from linkages.cli import analyses, definitions
-from linkages.cli.options import (
-    ChangePoints,
-    Figures,
-    File,
-    Format,
-    Json,
-    Moving,
-    Out,
-    Picture,
-    Set,
-)
+from linkages.cli.options import File, Format, Json, Picture, Set
 
 app = typer.Typer(
     name="linkages",
@@ -69,45 +59,7 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-@app.command()
-def simulate(
-    file: File,
-    assignments: Set = None,
-    out: Out = None,
-    json: Json = False,
-    figures: Figures = True,
-    form: Format = Picture.PNG,
-    outputs: Annotated[
-        str | None,
-        typer.Option(
-            help="Comma-separated variables to compute, or 'all'; default: kinematics, efforts."
-        ),
-    ] = None,
-    verify: Annotated[
-        bool | None,
-        typer.Option(
-            help="Integrate again at a tighter tolerance and say until when the answer holds; "
-            "default: for adaptive methods of high order."
-        ),
-    ] = None,
-    change_points: Annotated[
-        ChangePoints | None,
-        typer.Option(
-            help="Go on smoothly where the mechanism could go on in two ways, or stop there; "
-            "default: pass if a coordinate other than a clearance is free."
-        ),
-    ] = None,
-    max_steps: Annotated[
-        int | None,
-        typer.Option(min=1, help="Steps after which a run gives up; default: 100 million."),
-    ] = None,
-) -> None:
-    """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
-    from linkages.cli.simulate import run_simulate
-
-    wanted = None if change_points is None else change_points.value
-    asked = assignments or [], out, json, figures, outputs, verify, wanted, form.value, max_steps
-    raise typer.Exit(run_simulate(file, *asked))
+app.command()(analyses.simulate)
 
 
 @app.command()
@@ -148,61 +100,9 @@ def equations(
     raise typer.Exit(run_equations(file, assignments or [], form, json))
 
 
-@app.command()
-def animate(
-    file: File,
-    assignments: Set = None,
-    out: Out = None,
-    json: Json = False,
-    form: Annotated[
-        Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
-    ] = Moving.GIF,
-    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
-    duration: Annotated[
-        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
-    ] = None,
-    slow: Annotated[
-        float | None,
-        typer.Option(
-            help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: 1, or what makes the film last from 4 to 12 s."
-        ),
-    ] = None,
-    fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
-    size: Annotated[
-        str | None,
-        typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
-    ] = None,
-    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
-) -> None:
-    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
-    from linkages.cli.animate import Options, run_animate
-
-    options = Options(
-        format=form.value, start=start, duration=duration, slow=slow, fps=fps, size=size, dpi=dpi
-    )
-    raise typer.Exit(run_animate(file, assignments or [], out, json, options))
-
-
-analyses.add_to(app)
-
-
-@app.command()
-def bench(
-    file: File,
-    assignments: Set = None,
-    out: Out = None,
-    json: Json = False,
-    figures: Annotated[bool, typer.Option(help="Draw work against error.")] = True,
-    form: Format = Picture.PNG,
-    repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
-) -> None:
-    """Measure time against error of every method and of installed peers."""
-    from linkages.cli.bench import run_bench
-
-    raise typer.Exit(run_bench(file, assignments or [], out, json, figures, repeats, form.value))
-
-
+for command in (analyses.animate, analyses.phase, analyses.poincare, analyses.lyapunov,
+                analyses.bifurcation, analyses.chaos, analyses.map_, analyses.bench):  # fmt: skip
+    app.command()(command)
 definitions.add_to(app)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial
@@ -12,69 +11,48 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.markup import escape
 
-from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY
-from linkages.cli.published import EndedError
 from linkages.cli.requests import Request, ranges
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.swept import (
+    close_report,
     contact_columns,
     contact_content,
+    coordinate_head,
     failure_notes,
     failures,
-    finished,
-    watched,
+    publish_sweep,
+    swept,
 )
-from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
+from linkages.cli.terminal import console, number, print_json, table
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def run_map(
-    request: Request, x: Sequence[str], y: Sequence[str], cores: int | None, **run: Any
-) -> int:
-    """Compute a map with the arguments of `linkages.chaos_map`; returns the exit code."""
+def run_map(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
+    """Compute a map; returns the exit code."""
     from linkages.chaos.maps import chaos_map
     from linkages.chaos.sweep import Threads
 
-    request = request.asks("map", x=x, y=y, cores=cores, **run)
-    mechanism = request.mechanism()
-    along, up = ranges("--x", x), ranges("--y", y)
-    label = f"map of {escape(mechanism.name)}"
-    shown = not request.json
-    with request.answering(), progress(label, shown=shown, what="of points") as update:
-        task = partial(
-            chaos_map,
-            mechanism,
-            along,
-            up,
-            rtol=request.rtol,
-            executor=Threads(cores),
-            watch=watched(update),
-            **run,
-        )
-        data = finished(task)
-    failed = failures(data)
-    nothing = not np.isfinite(data["indicator"]).any()
-    interrupted = bool(data.attrs["interrupted"])
-    if interrupted and nothing:
-        raise EndedError(TOO_EARLY)
-    with request.publishing(complete=not nothing, interrupted=interrupted) as (aside, place):
-        _save(data, aside)
-    content = _content(data, failed, place.files)
-    if request.json:
-        print_json(content)
-    else:
-        _print(content, data, place.files[0].parent)
-    if interrupted:
-        raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
-    if nothing:
-        print(f"no point could be computed: {next(iter(failed))}", file=sys.stderr)
-    return int(nothing)
+    axes = ranges("--x", x), ranges("--y", y)
+    task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)
+    data = swept(request, "map", "point", task)
+
+    def save(data: xr.Dataset, folder: Path) -> None:
+        _save(data, request, folder)
+
+    def show(data: xr.Dataset, files: Sequence[Path]) -> None:
+        content = _content(data, files)
+        if request.json:
+            print_json(content)
+        else:
+            _print(content, data, files)
+
+    computed = bool(np.isfinite(data["indicator"]).any())
+    return publish_sweep(request, data, "point", computed, save, show)
 
 
-def _save(data: xr.Dataset, request: Request) -> None:
-    folder = request.folder
+def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
     save_netcdf(data, folder / "map.nc")
     save_table(_columns(data), folder / "map.csv")
     if request.figures:
@@ -93,8 +71,7 @@ def _columns(data: xr.Dataset) -> dict[str, Any]:
     height, width = data.sizes["y"], data.sizes["x"]
     columns: dict[str, Any] = {}
     for name, array in data.coords.items():
-        unit = array.attrs.get("units", "")
-        head = f"{name} ({unit})" if unit else str(name)
+        head = coordinate_head(name, array)
         if array.dims == ("x",):
             columns[head] = np.tile(array.to_numpy(), height)
         elif array.dims == ("y",):
@@ -119,7 +96,7 @@ def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
     return dict(Counter(str(word) for word in words if word))
 
 
-def _content(data: xr.Dataset, failed: dict[str, int], written: list[Path]) -> dict[str, Any]:
+def _content(data: xr.Dataset, written: Sequence[Path]) -> dict[str, Any]:
     values = data["indicator"].to_numpy()
     finite = values[np.isfinite(values)]
     return {
@@ -137,7 +114,7 @@ def _content(data: xr.Dataset, failed: dict[str, int], written: list[Path]) -> d
         "signs": _signs(data),
         "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
         "contact": contact_content(data),
-        "failures": failed,
+        "failures": failures(data),
         "files": [str(path) for path in written],
     }
 
@@ -151,9 +128,7 @@ def _signs(data: xr.Dataset) -> dict[str, int] | None:
     return {word: int((signs == sign).sum()) for word, sign in words.items()}
 
 
-def _print(content: dict[str, Any], data: xr.Dataset, folder: Path) -> None:
-    from linkages.chaos.contact_log import contact_kept, contact_sentences
-
+def _print(content: dict[str, Any], data: xr.Dataset, files: Sequence[Path]) -> None:
     screen = console()
     title = f"{content['mechanism']}: {content['computed']} of {content['points']} points"
     screen.print(f"{title}, {content['x']} and {content['y']}", markup=False)
@@ -171,8 +146,4 @@ def _print(content: dict[str, Any], data: xr.Dataset, folder: Path) -> None:
     ]
     if rows:
         screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    notes = [*contact_sentences(data), *failure_notes(content["failures"], "point")]
-    print_notes(notes, screen)
-    if kept := contact_kept(data):
-        screen.print(kept, markup=False)
-    screen.print(f"{len(content['files'])} files in {folder}", markup=False)
+    close_report(data, failure_notes(content["failures"], "point"), files)

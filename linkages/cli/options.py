@@ -41,40 +41,6 @@ class Picture(StrEnum):
 
 
 Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
-Method = Annotated[
-    str | None, typer.Option(help="How to integrate; default: simulate.method of the file.")
-]
-Rtol = Annotated[
-    float | None, typer.Option(help="Relative tolerance; default: simulate.rtol of the file.")
-]
-Phase = Annotated[
-    float, typer.Option(help="Where in the period of the drives points are taken, from 0 to 1.")
-]
-Section = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ELEMENT.QUANTITY=VALUE",
-        help="Take points where this is crossed instead, e.g. 'slider9.velocity=0'.",
-    ),
-]
-Cores = Annotated[
-    int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
-]
-
-
-MaxSteps = Annotated[
-    int | None,
-    typer.Option(
-        min=1, help="Steps that a point may take before it is left out; default: 100000 a period."
-    ),
-]
-
-
-class ChangePoints(StrEnum):
-    """What to do where a mechanism could go on in two ways."""
-
-    PASS = "pass"
-    STOP = "stop"
 
 
 class Template(StrEnum):
@@ -93,14 +59,6 @@ class Moving(StrEnum):
     MP4 = "mp4"
 
 
-class Direction(StrEnum):
-    """How a section is crossed."""
-
-    UP = "up"
-    DOWN = "down"
-    BOTH = "both"
-
-
 class Start(StrEnum):
     """Where each value of a sweep starts."""
 
@@ -108,14 +66,3 @@ class Start(StrEnum):
     FORWARD = "forward"
     BACKWARD = "backward"
     BOTH = "both"
-
-
-class Indicator(StrEnum):
-    """What a map shows."""
-
-    EXPONENT = "exponent"
-    FLI = "fli"
-    GALI = "gali"
-
-
-Crossing = Annotated[Direction, typer.Option(help="How the section is crossed.")]

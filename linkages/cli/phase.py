@@ -11,46 +11,37 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
-from linkages.cli.terminal import console, number, print_json, progress, table
-from linkages.errors import ComputationError, Interrupted
-from linkages.solution.solution import IncompleteError
+from linkages.cli.simulated import as_far_as_possible
+from linkages.cli.terminal import console, number, print_json, table
+from linkages.errors import ComputationError
+from linkages.options.option import OptionError
+from linkages.options.run import SimulationOptions
+from linkages.solution.options import options_of
 
 FEWEST_SAMPLES = 10_001
 """A curve through fewer points shows corners where a clearance turns fast."""
 
 
 def run_phase(
-    request: Request,
-    x: str,
-    y: str,
-    wrap: bool,
-    skip: float,
-    end: float | None,
-    samples: int | None,
+    request: Request, x: str, y: str, wrap: bool, skip: float, samples: int | None
 ) -> int:
     """Simulate, and draw one series against another; returns the exit code."""
     from linkages.kernel.system import System
     from linkages.solution.series import TIME, find_series, system_series
-    from linkages.solution.simulate import simulate
 
-    request = request.asks("phase", x=x, y=y, wrap=wrap, skip=skip, end=end, samples=samples)
-    mechanism = request.mechanism()
-    label = f"phase diagram of {escape(mechanism.name)}"
-    failure, interrupted = None, False
-    with request.answering(), progress(label, shown=not request.json) as watch:
+    mechanism = request.mechanism
+    with request.computing("phase diagram of") as watch:
         known = system_series(System(mechanism))
         across, up = find_series(known, x), find_series(known, y)
-        last = mechanism.simulation.end if end is None else end
-        if not 0 <= skip < last:
-            raise ValueError(f"skip must be from 0 to below {last:g} s, found {skip:g}")
-        wanted = max(FEWEST_SAMPLES, mechanism.simulation.samples) if samples is None else samples
+        asked = options_of(SimulationOptions, mechanism, request.given)
+        if not 0 <= skip < asked.end:
+            raise OptionError(
+                "skip", f"skip must be from 0 to below {asked.end:g} s, found {skip:g}"
+            )
+        wanted = max(FEWEST_SAMPLES, asked.samples) if samples is None else samples
         outputs = list(dict.fromkeys(s.variable for s in (across, up) if s.variable != TIME))
-        try:
-            solution = simulate(mechanism, end=end, samples=wanted, outputs=outputs, watch=watch)
-        except IncompleteError as error:
-            solution, failure = error.solution, str(error)
-        except Interrupted as error:
-            solution, failure, interrupted = error.solution, str(error), True
+        given = {**request.given, "samples": wanted, "outputs": outputs}
+        solution, failure, interrupted = as_far_as_possible(mechanism, watch=watch, **given)
     data = solution.data.sel(time=slice(skip, None))
     if not data.sizes["time"]:
         raise ComputationError(f"stopped {failure}", time=solution.motion.stop_time)
@@ -59,14 +50,15 @@ def run_phase(
         for series in (across, up)
         if series.variable != TIME
     }
-    with request.publishing(complete=failure is None, interrupted=interrupted) as (aside, place):
-        save_netcdf(data, aside.folder / "phase_diagram.nc")
-        save_table(columns, aside.folder / "phase_diagram.csv")
+    how = {"complete": failure is None, "interrupted": interrupted}
+    with request.publishing({**solution.options, **request.own, "samples": wanted}, **how) as place:
+        save_netcdf(data, place.folder / "phase_diagram.nc")
+        save_table(columns, place.folder / "phase_diagram.csv")
         if request.figures:
             from linkages.plots import phase_pair
 
             drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
-            save_figures(drawn, aside.folder, request.format)
+            save_figures(drawn, place.folder, request.format)
     rows = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()

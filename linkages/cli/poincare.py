@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,8 +10,8 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
-from linkages.cli.swept import contact_content
-from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
+from linkages.cli.swept import close_report, contact_content
+from linkages.cli.terminal import console, number, print_json, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,47 +20,39 @@ TAKEN = ("period", "phase", "section", "direction")
 """Attributes that say how points are taken."""
 
 
-def run_poincare(request: Request, **section: Any) -> int:
-    """Compute a section with the arguments of `linkages.poincare`; returns the exit code."""
-    from linkages.chaos.contact_log import contact_kept, contact_sentences
+def run_poincare(request: Request) -> int:
+    """Compute a section; returns the exit code."""
     from linkages.chaos.section import poincare
 
-    request = request.asks("poincare", **section)
-    mechanism = request.mechanism()
-    label = f"section of {escape(mechanism.name)}"
-    with request.answering(), progress(label, shown=not request.json) as watch:
-        data = poincare(mechanism, rtol=request.rtol, watch=watch, **section)
-    with request.publishing() as (aside, run):
-        _save(data, aside)
+    with request.computing("section of") as watch:
+        data = poincare(request.mechanism, watch=watch, **request.given)
+    with request.publishing() as place:
+        _save(data, request, place.folder)
     rows = section_rows(data)
+    warning, name = data.attrs["warning"], data.attrs["name"]
     if request.json:
         print_json(
             {
-                "mechanism": mechanism.name,
+                "mechanism": name,
                 "points": data.sizes["crossing"],
                 "taken": {k: data.attrs[k] for k in TAKEN if k in data.attrs},
                 "first": float(data["time"][0]),
                 "last": float(data["time"][-1]),
                 "coordinates": rows,
                 "contact": contact_content(data),
-                "warning": data.attrs["warning"] or None,
-                "files": [str(path) for path in run.files],
+                "warning": warning or None,
+                "files": [str(path) for path in place.files],
             }
         )
         return 0
     screen = console()
-    screen.print(f"[bold]{escape(mechanism.name)}[/bold]: {escape(taken(data))}")
+    screen.print(f"[bold]{escape(name)}[/bold]: {escape(taken(data))}")
     screen.print(section_table(rows))
-    warnings = [data.attrs["warning"]] if data.attrs["warning"] else []
-    print_notes([*contact_sentences(data), *warnings], screen)
-    if kept := contact_kept(data):
-        screen.print(kept, markup=False)
-    screen.print(f"{len(run.files)} files in {request.folder}", markup=False)
+    close_report(data, [warning] if warning else [], place.files)
     return 0
 
 
-def _save(data: xr.Dataset, request: Request) -> None:
-    folder = request.folder
+def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
     save_netcdf(data, folder / "poincare.nc")
     columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
     save_table(columns, folder / "poincare.csv")

@@ -1,20 +1,26 @@
-"""What the verbs that analyse motions are asked for: files, ranges, initial states."""
+"""What commands are asked for: files, options, ranges, initial states."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.markup import escape
+
 from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.published import EndedError, Published, published
+from linkages.cli.terminal import progress
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
+from linkages.options.option import OptionError
+from linkages.options.run import RunOptions
 from linkages.reading.overrides import parse_assignment
+from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
     from linkages.chaos.varied import Axis
@@ -25,42 +31,42 @@ NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """Options that all analyses have.
+    """What a command is asked for.
 
     Parameters
     ----------
+    verb
+        The command.
     file, assignments, out
         As on the command line.
     json, figures
         Whether to print JSON, and whether to draw.
     format
         Of figures: ``"png"``, ``"svg"`` or ``"pdf"``.
-    method, rtol
-        Of the integration; those of the file if None.
-    verb, options
-        What is computed, and its other options: files say so, see `asks`.
+    kind, given
+        Options of the computation: their class, and those that are given. They are keyword
+        arguments of the public function that answers the command.
+    own
+        What else is given.
     """
 
+    verb: str
     file: str
     assignments: Sequence[str] = ()
     out: Path | None = None
     json: bool = False
     figures: bool = True
     format: str = "png"
-    method: str | None = None
-    rtol: float | None = None
-    verb: str = ""
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    def asks(self, verb: str, **options: Any) -> Request:
-        """The same for a verb with its own options."""
-        return replace(self, verb=verb, options=options)
+    kind: type[RunOptions] | None = None
+    given: Mapping[str, Any] = field(default_factory=dict)
+    own: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
         """Where results go."""
         return Path("results") / Path(self.file).stem if self.out is None else self.out
 
+    @cached_property
     def mechanism(self) -> Mechanism:
         """The mechanism with all values put in; its folder for results can be written.
 
@@ -69,28 +75,35 @@ class Request:
         InputError
             For anything wrong in the file, the assignments or the folder.
         """
-        return self._mechanism
-
-    @cached_property
-    def _mechanism(self) -> Mechanism:
-        # as assignments they are checked as if the file said so
-        own = {"simulate.method": self.method, "simulate.rtol": self.rtol}
-        added = [f"{path}={value}" for path, value in own.items() if value is not None]
-        found = mechanism_from(self.file, [*self.assignments, *added])
+        found = mechanism_from(self.file, self.assignments)
         require_folder(self.folder)
         return found
 
-    @contextmanager
-    def answering(self) -> Iterator[None]:
-        """Turn what an analysis raises into what the program says.
+    @property
+    def asked(self) -> dict[str, Any]:
+        """All options of the computation: those that are given, and those of the file."""
+        return (
+            {} if self.kind is None else asdict(options_of(self.kind, self.mechanism, self.given))
+        )
 
-        Arguments that make no sense are a ValueError of the analysis: that is wrong input. What an
+    @contextmanager
+    def computing(
+        self, label: str, what: str = "of simulated time"
+    ) -> Iterator[Callable[[float], None]]:
+        """Show the progress of a computation; turn what it raises into what the program says.
+
+        Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an
         analysis has when it must end early is written.
         """
         from linkages.chaos.unfinished import UnfinishedError
 
+        title = f"{label} {escape(self.mechanism.name)}"
         try:
-            yield
+            with progress(title, shown=not self.json, what=what) as watch:
+                yield watch
+        except OptionError as error:
+            flag = f"--{error.name.replace('_', '-')}"
+            raise InputError(flag, [Problem(message=str(error))]) from None
         except ValueError as error:
             raise InputError(self.file, [Problem(message=str(error))]) from None
         except UnfinishedError as error:
@@ -105,32 +118,37 @@ class Request:
 
         if not kept:
             return ""
-        with self.publishing(complete=False, interrupted=interrupted) as (aside, run):
+        with self.publishing(complete=False, interrupted=interrupted) as place:
             for name, data in kept.items():
-                save_netcdf(data, aside.folder / f"{name}.nc")
-        return "\nup to there: " + " and ".join(str(path) for path in run.files)
+                save_netcdf(data, place.folder / f"{name}.nc")
+        return "\nup to there: " + " and ".join(str(path) for path in place.files)
 
     @contextmanager
     def publishing(
-        self, *, complete: bool = True, interrupted: bool = False
-    ) -> Iterator[tuple[Request, Published]]:
-        """The same request, whose folder is one aside, and where its files are at the end.
+        self,
+        options: Mapping[str, Any] | None = None,
+        *,
+        complete: bool = True,
+        interrupted: bool = False,
+    ) -> Iterator[Published]:
+        """Where to write the files of the run, and where they are at the end.
 
         Parameters
         ----------
+        options
+            How it was computed, if that is more than was asked for.
         complete, interrupted
             Whether the run came to its end, and whether somebody ended it, see `published`.
         """
-        options = {"method": self.method, "rtol": self.rtol, **self.options}
         with published(
             self.verb,
             self.folder,
-            self.mechanism(),
-            options,
+            self.mechanism,
+            {**self.own, **(self.asked if options is None else options)},
             complete=complete,
             interrupted=interrupted,
         ) as run:
-            yield replace(self, out=run.folder), run
+            yield run
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:

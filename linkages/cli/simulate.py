@@ -12,16 +12,13 @@ from typing import Any
 import numpy as np
 from rich.markup import escape
 
-from linkages.cli.loading import mechanism_from, require_folder
-from linkages.cli.published import published
-from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
-from linkages.errors import InputError, Interrupted, Problem
+from linkages.cli.requests import Request
+from linkages.cli.simulated import as_far_as_possible
+from linkages.cli.terminal import console, number, print_json, print_notes, table
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.requests import ALL
-from linkages.solution.simulate import simulate
-from linkages.solution.solution import IncompleteError, Solution
+from linkages.solution.solution import Solution
 from linkages.solvers.choice import AUTO
-from linkages.solvers.integrate import MAX_STEPS
 
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
@@ -56,39 +53,12 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
 
 
-def run_simulate(
-    file: str,
-    assignments: Sequence[str],
-    out: Path | None,
-    json: bool,
-    figures: bool,
-    outputs: str | None,
-    verify: bool | None,
-    change_points: str | None = None,
-    format: str = "png",  # noqa: A002
-    max_steps: int | None = None,
-) -> int:
-    """Simulate a file and save everything, figures in a format; returns the exit code."""
-    mechanism = mechanism_from(file, assignments)
-    folder = Path("results") / Path(file).stem if out is None else out
-    require_folder(folder)
+def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> int:
+    """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
-    failure, interrupted = None, False
-    try:
-        with progress(f"simulating {escape(mechanism.name)}", shown=not json) as watch:
-            solution = simulate(
-                mechanism,
-                outputs=names,
-                watch=watch,
-                change_points=change_points,
-                max_steps=max_steps or MAX_STEPS,
-            )
-    except IncompleteError as error:
-        solution, failure = error.solution, str(error)
-    except Interrupted as error:
-        solution, failure, interrupted = error.solution, str(error), True
-    except ValueError as error:
-        raise InputError(file, [Problem(message=str(error))]) from None
+    with request.computing("simulating") as watch:
+        given = {**request.given, "outputs": names, "watch": watch}
+        solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:
@@ -98,23 +68,17 @@ def run_simulate(
     rows = shown_maxima(solution, names)
     _mark_late(solution, horizon)
     notes = [*solution.notes, *_warnings(solution, rows)]
-    with published(
-        "simulate",
-        folder,
-        mechanism,
-        solution.options,
-        complete=failure is None,
-        interrupted=interrupted,
-    ) as run:
+    how = {"complete": failure is None, "interrupted": interrupted}
+    with request.publishing(solution.options, **how) as run:
         solution.save(run.folder)
-        if figures:
+        if request.figures:
             from linkages.plots.figures import save_figures
             from linkages.plots.time_figures import QUANTITIES
             from linkages.solution.resolved import resolved
 
             dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
-            save_figures(solution.data, solution.mechanism, run.folder, format, dense=dense)
-    _report(solution, horizon, rows, notes, run.files, failure, json)
+            save_figures(solution.data, solution.mechanism, run.folder, request.format, dense=dense)
+    _report(solution, horizon, rows, notes, run.files, failure, request.json)
     return 0 if failure is None else 1
 
 

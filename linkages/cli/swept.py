@@ -1,20 +1,26 @@
-"""What the verbs that sweep have in common: reasons, contact, Ctrl-C."""
+"""What commands that sweep have in common: reasons, files, Ctrl-C; and contact in clearances."""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from linkages.cli.published import EndedError
+from linkages.cli.requests import Request
+from linkages.cli.terminal import console, print_notes
 from linkages.errors import Interrupted
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.chaos.sweep import Progress
+INTERRUPTED = "interrupted: what was computed up to then is in"
+TOO_EARLY = "interrupted before anything was computed"
 
 _NUMBER = re.compile(r"(?<!\w)[-+−]?\d+(\.\d+)?([eE][-+]?\d+)?")
 
@@ -41,20 +47,56 @@ def failure_notes(failed: dict[str, int], what: str) -> list[str]:
     return [f"{count} {what}{'s' * (count > 1)}: {reason}" for reason, count in failed.items()]
 
 
-def finished(task: Callable[[], xr.Dataset]) -> xr.Dataset:
-    """The result of a sweep, or after Ctrl-C what there is of it."""
-    try:
-        return task()
-    except Interrupted as error:
-        if not error.kept:  # in the set-up
-            raise
-        (data,) = error.kept.values()
-        return cast("xr.Dataset", data)
+def swept(request: Request, label: str, what: str, task: Callable[..., xr.Dataset]) -> xr.Dataset:
+    """What a sweep returns that reports its progress, or after Ctrl-C what there is of it."""
+    with request.computing(f"{label} of", f"of {what}s") as update:
+        try:
+            return task(watch=lambda progress: update(progress.done / progress.total))
+        except Interrupted as error:
+            if not error.kept:  # in the set-up
+                raise
+            (data,) = error.kept.values()
+            return cast("xr.Dataset", data)
 
 
-def watched(update: Callable[[float], None]) -> Callable[[Progress], None]:
-    """Show the progress of a sweep as a fraction."""
-    return lambda progress: update(progress.done / progress.total)
+def publish_sweep(
+    request: Request,
+    data: xr.Dataset,
+    what: str,
+    computed: bool,
+    save: Callable[[xr.Dataset, Path], None],
+    show: Callable[[xr.Dataset, Sequence[Path]], None],
+) -> int:
+    """Write the files of a sweep and report it; returns the exit code.
+
+    Parameters
+    ----------
+    request, data
+        What was asked for, and what was found.
+    what
+        One of its computations in a word.
+    computed
+        Whether there is a result at all.
+    save, show
+        Write the files into a folder; print a report that lists them.
+    """
+    interrupted = bool(data.attrs["interrupted"])
+    if interrupted and not computed:
+        raise EndedError(TOO_EARLY)
+    with request.publishing(complete=computed, interrupted=interrupted) as place:
+        save(data, place.folder)
+    show(data, place.files)
+    if interrupted:
+        raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
+    if not computed:
+        print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
+    return int(not computed)
+
+
+def coordinate_head(name: object, array: xr.DataArray) -> str:
+    """Head of a column of what is varied."""
+    unit = array.attrs.get("units", "")
+    return f"{name} ({unit})" if unit else str(name)
 
 
 def contact_columns(data: xr.Dataset) -> dict[str, Any]:
@@ -90,3 +132,14 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
             }
         )
     return found
+
+
+def close_report(data: xr.Dataset, notes: Sequence[str], files: Sequence[Path]) -> None:
+    """The last lines of a report: what is to be known of contact and otherwise, and the files."""
+    from linkages.chaos.contact_log import contact_kept, contact_sentences
+
+    screen = console()
+    print_notes([*contact_sentences(data), *notes], screen)
+    if kept := contact_kept(data):
+        screen.print(kept, markup=False)
+    screen.print(f"{len(files)} files in {files[0].parent}", markup=False)

@@ -39,7 +39,7 @@ def given_options(
     TypeError
         For a name that is no option, and for a value of another type.
     """
-    known = option_types(cast(Any, kind))
+    known = option_types(kind)
     for name in given:
         if name not in known:
             near = suggestion(name, known)
@@ -50,9 +50,13 @@ def given_options(
     return kind(**defaults | {name: value for name, value in said.items() if value is not None})
 
 
-@cache
-def option_types(kind: type) -> dict[str, Any]:
+def option_types(kind: type) -> Mapping[str, Any]:
     """Name of an option → its annotation."""
+    return _types(cast(Any, kind))
+
+
+@cache
+def _types(kind: type) -> Mapping[str, Any]:
     hints = get_type_hints(kind, include_extras=True)
     return {field.name: hints[field.name] for field in fields(kind)}
 

@@ -7,6 +7,9 @@ from typing import Any, Literal, Self, TypedDict, cast
 
 from linkages.spec.quantities import Duration, Instant, Name, PositiveInteger, Tolerance
 
+FORM = "form"
+"""Key of what a text looks like, in the metadata of its field."""
+
 MAX_STEPS = 10**8
 """Unless told otherwise. It takes minutes to use them up: whoever needs more knows it."""
 
@@ -28,8 +31,8 @@ class RunOptions:
     step
         Step of a fixed-step method in seconds.
     max_steps
-        Steps after which a run gives up, and keeps what it has. 100 million if not given; at each
-        point of a sweep 100,000 for each period.
+        Steps after which a run gives up: 100 million, and 100,000 a period at each point of a
+        sweep, unless it is said. What was computed up to then is kept.
     change_points
         Whether to ``pass`` smoothly through positions from which the mechanism could go on in two
         ways, or to ``stop`` there. If it is not said, motions with a free coordinate other than a

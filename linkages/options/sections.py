@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from linkages.options.option import OptionError
-from linkages.options.run import RunKeywords, RunOptions
+from linkages.options.run import FORM, RunKeywords, RunOptions
 from linkages.spec import dimensions
 from linkages.spec.quantities import Instant, NonNegativeInteger, PositiveInteger, Quantity
 
@@ -36,7 +36,7 @@ class SectionOptions(RunOptions):
     periods: PositiveInteger = 500
     skip: NonNegativeInteger = 0
     phase: Annotated[float, Quantity(dimensions.NUMBER)] = 0.0
-    section: str | None = None
+    section: str | None = field(default=None, metadata={FORM: "ELEMENT.QUANTITY=VALUE"})
     direction: Direction = "up"
 
     def __post_init__(self) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from linkages.cli.bifurcation import INTERRUPTED, TOO_EARLY
 from linkages.cli.requests import initial_states
+from linkages.cli.swept import INTERRUPTED, TOO_EARLY
 
 PENDULUM = """\
 name: Driven pendulum
@@ -391,7 +391,7 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
         ("poincare", ["--section", "arm.speed=0", "--end", "0"], "end must be a time in s > 0"),
         ("poincare", ["--section", "arm.speed=0", "--end", "-5"], "end must be a time in s > 0"),
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--direction", "down"], "goes with a sect"),
-        ("poincare", ["--periods", "0"], "periods must be at least 1, found 0"),
+        ("poincare", ["--periods", "0"], "whole number > 0, found '0'"),
         ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),
         ("poincare", ["--method", "dopr"], "dopr"),
         ("poincare", ["--rtol", "-1"], "rtol"),

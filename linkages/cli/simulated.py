@@ -1,0 +1,26 @@
+"""Simulations that may stop before their end."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from linkages.components.mechanism import Mechanism
+from linkages.errors import Interrupted
+from linkages.solution.simulate import simulate
+from linkages.solution.solution import IncompleteError, Solution
+
+
+def as_far_as_possible(mechanism: Mechanism, **given: Any) -> tuple[Solution, str | None, bool]:
+    """A motion; why it stopped before its end, if it did, and whether somebody stopped it.
+
+    Parameters
+    ----------
+    mechanism, given
+        As `linkages.simulate` takes them.
+    """
+    try:
+        return simulate(mechanism, **given), None, False
+    except IncompleteError as error:
+        return error.solution, str(error), False
+    except Interrupted as error:
+        return error.solution, str(error), True

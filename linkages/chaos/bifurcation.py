@@ -23,6 +23,7 @@ from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
+from linkages.options.signature import takes
 from linkages.solution.flows import Flows
 from linkages.solution.options import options_of
 
@@ -137,6 +138,7 @@ class _Request:
         return float(exponents.values[0]), float(exponents.errors[0])
 
 
+@takes(BifurcationOptions)
 def bifurcation(
     mechanism: Mechanism,
     vary: Vary,

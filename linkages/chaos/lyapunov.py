@@ -33,6 +33,7 @@ from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentKeywords, ExponentOptions
 from linkages.options.option import OptionError
+from linkages.options.signature import takes
 from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ PARTS = 4
 """Intervals within a period, more if tangents come too far apart within one."""
 
 
+@takes(ExponentOptions)
 def lyapunov(
     mechanism: Mechanism,
     *,

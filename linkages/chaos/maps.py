@@ -31,6 +31,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import MapKeywords, MapOptions
+from linkages.options.signature import takes
 from linkages.solution.flows import Flows
 from linkages.solution.options import options_of
 
@@ -155,6 +156,7 @@ class _Followed(LinkageTangents):
         return found
 
 
+@takes(MapOptions)
 def chaos_map(
     mechanism: Mechanism,
     x: Vary,

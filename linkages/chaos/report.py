@@ -27,6 +27,7 @@ from linkages.kernel.system import System
 from linkages.options.exponents import VerdictKeywords, VerdictOptions
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
+from linkages.options.signature import takes
 from linkages.solution.options import options_of
 from linkages.solution.solution import IncompleteError
 from linkages.solvers.integrate import LEAST_RTOL
@@ -41,6 +42,7 @@ TIGHTER = 0.1
 """Factor on the tolerance under which a verdict must not change."""
 
 
+@takes(VerdictOptions)
 def verdict(
     mechanism: Mechanism,
     *,

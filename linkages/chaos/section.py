@@ -22,6 +22,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.sections import PoincareKeywords, PoincareOptions, SectionOptions
+from linkages.options.signature import takes
 from linkages.solution.motion import Motion, Watch
 from linkages.solution.options import options_of
 
@@ -34,6 +35,7 @@ ROOM = 2
 """Periods beyond the points asked for until which crossings are looked for."""
 
 
+@takes(PoincareOptions)
 def poincare(
     mechanism: Mechanism,
     *,

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import Field, fields
 from enum import StrEnum
 from inspect import Parameter
-from typing import Annotated, Any, Literal, Optional, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import typer
 
-from linkages.options.given import option_types
-from linkages.options.run import FORM, RunOptions, SimulationOptions
-from linkages.spec.annotations import alternatives, rule_of, stripped
+from linkages.options.given import Option, options_in
+from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError
-from linkages.spec.docstrings import field_texts
 from linkages.spec.quantities import Count, FieldType, Quantity
 
 OF_FILE = "Simulation (default: what the file says under simulate)"
@@ -29,31 +26,23 @@ def flags(kind: type[RunOptions]) -> list[Parameter]:
 
     Those that the definition file has as well come last, and are None unless they are given.
     """
-    texts, types = field_texts(cast(Any, kind)), option_types(kind)
-    said = SimulationOptions if issubclass(kind, SimulationOptions) else RunOptions
-    of_file = {field.name for field in fields(said)}
-    return [
-        _flag(field, types[field.name], texts.get(field.name, ""), field.name in of_file)
-        for field in sorted(fields(kind), key=lambda field: field.name in of_file)
-    ]
+    return [_flag(option) for option in options_in(kind)]
 
 
-def _flag(field: Field[Any], annotation: Any, text: str, of_file: bool) -> Parameter:
-    (arm,) = alternatives(annotation)
-    rule, value = rule_of(arm), stripped(arm)
-    default = None if of_file else field.default
-    how: dict[str, Any] = {"metavar": field.metadata.get(FORM)}
-    if isinstance(rule, Count | Quantity):
-        how = {"parser": _reading(rule), "metavar": _metavar(rule)}
+def _flag(option: Option) -> Parameter:
+    value, default = option.value, option.default
+    how: dict[str, Any] = {"metavar": option.form}
+    if isinstance(option.rule, Count | Quantity):
+        how = {"parser": _reading(option.rule), "metavar": _metavar(option.rule)}
     elif get_origin(value) is Literal:
-        value = _words(field.name, value)
-    names = (f"--{field.name}",) if value is bool and default is False else ()
-    sentence = _SENTENCE.split(text, maxsplit=1)[0].replace("`", "'")
-    panel = OF_FILE if of_file else None
-    option = typer.Option(*names, help=f"{sentence}.", rich_help_panel=panel, **how)
-    kind = Optional[value] if default is None else value  # noqa: UP045  # value is no type to mypy
+        value = _words(option.name, value)
+    names = (f"--{option.name}",) if value is bool and default is False else ()
+    sentence = _SENTENCE.split(option.text, maxsplit=1)[0].replace("`", "'")
+    panel = OF_FILE if option.of_file else None
+    flag = typer.Option(*names, help=f"{sentence}.", rich_help_panel=panel, **how)
+    kind = value | None if default is None else value
     return Parameter(
-        field.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, option]
+        option.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, flag]
     )
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import cache
 from numbers import Real
 from typing import Any, Literal, TypeVar, cast, get_args, get_origin, get_type_hints
 
 from linkages.options.option import OptionError
-from linkages.options.run import RunOptions, SimulationOptions
+from linkages.options.run import FORM, RunOptions, SimulationOptions
 from linkages.reading.wording import listed, suggestion
 from linkages.spec.annotations import alternatives, rule_of, stripped
-from linkages.spec.quantities import Count, Quantity
+from linkages.spec.docstrings import field_texts
+from linkages.spec.quantities import Count, FieldType, Quantity
 
 Options = TypeVar("Options", bound=RunOptions)
 
@@ -39,33 +40,74 @@ def given_options(
     TypeError
         For a name that is no option, and for a value of another type.
     """
-    known = option_types(kind)
+    known = {option.name: option for option in options_in(kind)}
     for name in given:
         if name not in known:
             near = suggestion(name, known)
             raise TypeError(f"unexpected keyword argument {name!r}{near}")
-    shared = SimulationOptions if issubclass(kind, SimulationOptions) else RunOptions
-    said = {name: _read(name, known[name], value) for name, value in given.items()}
-    defaults = {field.name: getattr(file, field.name) for field in fields(shared)}
-    return kind(**defaults | {name: value for name, value in said.items() if value is not None})
+    defaults = {name: getattr(file, name) for name, option in known.items() if option.of_file}
+    said = {name: value for name, value in given.items() if value is not None}
+    return kind(**defaults | {name: _read(known[name], value) for name, value in said.items()})
 
 
-def option_types(kind: type) -> Mapping[str, Any]:
-    """Name of an option → its annotation."""
-    return _types(cast(Any, kind))
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """What is known of a field of options.
+
+    Parameters
+    ----------
+    name, text
+        As the class has it, and what its docstring says.
+    value
+        Type of the value, without None.
+    rule
+        How numbers and texts are read, if there is a rule.
+    default
+        None where the definition file says it.
+    form
+        What a text looks like.
+    of_file
+        Whether the definition file has it as well.
+    """
+
+    name: str
+    text: str
+    value: Any
+    rule: FieldType | None
+    default: Any
+    form: str | None
+    of_file: bool
+
+
+def options_in(kind: type[RunOptions]) -> list[Option]:
+    """All options of a kind; those that the definition file has as well come last."""
+    return _options(cast(Any, kind))
 
 
 @cache
-def _types(kind: type) -> Mapping[str, Any]:
-    hints = get_type_hints(kind, include_extras=True)
-    return {field.name: hints[field.name] for field in fields(kind)}
+def _options(kind: type[RunOptions]) -> list[Option]:
+    hints, texts = get_type_hints(kind, include_extras=True), field_texts(cast(Any, kind))
+    said = SimulationOptions if issubclass(kind, SimulationOptions) else RunOptions
+    of_file = {field.name for field in fields(said)}
+    found = []
+    for field in sorted(fields(kind), key=lambda field: field.name in of_file):
+        (arm,) = alternatives(hints[field.name])
+        found.append(
+            Option(
+                name=field.name,
+                text=texts.get(field.name, ""),
+                value=stripped(arm),
+                rule=rule_of(arm),
+                default=None if field.name in of_file else field.default,
+                form=field.metadata.get(FORM),
+                of_file=field.name in of_file,
+            )
+        )
+    return found
 
 
-def _read(name: str, annotation: Any, value: Any) -> Any:
-    if value is None:
-        return None
-    (arm,) = alternatives(annotation)
-    rule, kind = rule_of(arm), stripped(arm)
+def _read(option: Option, value: Any) -> Any:
+    name, rule, kind = option.name, option.rule, option.value
     if isinstance(rule, Count):
         number = whole_number(name, value)
         if number < rule.least:

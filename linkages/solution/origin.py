@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
@@ -22,21 +22,19 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     mechanism
         What was computed.
     options
-        How, beyond what its `simulate` section says; None says nothing. Whatever is no number,
-        text or list of these is written as text.
+        How, as keyword arguments of what computed it. Whatever is no number, text or list of these
+        is written as text.
 
     Returns
     -------
     ``version``; ``options`` as JSON; and ``definition``, YAML text in which all values are put in,
     those that were changed in Python as well.
     """
-    said = {name: value for name, value in options.items() if value is not None}
-    how = {**asdict(mechanism.simulation), **said}
     definition = mechanism.definition
     name = {"name": mechanism.name}  # first, and not that of whatever file this is read from
     content = name | definition.content | name
     return {
         "version": f"linkages {version('linkages')}",
-        "options": json.dumps(how, default=str, ensure_ascii=False),
+        "options": json.dumps(options, default=str, ensure_ascii=False),
         DEFINITION: as_yaml(replace(definition, content=content)),
     }

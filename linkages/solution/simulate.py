@@ -14,6 +14,7 @@ from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions, SimulationKeywords, SimulationOptions
+from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
@@ -30,6 +31,7 @@ LATE = "interrupted after the motion was computed, before all of its outputs wer
 _ERROR = "_error"
 
 
+@takes(SimulationOptions)
 def simulate(
     mechanism: Mechanism,
     *,

@@ -6,7 +6,7 @@ import math
 
 from scipy.integrate import solve_ivp
 
-from linkages.chaos.systems import Ode
+from linkages.chaos.own_systems import Ode
 from verdicts.known import Known, of_flow
 
 SPARROW = "C. Sparrow, The Lorenz Equations (1982)"

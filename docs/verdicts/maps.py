@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from linkages.chaos.systems import Map
+from linkages.chaos.own_systems import Map
 from verdicts.known import Known, of_map
 
 GOLDEN = (math.sqrt(5) - 1) / 2

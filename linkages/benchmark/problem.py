@@ -12,7 +12,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
-from linkages.solution.integration import failure_text
+from linkages.solution.march import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
 

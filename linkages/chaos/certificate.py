@@ -18,6 +18,8 @@ from linkages.chaos.exponents import Exponents
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
+from linkages.solution.free_coordinates import free_vectors
+from linkages.solution.motion import Motion
 
 Floats = NDArray[np.float64]
 
@@ -60,27 +62,29 @@ def certificate(
     Parameters
     ----------
     tangents
-        What was integrated, with states in `passed`, the same number for each interval.
+        What was integrated, with states in `passed`.
     exponents
         The whole spectrum.
     skip
         Intervals before its average began.
     """
-    time = np.concatenate([part for part, _ in tangents.passed])
-    state = np.concatenate([part for _, part in tangents.passed], axis=1)
-    parts = len(tangents.passed[-1][0])
-    chosen = slice(skip * parts, (skip + len(exponents.growth)) * parts + 1)
-    time, state = time[chosen], state[:, chosen]
+    parts, passed = tangents.parts, Motion(pieces=tuple(tangents.passed))
+    passed = passed.part(skip * parts, (skip + len(exponents.growth)) * parts + 1)
     volumes = Volumes(tangents.system)
-    damping = volumes.damping_rates(time, state)
+    of_piece = {piece.system: Volumes(piece.system) for piece in passed.pieces}
+    damping, logarithms = (
+        np.concatenate([getattr(of_piece[p.system], name)(p) for p in passed.pieces])
+        for name in ("damping_rates", "logarithm")
+    )
     numeric = STEPS * tangents.tolerance / float(np.diff(exponents.times).min())
     floor = max(SMALL * float(exponents.errors.max()), numeric)
-    logarithms = volumes.logarithm(time[::parts], state[:, ::parts])
-    found = [_sum(exponents, np.trace(damping, axis1=1, axis2=2), logarithms, parts, floor)]
+    traces = np.trace(damping, axis1=1, axis2=2)
+    found = [_sum(exponents, traces, logarithms[::parts], parts, floor)]
     rate = volumes.uniform(damping)
     if rate is not None:
         found += _pairs(exponents, rate, floor)
-    if volumes.autonomous and _goes_on(state, numeric):
+    rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]
+    if volumes.autonomous and _goes_on(rates, numeric):
         found += _zeros(exponents, volumes.conservative, floor)
     return tuple(found)
 
@@ -142,14 +146,14 @@ def _pairs(exponents: Exponents, rate: float, floor: float) -> list[Invariant]:
     ]
 
 
-def _goes_on(state: Floats, least: float) -> bool:
+def _goes_on(rates: Floats, least: float) -> bool:
     """Whether the last quarter of a motion is about as fast as the first, and does not rest.
 
-    Slower than `least` is what moves within an interval by errors of integration only.
+    Slower than `least` is what moves within an interval by errors of integration only. `rates` has
+    shape (samples, n).
     """
-    rates = state[len(state) // 2 :]
-    quarter = rates.shape[1] // 4
-    first, last = (np.sqrt(np.mean(part**2)) for part in (rates[:, :quarter], rates[:, -quarter:]))
+    quarter = len(rates) // 4
+    first, last = (np.sqrt(np.mean(part**2)) for part in (rates[:quarter], rates[-quarter:]))
     return bool(last > max(GOES_ON * first, least))
 
 

@@ -46,50 +46,36 @@ def check_interval(system: System, span: float = 0.0) -> float | None:
 
 
 class ContactLog:
-    """Notes the states of a motion that is integrated piece by piece, to look at forces later.
+    """Notes the states of a motion that is integrated part by part, to look at forces later.
 
     Parameters
     ----------
-    system
-        A system with clearances.
     interval
         Time between two looks, from `check_interval`.
     """
 
-    def __init__(self, system: System, interval: float) -> None:
-        self.system, self.interval = system, interval
+    def __init__(self, interval: float) -> None:
+        self.interval = interval
         self.restart()
 
     def restart(self, since: float = 0.0) -> None:
         """Forget what was noted; what happens before a time in seconds is left out."""
         self._since = since
-        self._parts: list[tuple[Floats, Floats, Floats]] = []
+        self._pieces: list[Piece] = []
 
     def looks(self, span: float) -> int:
         """How many looks a time in seconds is worth, at least one."""
         return max(1, round(span / self.interval))
 
-    def note(self, time: Floats, state: Floats, acceleration: Floats) -> None:
-        """Keep samples of the motion: integrated coordinates and rates, shape (2n, samples)."""
-        there = time >= self._since
-        self._parts.append((time[there], state[:, there], acceleration[:, there]))
+    def note(self, motion: Motion) -> None:
+        """Keep the samples of the next part of the motion."""
+        first = int(np.searchsorted(motion.time, self._since))
+        self._pieces += motion.part(first).pieces
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """The check of every clearance; empty for too short a motion."""
-        if not self._parts:
-            return ()
-        columns = zip(*self._parts, strict=True)
-        time, state, acceleration = (np.concatenate(column, axis=-1) for column in columns)
-        count = len(self.system.topology.coordinates)
-        piece = Piece(
-            system=self.system,
-            time=time,
-            state=state,
-            turns=np.zeros((count, len(time))),
-            acceleration=acceleration,
-        )
-        return contacts_in(Motion(pieces=(piece,)))
+        return contacts_in(Motion(pieces=tuple(self._pieces))) if self._pieces else ()
 
 
 def contacts_in(motion: Motion, places: Any = slice(None)) -> tuple[Contact, ...]:

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.chaos.contact import Contact
 from linkages.chaos.contact_log import ContactLog, check_interval
-from linkages.chaos.stops import stop_text
 from linkages.chaos.surface import Surface, parse_section
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
-from linkages.solution.flows import Flows, watched
-from linkages.solution.motion import Floats, Motion, Piece, Watch
-from linkages.solvers.events import Event
-from linkages.solvers.flow import Flow
-from linkages.solvers.integrate import integrate
-from linkages.solvers.outcome import Outcome
-from linkages.solvers.trajectory import Trajectory
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.guards import Guard
+from linkages.solution.march import March
+from linkages.solution.motion import Motion, Piece, Watch
 
 DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 """How a section is crossed → sign of the rate there; 0 for either."""
@@ -48,29 +44,21 @@ def crossed(
     """Integrate until enough crossings of a section are found, or a time in seconds is over."""
     assert options.section is not None
     surface, skip = parse_section(system, options.section), options.skip
-    flow, function = Flows(system).flow(), watched(system, surface.nodes)
-    wanted = options.periods + skip
-    capacity = wanted
     interval = check_interval(system, end)
-    log = None if interval is None else ContactLog(system, interval)
+    log = None if interval is None else ContactLog(interval)
     looks = 1 if log is None else log.looks(end - system.time)
+    guard = Guard(
+        nodes=surface.nodes,
+        direction=DIRECTIONS[options.direction],
+        wanted=options.periods + skip,
+        counts=(lambda piece: _there(surface, piece)) if surface.turns else None,
+    )
     times = np.linspace(system.time, end, looks + 1)[1:]
-    while True:
-        event = Event(
-            function=function,
-            direction=DIRECTIONS[options.direction],
-            terminal=capacity,
-            capacity=capacity,
-        )
-        trajectory = _integrated(system, flow, times, options, event, watch)
-        piece = _met(system, surface, trajectory)
-        if len(piece.time) >= wanted or trajectory.outcome is not Outcome.EVENT:
-            break
-        capacity *= 2  # others used it up
-    ended = trajectory.outcome in (Outcome.DONE, Outcome.EVENT)
-    count = len(piece.time)
-    piece = piece.part(slice(skip, wanted))
-    if ended and not len(piece.time):
+    followed = March(system, options).advance(times, guards=[guard], watch=watch)
+    (met,) = followed.crossings
+    count = len(met.time)
+    motion = replace(followed, pieces=met.part(skip).pieces)
+    if motion.failure is None and count <= skip:
         raise NeverCrossedError(
             f"the section {surface.series.name} = {surface.level:g} is crossed "
             f"{count} times within {end:.6g} s"
@@ -78,46 +66,14 @@ def crossed(
             + "; expected a value that the motion reaches",
             time=float(end),
         )
-    motion = Motion(
-        pieces=(piece,),
-        failure=None if ended else stop_text(system, trajectory, trajectory.final_state),
-        stop_time=trajectory.stop_time,
-        interrupted=trajectory.outcome is Outcome.INTERRUPTED,
-    )
-    if log is None or not len(piece.time):
+    if log is None or count <= skip:
         return Met(motion, (), 0.0)
-    log.restart(since=piece.time[0])
-    log.note(trajectory.time, trajectory.state.T, trajectory.acceleration.T)
+    log.restart(since=motion.time[0])
+    log.note(followed)
     return Met(motion, log.contacts, log.interval)
 
 
-def _integrated(
-    system: System, flow: Flow, times: Floats, run: RunOptions, event: Event, watch: Watch | None
-) -> Trajectory:
-    """Integrate until a number of crossings are met, or to the last of the times."""
-    return integrate(
-        flow,
-        system.state,
-        times,
-        start=system.time,
-        **run.integration,
-        events=[event],
-        watch=watch,
-    )
-
-
-def _met(system: System, surface: Surface, trajectory: Trajectory) -> Piece:
-    """The crossings of a trajectory, without those of an angle half a turn away."""
-    found = trajectory.crossings[0]
-    piece = Piece(
-        system=system,
-        time=found.time,
-        state=found.state.T,
-        turns=found.turns.T.astype(float),
-        acceleration=np.zeros(found.turns.T.shape),
-    )
-    if not surface.turns:
-        return piece
-    node = surface.series.node(system.model)
-    (angle,) = system.evaluate([node], piece.time, piece.state)
-    return piece.part(np.cos(angle - surface.level) > 0)
+def _there(surface: Surface, piece: Piece) -> NDArray[np.bool_]:
+    """Which crossings of an angle are not half a turn away."""
+    (angle,) = evaluate_nodes(piece, [surface.series.node(piece.system.model)])
+    return np.asarray(np.cos(angle - surface.level) > 0)

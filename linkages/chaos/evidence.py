@@ -24,8 +24,8 @@ from linkages.options.sections import SectionOptions
 from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.free_coordinates import free_vectors
 from linkages.solution.motion import Settings, compute_motion
-from linkages.solution.simulate import passes
 from linkages.solution.solution import IncompleteError, Solution, labelled
 
 if TYPE_CHECKING:
@@ -76,8 +76,19 @@ class Section:
             return {"section": self.text, "direction": self.direction, "warning": ""}
         return {"period": self.period, "phase": 0.0, "warning": ""}
 
-    def points(self, system: System, run: RunOptions, count: int) -> tuple[Floats, Floats]:
-        """Points of a geometric section from where a system is, and their times.
+    def points(
+        self, system: System, start: System, run: RunOptions, count: int
+    ) -> tuple[Floats, Floats]:
+        """Points of a geometric section in the coordinates of a system, and their times.
+
+        Parameters
+        ----------
+        system
+            Whose free coordinates.
+        start
+            The same, or with other coordinates, where the motion starts.
+        run, count
+            How it is integrated, and how many points are wanted.
 
         Returns
         -------
@@ -86,14 +97,12 @@ class Section:
         options = SectionOptions.like(
             run, section=self.text, direction=self.direction, periods=count
         )
-        end = system.time + LONGER * count * self.period
-        size = len(system.topology.free)
+        end = start.time + LONGER * count * self.period
         try:
-            motion = crossed(system, options, end).motion
+            motion = crossed(start, options, end).motion
         except NeverCrossedError:
-            return np.empty((0, 2 * size)), np.empty(0)
-        state = motion.state
-        return np.concatenate([state[:size], state[len(state) // 2 :][:size]]).T, motion.time
+            return np.empty((0, 2 * len(system.topology.free))), np.empty(0)
+        return free_vectors(system, motion, turns=False), motion.time
 
 
 def section_for(system: System, run: RunOptions, periods: int) -> Section:
@@ -106,7 +115,7 @@ def section_for(system: System, run: RunOptions, periods: int) -> Section:
     tried = [Section(period=end, text=t, direction=d) for t, d in _sections(system)]
     for section in tried:
         probe = replace(section, period=end * periods / RETURNS / LONGER)
-        _, times = probe.points(system, run, RETURNS)
+        _, times = probe.points(system, system, run, RETURNS)
         if len(times) >= FEWEST_RETURNS:
             return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
     return tried[0]
@@ -168,9 +177,7 @@ def followed(
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")
     times = system.time + period * np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
-    settings = Settings(
-        times=times, run=run, passing=passes(system, run), counting=True, watch=watch
-    )
+    settings = Settings(times=times, run=run, counting=True, watch=watch)
     motion = compute_motion(system, settings)
     solution = Solution(
         data=labelled(system, motion, evaluate_variables(motion, outputs)),

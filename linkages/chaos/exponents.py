@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.chaos.averages import drift, mean_error
 from linkages.chaos.directions import start_tangents
 from linkages.chaos.invariants import Invariant
-from linkages.chaos.systems import TangentSystem
+from linkages.chaos.systems import Growth, TangentSystem
 from linkages.errors import ComputationError, Interrupted
 
 Floats = NDArray[np.float64]
@@ -179,25 +179,30 @@ def lyapunov_spectrum(
     if not interval > 0 or skip < 0:
         raise ValueError("interval must be > 0 and skip must be ≥ 0")
     start_tangents(system, columns)
-    growth = np.empty((intervals, columns))
-    states, times = np.empty((intervals + 1, size)), np.empty(intervals + 1)
+    growth, states, times = [np.empty((0, columns))], [np.empty((0, size))], [np.empty(0)]
     done = 0
 
     def found() -> Exponents:
-        part = Exponents(growth=growth[:done], states=states[: done + 1], times=times[: done + 1])
+        joined = [np.concatenate(parts) for parts in (growth, states, times)]
+        part = Exponents(growth=joined[0], states=joined[1], times=joined[2])
         return part if certify is None else replace(part, certificate=certify(part))
 
+    def progress(first: int, count: int) -> Callable[[float], None] | None:
+        if watch is None:
+            return None
+        return lambda fraction: watch((first + count * fraction) / (skip + intervals))
+
     try:
-        for number in range(-skip, intervals):
-            if number == 0:
-                states[0], times[0] = system.state, system.time
-            rates = _orthonormalise(system, interval)
-            if number >= 0:
-                growth[number] = rates
-                states[number + 1], times[number + 1] = system.state, system.time
-                done = number + 1
-            if watch is not None:
-                watch((number + skip + 1) / (intervals + skip))
+        for grown in system.grow(skip, interval, watch=progress(0, skip)):
+            _require_length(grown)
+        states.append(system.state[None])
+        times.append(np.array([system.time]))
+        for grown in system.grow(intervals, interval, watch=progress(skip, intervals)):
+            _require_length(grown)
+            growth.append(grown.rates)
+            states.append(grown.states)
+            times.append(grown.times)
+            done += len(grown.times)
     except (ComputationError, KeyboardInterrupt) as error:
         kept = {"exponents": found()} if done >= FEWEST_INTERVALS else {}
         if isinstance(error, KeyboardInterrupt):
@@ -209,16 +214,13 @@ def lyapunov_spectrum(
     return found()
 
 
-def _orthonormalise(system: TangentSystem, interval: float) -> Floats:
-    """Advance; growth rates of the directions, shape (count,)."""
-    system.advance(interval)
-    q, r = np.linalg.qr(system.tangents)
-    lengths = np.abs(np.diag(r))
-    if not (lengths > 0).all():
+def _require_length(grown: Growth) -> None:
+    """Tangents that vanish have no direction to go on with."""
+    lost = ~np.isfinite(grown.rates).all(axis=1)
+    if lost.any():
+        time = float(grown.times[np.argmax(lost)])
         raise ComputationError(
-            f"A tangent vanished within the interval before time {system.time:g}; "
+            f"A tangent vanished within the interval before time {time:g}; "
             "take shorter intervals or fewer exponents.",
-            time=system.time,
+            time=time,
         )
-    system.tangents = q
-    return np.log(lengths) / interval

@@ -95,24 +95,18 @@ def fast_indicators(
         raise ValueError("intervals must be at least 4, interval > 0 and count at least 1")
     start_tangents(system, count)
     start = system.time
-    grown = np.zeros(count)
-    times, fli, gali = np.empty(intervals), np.empty(intervals), np.empty(intervals)
-    highest, volume = 0.0, np.inf
-    for number in range(intervals):
-        system.advance(interval)
-        tangents = system.tangents
-        lengths = np.linalg.norm(tangents, axis=0)
-        tangents /= lengths
-        system.tangents = tangents
-        grown += np.log(lengths)
-        highest = max(highest, float(grown.max()))
-        times[number], fli[number] = system.time - start, highest
-        if volume > ROUND_OFF:
-            volume = max(float(np.prod(np.linalg.svd(tangents, compute_uv=False))), ROUND_OFF)
-        gali[number] = volume
-        if watch is not None:
-            watch((number + 1) / intervals)
-    return Indicators(times=times, fli=fli, gali=gali)
+    parts = list(system.grow(intervals, interval, orthogonal=False, watch=watch))
+    rates, tangents = (
+        np.concatenate([getattr(p, n) for p in parts]) for n in ("rates", "tangents")
+    )
+    longest = np.cumsum(interval * rates, axis=0).max(axis=1)
+    volumes = np.prod(np.linalg.svd(tangents, compute_uv=False), axis=1)
+    parallel = np.logical_or.accumulate(volumes <= ROUND_OFF)
+    return Indicators(
+        times=np.concatenate([part.times for part in parts]) - start,
+        fli=np.maximum.accumulate(np.maximum(longest, 0.0)),
+        gali=np.where(parallel, ROUND_OFF, volumes),
+    )
 
 
 def classify(times: Floats, logarithm: Floats) -> Verdict:

@@ -88,7 +88,7 @@ def lyapunov(
     asked = options_of(ExponentOptions, mechanism, options)
     system = System(mechanism)
     looked = check_interval(system)
-    log = None if looked is None else ContactLog(system, looked)
+    log = None if looked is None else ContactLog(looked)
 
     def labelled(exponents: Exponents) -> xr.Dataset:
         data = labelled_exponents(mechanism, exponents).assign_attrs(skip=asked.skip, **asked.how)
@@ -173,13 +173,8 @@ def run_exponents(
     def run(parts: int) -> Exponents:
         if log is not None:
             log.restart(since=system.time + skip * length)
-        tangents = LinkageTangents(
-            system,
-            columns,
-            options,
-            samples_needed(system, periods * parts) if columns == whole else 0,
-            log,
-        )
+        needed = samples_needed(system, periods * parts) if columns == whole else 0
+        tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
 
         def certify(exponents: Exponents) -> tuple[Invariant, ...]:
             return certificate(tangents, exponents, skip * parts)

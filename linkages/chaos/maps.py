@@ -85,8 +85,8 @@ class _Request:
         options, count = self.options_at(mechanism), self.tangents
         system = System(mechanism)
         looked = check_interval(system)
-        log = None if looked is None else ContactLog(system, looked)
-        tangents = _Followed(system, count, options, log=log)
+        log = None if looked is None else ContactLog(looked)
+        tangents = LinkageTangents(system, count, options, log=log)
         intervals = options.periods * PARTS
         interval = characteristic_period(mechanism) / PARTS
         error, told = math.nan, 0
@@ -98,7 +98,7 @@ class _Request:
             series = fast_indicators(tangents, intervals=intervals, interval=interval, count=count)
             value = float((series.fli if options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
-        return MapPoint(value, error, told, tangents.kinds(), contacts, looked or 0.0)
+        return MapPoint(value, error, told, kinds(tangents), contacts, looked or 0.0)
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -131,29 +131,17 @@ def sign_of(exponents: Exponents) -> int:
     return 1 if value > 0 else -1
 
 
-class _Followed(LinkageTangents):
-    """Tangents that remember where free angles were."""
-
-    def __init__(self, *arguments: Any, **given: Any) -> None:
-        super().__init__(*arguments, **given)
-        self._places = [self.unwrapped]
-
-    def advance(self, interval: float) -> None:
-        """Integrate, and note where angles are."""
-        super().advance(interval)
-        self._places.append(self.unwrapped)
-
-    def kinds(self) -> dict[str, str]:
-        """Free angle → swing (less than a turn in all), rotation (nearly one sense) or mixed."""
-        places = np.array(self._places)
-        moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
-        net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
-        found = {}
-        for index, name in enumerate(self.system.topology.free):
-            if self.angles[index]:
-                turning = "rotation" if net[index] >= ONE_SENSE * moved[index] else "mixed"
-                found[name] = "swing" if extent[index] < 2 * np.pi else turning
-        return found
+def kinds(tangents: LinkageTangents) -> dict[str, str]:
+    """Free angle → swing (less than a turn in all), rotation (nearly one sense) or mixed."""
+    places = np.array(tangents.turned)
+    moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
+    net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
+    found = {}
+    for index, name in enumerate(tangents.system.topology.free):
+        if tangents.angles[index]:
+            turning = "rotation" if net[index] >= ONE_SENSE * moved[index] else "mixed"
+            found[name] = "swing" if extent[index] < 2 * np.pi else turning
+    return found
 
 
 @takes(MapOptions)

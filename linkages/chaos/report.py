@@ -110,7 +110,7 @@ def _report(
         kept["chaos_section"] = gathering.labelled_section(system, section, found)
 
     def points(at: LinkageTangents, smaller: bool) -> tuple[Floats, Floats]:
-        return section.points(at.here, tight if smaller else options, periods)
+        return section.points(system, at.here, tight if smaller else options, periods)
 
     course = Course(
         period=section.period,
@@ -126,7 +126,7 @@ def _report(
     found = judge(
         _tangents(system, options, samples),
         course,
-        lambda start: _tangents(start.here, tight),
+        lambda start: start.starting(tight),
         watches=(parts.of(0), parts.of(1)),
         keep=keep,
     )
@@ -179,9 +179,9 @@ def _report(
     )
 
 
-def _tangents(system: System, run: RunOptions, samples: int = 0) -> LinkageTangents:
-    """A system with a whole set of tangents, which keeps so many samples of each advance."""
-    return LinkageTangents(system, 2 * len(system.topology.free), run, samples)
+def _tangents(system: System, run: RunOptions, samples: int) -> LinkageTangents:
+    """A system with a whole set of tangents, which keeps so many samples of each interval."""
+    return LinkageTangents(system, 2 * len(system.topology.free), run, parts=samples)
 
 
 def _certified(tangents: LinkageTangents, exponents: Exponents) -> Exponents:

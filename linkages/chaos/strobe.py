@@ -15,7 +15,6 @@ from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
-from linkages.solution.simulate import passes
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -96,7 +95,7 @@ def strobe(
     wanted = period * (first + np.arange(periods, dtype=np.float64))
     checked = period * (first + np.arange(lasting * parts + 1) / parts)
     times = np.unique(np.concatenate([wanted, checked, further]))
-    settings = Settings(times=times, run=options, passing=passes(system, options), watch=watch)
+    settings = Settings(times=times, run=options, watch=watch)
     motion = compute_motion(system, settings)
     points, looks = (np.searchsorted(times, asked) for asked in (wanted, checked))
     reached = len(motion.time)

@@ -1,4 +1,4 @@
-"""The few operations through which every analysis touches a system, and two systems of one's own.
+"""The few operations through which every analysis touches a system.
 
 After DynamicalSystemsBase.jl: an analysis that asks for no more than `TangentSystem` serves
 linkages, ordinary differential equations and maps alike.
@@ -6,23 +6,42 @@ linkages, ordinary differential equations and maps alike.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import DOP853
-
-from linkages.errors import ComputationError
+from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """What some intervals of a motion with tangents show.
+
+    Parameters
+    ----------
+    rates
+        Mean rates at which tangents grew within each interval, shape (intervals, k).
+    states, times
+        At the ends of intervals, shape (intervals, d) and (intervals,).
+    tangents
+        There, brought back to length one, shape (intervals, d, k).
+    """
+
+    rates: Floats
+    states: Floats
+    times: Floats
+    tangents: Floats
 
 
 class TangentSystem(Protocol):
     """A motion together with tangents to it.
 
     `state` is a copy of shape (d,), `tangents` of shape (d, k); d and the meaning of the entries
-    never change. A system may fix k when it is built, then setting another number is an error.
+    of `state` never change. A system may fix k when it is built, then setting another number is an
+    error.
     """
 
     @property
@@ -47,212 +66,27 @@ class TangentSystem(Protocol):
     def advance(self, interval: float) -> None:
         """Move the state along the motion and the tangents along its variational equations."""
 
-    def restart(
+    def grow(
         self,
-        state: Floats | None = None,
-        tangents: Floats | None = None,
-        time: float | None = None,
-    ) -> None:
-        """Go on from another state, with other tangents, at another time; None keeps a value."""
-
-
-class _Moving:
-    """State, tangents and time of a system, and what may be done to them between advances."""
-
-    def __init__(self, state: ArrayLike, angles: ArrayLike | None, time: float) -> None:
-        self._state = np.array(state, dtype=float)
-        if self._state.ndim != 1 or not np.isfinite(self._state).all():
-            raise ValueError("state must be finite numbers in one dimension")
-        size = len(self._state)
-        self.angles: NDArray[np.bool_] = np.zeros(size, dtype=bool)
-        if angles is not None:
-            self.angles = np.array(angles, dtype=bool)
-        if self.angles.shape != (size,):
-            raise ValueError(f"angles must be one entry for each of {size} entries of the state")
-        self._tangents = np.zeros((size, 0))
-        self.time = float(time)
-
-    @property
-    def state(self) -> Floats:
-        """Copy of the state, shape (d,), angles in [-π, π]."""
-        return self._state.copy()
-
-    @property
-    def tangents(self) -> Floats:
-        """Copy of the tangents, shape (d, k); none (k = 0) until they are set."""
-        return self._tangents.copy()
-
-    @tangents.setter
-    def tangents(self, values: ArrayLike) -> None:
-        new = np.array(values, dtype=float)
-        if new.ndim != 2 or len(new) != len(self._state):
-            raise ValueError(f"tangents must have shape ({len(self._state)}, k), not {new.shape}")
-        self._tangents = new
-
-    def restart(
-        self,
-        state: ArrayLike | None = None,
-        tangents: ArrayLike | None = None,
-        time: float | None = None,
-    ) -> None:
-        """Go on from another state, with other tangents, at another time; None keeps a value."""
-        if state is not None:
-            new = np.array(state, dtype=float)
-            if new.shape != self._state.shape or not np.isfinite(new).all():
-                raise ValueError(f"state must be {len(self._state)} finite numbers")
-            self._state = new
-        if tangents is not None:
-            self.tangents = np.asarray(tangents, dtype=float)
-        if time is not None:
-            self.time = float(time)
-
-    def _accept(self, state: Floats, tangents: Floats, time: float) -> None:
-        if not (np.isfinite(state).all() and np.isfinite(tangents).all()):
-            raise ComputationError(
-                f"The motion diverged before time {time:g}: a value is no longer a finite number. "
-                "Start elsewhere, or renormalise tangents after shorter intervals.",
-                time=self.time,
-            )
-        if self.angles.any():
-            state[self.angles] = np.remainder(state[self.angles] + np.pi, 2 * np.pi) - np.pi
-        self._state, self._tangents, self.time = state, tangents, time
-
-
-class Ode(_Moving):
-    """A system of first-order differential equations y' = f(t, y).
-
-    Parameters
-    ----------
-    function
-        f(t, y), shape (d,), seconds and whatever units y has.
-    jacobian
-        ∂f/∂y at (t, y), shape (d, d).
-    state
-        Where the motion starts, shape (d,).
-    rtol, atol
-        Tolerances of a step. Tangents take `rtol` of their own length as absolute tolerance,
-        so that an advance commutes with rescaling them.
-    angles
-        Which entries of the state are angles, shape (d,); f must have period 2π in them.
-    time
-        Where time starts, in seconds.
-
-    Notes
-    -----
-    Integrated together with its variational equations Y' = (∂f/∂y) Y by DOP853 [1]_.
-
-    References
-    ----------
-    .. [1] E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
-       Springer 1993, II.5 and I.14.
-    """
-
-    def __init__(
-        self,
-        function: Callable[[float, Floats], ArrayLike],
-        jacobian: Callable[[float, Floats], ArrayLike],
-        state: ArrayLike,
-        rtol: float = 1e-9,
-        atol: ArrayLike = 1e-12,
+        intervals: int,
+        interval: float,
         *,
-        angles: ArrayLike | None = None,
-        time: float = 0.0,
-    ) -> None:
-        super().__init__(state, angles, time)
-        self._function, self._jacobian = function, jacobian
-        self._rtol = rtol
-        self._atol = np.broadcast_to(np.asarray(atol, dtype=float), self._state.shape)
-        self._step: float | None = None
+        orthogonal: bool = True,
+        watch: Callable[[float], None] | None = None,
+    ) -> Iterator[Growth]:
+        """Move on, with tangents brought back to length one after every interval.
 
-    def advance(self, interval: float) -> None:
-        """Integrate over a time in seconds, which may be negative.
+        Parameters
+        ----------
+        intervals, interval
+            How many, and their length in seconds or steps.
+        orthogonal
+            Whether tangents are made orthonormal, or only of length one each.
+        watch
+            Called with the fraction done.
 
-        Raises
+        Yields
         ------
-        ComputationError
-            If the tolerances cannot be met or the motion diverges.
+        What the next intervals show, as many at once as suits the system. An error is raised after
+        what came before it.
         """
-        if interval == 0.0:
-            return
-        size, columns = self._tangents.shape
-        end = self.time + interval
-        lengths = np.linalg.norm(self._tangents, axis=0)
-        atol = np.concatenate([self._atol, np.tile(self._rtol * lengths, size)])
-        first = None if self._step is None else min(self._step, abs(end - self.time))
-        solver = DOP853(
-            self._rates,
-            self.time,
-            np.concatenate([self._state, self._tangents.ravel()]),
-            end,
-            first_step=first,
-            rtol=self._rtol,
-            atol=np.maximum(atol, np.finfo(float).tiny),
-        )
-        while solver.status == "running":
-            step = float(solver.h_abs)  # what the tolerance allows; the last step is cut off
-            message = solver.step()
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise ComputationError(
-                    f"The motion cannot be continued at time {solver.t:g}: "
-                    f"{message or 'a value is no longer a finite number.'}",
-                    time=float(solver.t),
-                )
-        self._step = max(step, float(solver.h_abs))
-        y = solver.y.copy()
-        self._accept(y[:size], y[size:].reshape(size, columns), end)
-
-    def _rates(self, time: float, y: Floats) -> Floats:
-        size, columns = self._tangents.shape
-        state = y[:size]
-        rates = np.empty_like(y)
-        rates[:size] = self._function(time, state)
-        if columns:
-            jacobian = np.asarray(self._jacobian(time, state))
-            rates[size:] = (jacobian @ y[size:].reshape(size, columns)).ravel()
-        return rates
-
-
-class Map(_Moving):
-    """A map x → f(x), with its tangents multiplied by ∂f/∂x.
-
-    Parameters
-    ----------
-    function
-        f(x), shape (d,).
-    jacobian
-        ∂f/∂x at x, shape (d, d).
-    state
-        Where the motion starts, shape (d,).
-    angles
-        Which entries of the state are angles, shape (d,).
-    """
-
-    def __init__(
-        self,
-        function: Callable[[Floats], ArrayLike],
-        jacobian: Callable[[Floats], ArrayLike],
-        state: ArrayLike,
-        *,
-        angles: ArrayLike | None = None,
-    ) -> None:
-        super().__init__(state, angles, 0.0)
-        self._function, self._jacobian = function, jacobian
-
-    def advance(self, interval: float) -> None:
-        """Take a whole number of steps.
-
-        Raises
-        ------
-        ValueError
-            If the interval is not a whole number ≥ 0.
-        ComputationError
-            If the motion diverges.
-        """
-        if interval < 0 or interval != int(interval):
-            raise ValueError(f"a map advances by a whole number of steps, not by {interval}")
-        for _ in range(int(interval)):
-            tangents = self._tangents
-            if tangents.shape[1]:
-                tangents = np.asarray(self._jacobian(self._state), dtype=float) @ tangents
-            state = np.array(self._function(self._state), dtype=float)
-            self._accept(state, tangents, self.time + 1.0)

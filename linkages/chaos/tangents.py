@@ -3,27 +3,33 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.contact_log import ContactLog
-from linkages.chaos.stops import stop_text
+from linkages.chaos.free_states import wrapped
+from linkages.chaos.systems import Growth
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import DEFAULTS, RunOptions
-from linkages.solution.flows import Flows
-from linkages.solvers.integrate import integrate
-from linkages.solvers.outcome import Outcome
+from linkages.solution.free_coordinates import free_vectors
+from linkages.solution.march import TANGENT_ATOL, March
+from linkages.solution.motion import Motion, Piece
+from linkages.solution.renormalising import Renormalised
 
 Floats = NDArray[np.float64]
 
-TANGENT_ATOL = 1e-6
-"""Absolute tolerance of tangents: they are of length one when they start."""
+MOST_NUMBERS = 2**22
+"""Numbers in the samples of one integration: some 32 MiB, tangents included."""
 
 
 class LinkageTangents:
     """Free coordinates and rates of a mechanism, with solutions of the variational equations.
+
+    The free coordinates are those of the system at its start; where the motion is integrated in
+    others for a while, the state is still in these, and tangents are in those.
 
     Parameters
     ----------
@@ -32,18 +38,18 @@ class LinkageTangents:
     tangents
         Number of tangents, at most 2n.
     run
-        How it is integrated; `atol` is that of the motion, and `max_steps` are those of all
-        advances together.
+        How it is integrated; `max_steps` are those of all advances together.
     parts
-        Equal parts of every advance after which `passed` keeps where the motion is; none if 0.
+        Equal parts of every interval after which `passed` keeps where the motion is; none if 0.
     log
-        Notes states for what is asked of forces later, if there is one.
+        Notes the motion for what is asked of forces later, if there is one.
 
     Attributes
     ----------
-    passed
-        Times and states of all integrated coordinates, shape (k,) and (2m, k): at the start, then
-        at the ends of parts of each advance.
+    parts, passed
+        That number, and the motion at its start, then at the ends of parts of each interval.
+    turned
+        Free coordinates with all turns at the start and at the ends of intervals, shape (n, …).
     """
 
     def __init__(
@@ -51,106 +57,75 @@ class LinkageTangents:
         system: System,
         tangents: int = 1,
         run: RunOptions = DEFAULTS,
+        *,
         parts: int = 0,
         log: ContactLog | None = None,
     ) -> None:
         self.system = system
-        self.time = system.time
-        self._count = len(system.topology.free)
-        self._columns = tangents
-        self._flow = Flows(system, tangents=tangents).flow()
-        self._run = run
-        self._total = self._flow.coordinates
-        self._tangent_rows = self._rows()
-        self._atol = np.full(2 * self._total, run.rtol if run.atol is None else run.atol)
-        self._atol[self._tangent_rows.ravel()] = TANGENT_ATOL
-        self._vector = np.zeros(2 * self._total)
-        self.evaluations = 0
-        self._turns = np.zeros(self._count)
-        self._steps = 0
-        self._parts = max(parts, 1)
-        self._keeps, self._log = bool(parts), log
-        self.passed: list[tuple[Floats, Floats]] = []
-        self.restart(self._own(system.state), np.eye(2 * self._count)[:, :tangents])
-        if parts:
-            self._keep(np.array([self.time]), self._vector[:, None])
+        self._march = March(system, run, tangents=tangents)
+        self.parts, self._log = parts, log
+        self.passed: list[Piece] = []
+        self.turned: list[Floats] = []
+        self._begin()
 
-    def _rows(self) -> NDArray[np.int64]:
-        """Places of the tangents in the integrated vector, shape (2n, k)."""
-        n, first = self._count, self._total - self._columns * self._count
-        places = first + np.arange(self._columns) * n + np.arange(n)[:, None]
-        return np.concatenate([places, self._total + places])
-
-    def _own(self, state: Floats) -> Floats:
-        """Free coordinates and rates of a state of the system."""
-        half = len(state) // 2
-        return np.concatenate([state[: self._count], state[half : half + self._count]])
-
-    @property
-    def tolerance(self) -> float:
-        """Error of a step in tangents of length one."""
-        return max(TANGENT_ATOL, self._run.rtol)
-
-    @property
-    def angles(self) -> NDArray[np.bool_]:
-        """Which entries of the state are angles, kept within one turn."""
-        rotates = self._flow.rotates[: self._count]
-        return np.concatenate([rotates, np.zeros(self._count, dtype=bool)])
-
-    @property
-    def state(self) -> Floats:
-        """Free coordinates, then their rates, shape (2n,)."""
-        n = self._count
-        return np.concatenate([self._vector[:n], self._vector[self._total : self._total + n]])
-
-    @property
-    def here(self) -> System:
-        """The system, where the motion is now."""
-        found = copy.copy(self.system)
-        found.state, found.time = self._plain(self._vector).copy(), self.time
-        return found
+    def _begin(self) -> None:
+        start = self._march.sample
+        self.passed = [start] if self.parts else []
+        self.turned = [free_vectors(self.system, Motion(pieces=(start,)))[0, : self._size]]
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
         found = object.__new__(type(self))
-        vars(found).update(vars(self), _vector=self._vector.copy(), passed=[])
-        if self._keeps:
-            found._keep(np.array([self.time]), found._vector[:, None])
+        vars(found).update(vars(self), _march=copy.copy(self._march))
+        found._begin()
+        return found
+
+    def starting(self, run: RunOptions) -> LinkageTangents:
+        """Another one in the same state, integrated in another way, which keeps nothing."""
+        found = copy.copy(self)
+        found._march = self._march.starting(run)
+        found.parts, found._log, found.passed = 0, None, []
         return found
 
     @property
-    def unwrapped(self) -> Floats:
-        """Free coordinates with the turns made since the start, shape (n,)."""
-        return self._vector[: self._count] + 2 * np.pi * self._turns
+    def _size(self) -> int:
+        return len(self.system.topology.free)
+
+    @property
+    def time(self) -> float:
+        """Seconds."""
+        return self._march.time
+
+    @property
+    def tolerance(self) -> float:
+        """Error of a step in tangents of length one."""
+        return max(TANGENT_ATOL, self._march.run.rtol)
+
+    @property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which entries of the state are angles, kept within one turn."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
+        return np.array([*rotates, *[False] * self._size])
+
+    @property
+    def state(self) -> Floats:
+        """Free coordinates, then their rates, shape (2n,)."""
+        return self._states(Motion(pieces=(self._march.sample,)))[0]
+
+    @property
+    def here(self) -> System:
+        """The system, where the motion is now."""
+        return self._march.here
 
     @property
     def tangents(self) -> Floats:
-        """Shape (2n, k)."""
-        return self._vector[self._tangent_rows].copy()
+        """Of the coordinates that the motion is integrated in, shape (2n, k)."""
+        return self._march.tangents
 
     @tangents.setter
     def tangents(self, values: Floats) -> None:
-        self._vector[self._tangent_rows] = values
-
-    def restart(
-        self,
-        state: Floats | None = None,
-        tangents: Floats | None = None,
-        time: float | None = None,
-    ) -> None:
-        """Go on from another state, with other tangents, at another time."""
-        if time is not None:
-            self.time = time
-        if state is not None:
-            n = self._count
-            carried = len(self.system.topology.carried)
-            full = self.system.state
-            half = len(full) // 2
-            self._vector[n : n + carried] = full[n : n + carried]
-            self._vector[self._total + n : self._total + n + carried] = full[half + n :]
-            self._vector[:n], self._vector[self._total : self._total + n] = state[:n], state[n:]
-        if tangents is not None:
-            self.tangents = tangents
+        self._march.tangents = values
 
     def advance(self, interval: float) -> None:
         """Integrate motion and tangents over a time in seconds.
@@ -162,36 +137,69 @@ class LinkageTangents:
         Interrupted
             After Ctrl-C.
         """
-        each = 1 if self._log is None else self._log.looks(interval / self._parts)
-        count = self._parts * each
-        times = self.time + interval * (np.arange(1, count + 1) / count)
-        trajectory = integrate(
-            self._flow,
-            self._vector,
-            times,
-            start=self.time,
-            **self._run.after(self._steps).integration | {"atol": self._atol},
-        )
-        self._steps += trajectory.steps + trajectory.rejected
-        self.evaluations += trajectory.evaluations
-        if trajectory.outcome is not Outcome.DONE:
-            text = stop_text(self.system, trajectory, self._plain(trajectory.final_state))
-            if trajectory.outcome is Outcome.INTERRUPTED:
-                raise Interrupted(text, time=trajectory.stop_time)
-            raise ComputationError(text, time=trajectory.stop_time)
-        self._vector, self.time = trajectory.final_state.copy(), float(times[-1])
-        self._turns += trajectory.final_turns[: self._count]
+        motion = self._march.advance(np.array([self.time + interval]))
+        self._require(motion)
+
+    def grow(
+        self,
+        intervals: int,
+        interval: float,
+        *,
+        orthogonal: bool = True,
+        watch: Callable[[float], None] | None = None,
+    ) -> Iterator[Growth]:
+        """As `TangentSystem` has it; one integration for as many intervals as memory allows."""
+        parts = max(self.parts, 1)
+        each = parts * (1 if self._log is None else self._log.looks(interval / parts))
+        start, done = self.time, 0
+        most = max(1, MOST_NUMBERS // (2 * self._march.layout.size * each))
+        while done < intervals:
+            count = min(most, intervals - done)
+            times = start + interval * (done + np.arange(1, count * each + 1) / each)
+            renormalised = Renormalised(each, orthogonal=orthogonal)
+            motion = self._march.advance(
+                times, renormalised=renormalised, watch=_part(watch, done, count, intervals)
+            )
+            yield self._taken(motion, renormalised, interval, each)
+            self._require(motion)
+            done += count
+
+    def _taken(
+        self, motion: Motion, renormalised: Renormalised, interval: float, each: int
+    ) -> Growth:
+        """What an integration gave, and what of it is kept."""
         if self._log is not None:
-            accelerations = trajectory.acceleration.T[: len(self.system.topology.coordinates)]
-            self._log.note(trajectory.time, self._plain(trajectory.state.T), accelerations)
-        if self._keeps:
-            kept = slice(each - 1, None, each)
-            self._keep(trajectory.time[kept], trajectory.state.T[:, kept])
+            self._log.note(motion)
+        if self.parts:
+            between = each // self.parts
+            self.passed += motion.part(between - 1, each=between).pieces
+        ends = motion.part(each - 1, each=each)
+        self.turned += list(free_vectors(self.system, ends)[:, : self._size])
+        return Growth(
+            rates=renormalised.lengths / interval,
+            states=self._states(ends),
+            times=ends.time,
+            tangents=renormalised.tangents,
+        )
 
-    def _keep(self, time: Floats, vectors: Floats) -> None:
-        self.passed.append((time, self._plain(vectors)))
+    def _states(self, motion: Motion) -> Floats:
+        """Free coordinates and rates, angles within one turn, shape (samples, 2n)."""
+        found = free_vectors(self.system, motion, turns=False)
+        beyond = self.angles & (np.abs(found) > np.pi)
+        return np.where(beyond, wrapped(found), found)
 
-    def _plain(self, vectors: Floats) -> Floats:
-        """Integrated coordinates and rates without the tangents."""
-        count = len(self.system.topology.coordinates)
-        return np.concatenate([vectors[:count], vectors[self._total : self._total + count]])
+    def _require(self, motion: Motion) -> None:
+        """Raise what ended a motion early."""
+        if motion.interrupted:
+            raise Interrupted(str(motion.failure), time=motion.stop_time)
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+
+
+def _part(
+    watch: Callable[[float], None] | None, done: int, count: int, whole: int
+) -> Callable[[float], None] | None:
+    """Progress of some of the intervals."""
+    if watch is None:
+        return None
+    return lambda fraction: watch((done + count * fraction) / whole)

@@ -17,11 +17,10 @@ from linkages.kernel.differentiation import derivative
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, reachable
 from linkages.kernel.system import System
+from linkages.solution.evaluation import evaluate_nodes
+from linkages.solution.motion import Piece
 
 Floats = NDArray[np.float64]
-
-AT_ONCE = 2048
-"""States that are evaluated together: every node of a model takes memory for all of them."""
 
 UNIFORM = 1e-9
 """Relative difference of damping rates below which they count as one."""
@@ -68,13 +67,13 @@ class Volumes:
         """Whether no force depends on velocities."""
         return all(entry.constant == 0.0 for entry in self._damping)
 
-    def damping_rates(self, time: Floats, state: Floats) -> Floats:
-        """Rates J⁻¹C in 1/s at which momenta decay, shape (times, n, n)."""
+    def damping_rates(self, piece: Piece) -> Floats:
+        """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""
         size = self._size
         if self.conservative:
-            return np.zeros((len(time), size, size))
-        damping = self._values(self._damping, time, state).T.reshape(-1, size, size)
-        return np.asarray(np.linalg.solve(self._masses(time, state), damping))
+            return np.zeros((len(piece.wanted), size, size))
+        damping = self._values(self._damping, piece).T.reshape(-1, size, size)
+        return np.asarray(np.linalg.solve(self._masses(piece), damping))
 
     def uniform(self, damping: Floats) -> float | None:
         """The rate at which all momenta decay, in 1/s; None if they do so at several.
@@ -88,24 +87,19 @@ class Volumes:
         apart = np.abs(damping - mean * np.eye(self._size)).max()
         return mean if apart <= UNIFORM * np.abs(damping).max() else None
 
-    def logarithm(self, time: Floats, state: Floats) -> Floats:
+    def logarithm(self, piece: Piece) -> Floats:
         """Logarithm of the volume of momenta per volume of rates, shape (times,)."""
-        return np.asarray(np.linalg.slogdet(self._masses(time, state))[1])
+        return np.asarray(np.linalg.slogdet(self._masses(piece))[1])
 
-    def _values(self, nodes: list[Scalar], time: Floats, state: Floats) -> Floats:
-        """Values of nodes, shape (nodes, times), not of all times at once."""
-        parts = range(0, len(time), AT_ONCE)
-        found = [
-            self.system.evaluate(nodes, time[k : k + AT_ONCE], state[:, k : k + AT_ONCE])
-            for k in parts
-        ]
-        return np.concatenate(found, axis=1)
+    def _values(self, nodes: list[Scalar], piece: Piece) -> Floats:
+        """Values of nodes, shape (nodes, times)."""
+        return piece.interpolated(evaluate_nodes(piece, nodes))
 
-    def _masses(self, time: Floats, state: Floats) -> Floats:
-        """The mass matrix at some times, shape (times, n, n)."""
+    def _masses(self, piece: Piece) -> Floats:
+        """The mass matrix, shape (times, n, n)."""
         lower = [entry for row in self._model.mass_matrix for entry in row]
-        values = self._values(lower, time, state)
-        masses = np.empty((len(time), self._size, self._size))
+        values = self._values(lower, piece)
+        masses = np.empty((values.shape[1], self._size, self._size))
         rows, columns = np.tril_indices(self._size)
         masses[:, rows, columns] = masses[:, columns, rows] = values.T
         return masses

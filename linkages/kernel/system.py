@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import copy
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations, islice
 
@@ -118,6 +120,14 @@ class System:
             state[count - carried : count] = values[:carried]
             state[2 * count - carried :] = values[carried:]
         return state
+
+    def at(self, time: float, state: NDArray[np.float64], flipped: Collection[int] = ()) -> System:
+        """The same mechanism at another time and state, with some blocks in their other mode."""
+        found = copy.copy(self)
+        found.time, found.state = time, state
+        sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
+        found.assembly = replace(self.assembly, sides=sides)
+        return found
 
     def modes(self) -> list[Assembly]:
         """All assembly modes at the initial values of drives and free coordinates."""

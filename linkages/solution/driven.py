@@ -17,7 +17,16 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.solution.determined import is_determined
 from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
-from linkages.solution.motion import Motion, Piece, Settings, block_failure, passed_text
+from linkages.solution.motion import (
+    COULD_PASS,
+    FOUND_NONE,
+    Motion,
+    Piece,
+    Settings,
+    block_failure,
+    passed_text,
+)
+from linkages.solution.switching import passes
 from linkages.solution.turns import with_turns
 from linkages.solution.undefined import undefined_load
 from linkages.solution.work import with_work
@@ -47,14 +56,15 @@ def driven_motion(system: System, settings: Settings) -> Motion:
     notes: list[str] = []
     flipped: tuple[int, ...] = ()
     begun = 0.0
-    looking = settings.passing or system.topology.redundant
+    passing = passes(system, settings.run)
+    looking = passing or system.topology.redundant
     while True:
         limits = Limits(system, flipped, fastest)
         stop = limits.first_stop(settings, begun)
         passage = limits.passage(stop) if stop and stop.singular and looking else None
         across = None if passage is None else _across(system, passage, flipped, times[:0])
         determined = across is not None and is_determined(across)
-        if not (settings.passing or determined):
+        if not (passing or determined):
             passage = None
         reached = abs(times) >= abs(begun) if begun else np.ones(len(times), dtype=bool)
         if passage is not None:
@@ -77,7 +87,7 @@ def driven_motion(system: System, settings: Settings) -> Motion:
     failure = None
     if stop is not None:
         where = stop.block, stop.time, stop.singular
-        failure = block_failure(system.model, *where, settings.way_on)
+        failure = block_failure(system.model, *where, FOUND_NONE if passing else COULD_PASS)
     elif undefined is not None:
         failure = undefined.text
     if settings.counting:

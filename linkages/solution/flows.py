@@ -114,10 +114,7 @@ class Flows:
         """
         model, topology = self._source.model, self.system.topology
         program = self._source.program  # asks the model for all parameters before they are counted
-        parameters = parameter_values(model, self.system.assembly)
-        paths = list(model.inputs.parameters)
-        for block in flipped:
-            parameters[paths.index(("side", block))] *= -1.0
+        parameters = _numbers(self.system, model, flipped)
         kernel = compile_kernel(program, parameters)
 
         def linearise() -> Companion:
@@ -144,20 +141,36 @@ class Flows:
         )
 
 
-def watched(system: System, function: Callable[[Model], tuple[Scalar, Scalar]]) -> Companion:
+def watched_function(
+    system: System,
+    nodes: Callable[[Model], tuple[Scalar, Scalar]],
+    flipped: Collection[int] = (),
+) -> Companion:
     """A function of position and velocity, compiled for an event in the flow of a system.
 
     Parameters
     ----------
     system
         A system with integrated coordinates.
-    function
+    nodes
         The model → the function and its rate, which may depend on accelerations.
+    flipped
+        Blocks that are in another mode than at the start.
     """
     model = Model(system.topology)
-    nodes = function(model)
-    program = write_functions_of(model, nodes, "a function of position and velocity, its rate")
-    return _companion(compile_kernel(program, parameter_values(model, system.assembly)))
+    found = nodes(model)
+    program = write_functions_of(model, found, "a function of position and velocity, its rate")
+    return _companion(compile_kernel(program, _numbers(system, model, flipped)))
+
+
+def _numbers(system: System, model: Model, flipped: Collection[int]) -> NDArray[np.float64]:
+    """The parameters of a model with some blocks in their other assembly mode."""
+    parameters = parameter_values(model, system.assembly)
+    paths = list(model.inputs.parameters)
+    for block in flipped:
+        if ("side", block) in model.inputs.parameters:
+            parameters[paths.index(("side", block))] *= -1.0
+    return parameters
 
 
 def _companion(kernel: CompiledKernel) -> Companion:

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
-from linkages.solution.evaluation import evaluate_variables
+from linkages.solution.free_coordinates import free_vectors
 from linkages.solution.motion import Motion, Settings, compute_motion
 from linkages.solvers.integrate import LEAST_RTOL
 from linkages.solvers.methods import METHODS
@@ -108,7 +107,7 @@ def _relative(
     within some absolute tolerances are never wrong, for the errors of steps add up; in a mechanism
     at rest they are all there is.
     """
-    own, better = _full(system, motion)[:, :count], _full(system, other)[:, :count]
+    own, better = (free_vectors(system, found)[:count].T for found in (motion, other))
     amplitude = 0.5 * (better.max(axis=1) - better.min(axis=1))
     for row, name in enumerate(system.topology.free):
         if system.mechanism.bodies[name].rotates:
@@ -116,28 +115,3 @@ def _relative(
     within = settings.run.rtol if settings.run.atol is None else settings.run.atol
     scale = np.maximum(amplitude, ADDED_UP * within / WRONG)[:, None]
     return (np.abs(own - better) / scale).max(axis=0)
-
-
-_STATES = {
-    "bar": ("bar_angle", "bar_speed"),
-    "plate": ("bar_angle", "bar_speed"),
-    "clearance": ("clearance_angle", "clearance_speed"),
-    "slider": ("slider_position", "slider_velocity"),
-}
-
-
-def _full(system: System, motion: Motion) -> NDArray[np.float64]:
-    """Free coordinates with their turns, then rates, shape (2n, samples).
-
-    They are those of the start, whatever others have taken their place on the way.
-    """
-    free = [(name, system.mechanism.bodies[name].kind) for name in system.topology.free]
-    outputs = list(dict.fromkeys(output for _, kind in free for output in _STATES[kind]))
-    values = evaluate_variables(motion, outputs)
-    rows = []
-    for order in (0, 1):
-        for name, kind in free:
-            output = _STATES[kind][order]
-            index = labels(system.model, VARIABLES[output].dims[0]).index(name)
-            rows.append(values[output][:, index])
-    return np.array(rows)

@@ -20,7 +20,6 @@ Watch = Callable[[float], None]
 
 COULD_PASS = "'change_points: pass' takes the smooth one"
 FOUND_NONE = "no smooth way on was found"
-STOPS_THERE = "simulations can take the smooth one, this analysis cannot"
 """What is said of the way on from a singular position."""
 
 
@@ -34,8 +33,6 @@ class Settings:
         Sample times in seconds, shape (samples,), from 0 on.
     run
         How it is integrated.
-    passing
-        Whether to go on smoothly through change points.
     work
         Whether to integrate the work of drives and loads along with the motion.
     counting
@@ -47,15 +44,9 @@ class Settings:
 
     times: Floats
     run: RunOptions
-    passing: bool = False
     work: bool = False
     counting: bool = False
     watch: Watch | None = None
-
-    @property
-    def way_on(self) -> str:
-        """What can be said of the way on where a motion stops at a singular position."""
-        return FOUND_NONE if self.passing else COULD_PASS
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,7 +95,7 @@ class Piece:
         """Times of the samples that come out of this piece."""
         return self.time if self.samples is None else self.samples
 
-    def part(self, part: slice | NDArray[np.bool_]) -> Piece:
+    def part(self, part: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Piece:
         """Some of the times at which the motion was computed."""
         return replace(
             self,
@@ -171,6 +162,8 @@ class Motion:
         integrated.
     notes
         What happened on the way: change points passed, coordinates changed.
+    crossings
+        States at which each guard was crossed, without accelerations.
     """
 
     pieces: tuple[Piece, ...]
@@ -181,6 +174,7 @@ class Motion:
     method: str = ""
     reason: str = ""
     notes: tuple[str, ...] = ()
+    crossings: tuple[Motion, ...] = ()
 
     @property
     def time(self) -> Floats:
@@ -201,23 +195,25 @@ class Motion:
         """
         return np.concatenate([p.interpolated(p.state) for p in self.pieces], axis=1)
 
-    def until(self, sample: int) -> Motion:
-        """The same before a sample."""
-        kept = []
+    def part(self, first: int = 0, last: int | None = None, each: int = 1) -> Motion:
+        """Some of the samples: every so many-th from one to before another."""
+        kept, begin = [], 0
+        chosen = np.arange(len(self.time))[first:last:each]
         for piece in self.pieces:
+            end = begin + len(piece.wanted)
+            places = chosen[(begin <= chosen) & (chosen < end)] - begin
             if piece.samples is None:
-                part = piece.part(slice(0, sample))
+                kept.append(piece.part(places))
             else:
-                part = replace(piece, samples=piece.samples[:sample])
-            kept.append(part)
-            sample -= len(part.wanted)
+                kept.append(replace(piece, samples=piece.samples[places]))
+            begin = end
         return replace(self, pieces=tuple(kept))
 
 
 def compute_motion(system: System, settings: Settings) -> Motion:
     """Solve for the motion of a system; nothing is integrated if it has no free coordinate."""
     if system.topology.coordinates:
-        from linkages.solution.integration import integrated_motion
+        from linkages.solution.march import integrated_motion
 
         return integrated_motion(system, settings)
     from linkages.solution.driven import driven_motion

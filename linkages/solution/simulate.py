@@ -13,7 +13,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
 from linkages.kernel.system import System
-from linkages.options.run import RunOptions, SimulationKeywords, SimulationOptions
+from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE
 from linkages.solution.assumptions import assumptions
@@ -24,7 +24,6 @@ from linkages.solution.options import options_of
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.soundness import sound_part
-from linkages.solution.switching import movable
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
 
@@ -75,7 +74,6 @@ def simulate(
     settings = Settings(
         times=np.linspace(0.0, run.end, run.samples),
         run=run,
-        passing=passes(system, run),
         work="energy_residual" in names,
         counting=any(name in ANGLES for name in names),
         watch=watch,
@@ -108,11 +106,6 @@ def simulate(
     if motion.failure is not None and throw:
         raise IncompleteError(solution)
     return solution
-
-
-def passes(system: System, run: RunOptions) -> bool:
-    """Whether a motion goes on through change points, as `RunOptions` describes it."""
-    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
 def _require_inertia(system: System) -> None:

@@ -17,6 +17,7 @@ from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
 from linkages.solution.peaks import is_smooth, largest
 from linkages.solution.requests import ALL
+from linkages.solution.switching import passes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -111,7 +112,7 @@ class Solution:
             "samples": len(settings.times),
             **settings.run.integration,
             "method": self.motion.method or settings.run.method,
-            "change_points": "pass" if settings.passing else "stop",
+            "change_points": "pass" if passes(self.system, settings.run) else "stop",
             "outputs": [str(name) for name in self.data.data_vars],
         }
 

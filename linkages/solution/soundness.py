@@ -43,7 +43,7 @@ def sound_part(
     time = float(motion.time[sample])
     failure = f"at t = {time:.9g} s: the {what} is not a finite number. {TOO_LARGE}"
     return (
-        replace(motion.until(sample), failure=failure, stop_time=time),
+        replace(motion.part(last=sample), failure=failure, stop_time=time),
         {name: array[:sample] for name, array in values.items()},
     )
 

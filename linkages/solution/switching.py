@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError
+from linkages.kernel.differentiation import derivative
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
-
-WELL = 0.01
-"""How far from singular coordinates must be to be worth a recommendation."""
 
 SAME_PLACE = 1e-6
 """Part of the size of a mechanism by which round-off close to a singular position moves points."""
@@ -36,6 +35,11 @@ def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
     return tuple(name for name in system.topology.free if bodies[name].kind != "clearance")
+
+
+def passes(system: System, run: RunOptions) -> bool:
+    """Whether a motion goes on through change points, as `RunOptions` describes it."""
+    return bool(movable(system)) if run.change_points is None else run.change_points == "pass"
 
 
 def better_system(
@@ -67,31 +71,35 @@ def better_system(
     return found if here.is_place_of(found) else None
 
 
-def serving(
-    system: System, time: float, state: NDArray[np.float64]
-) -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
-    """What could be free instead of the present coordinates at a place where they are singular.
+def tangent_map(
+    system: System,
+    free: tuple[str, ...],
+    time: float,
+    state: NDArray[np.float64],
+    flipped: tuple[int, ...],
+) -> NDArray[np.float64]:
+    """Derivatives of other coordinates and their rates with respect to the free ones.
 
     Parameters
     ----------
-    system, time, state
-        As `better_system` takes them.
+    system, time, state, flipped
+        What moves, and where, as `better_system` takes them.
+    free
+        Bodies whose coordinates are asked for.
 
     Returns
     -------
-    Pairs of names, those given up and those that take their place, the best conditioned first.
-    Empty at a change point, where every choice is singular.
+    What tangents of shape (2n, k) are multiplied by, shape (2n, 2n).
     """
-    here = _Configuration(system, time, state, ())
-    if not here.finite:
-        return []
-    good = {choice: here.distance(choice) for choice in here.choices()}
-    best = sorted((c for c in good if good[c] >= WELL), key=good.__getitem__, reverse=True)
-    free = system.topology.free
-    return [
-        (tuple(n for n in free if n not in choice), tuple(n for n in choice if n not in free))
-        for choice in best
-    ]
+    model, count = system.model, len(free)
+    places = [model.positions.coordinate(name) for name in free]
+    rates = [model.velocities.bodies[name] for name in free]
+    inputs = [model.inputs.coordinate(i) for i in range(count)]
+    inputs += [model.inputs.rate(i) for i in range(count)]
+    entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
+    where = {block: np.array([True]) for block in flipped}
+    values = system.evaluate(entries, time, state[:, None], flipped=where)
+    return values.reshape(2 * count, 2 * count)
 
 
 class _Configuration:

@@ -19,6 +19,7 @@ from linkages.solvers.views import (
     Record,
     System,
     Table,
+    Tangents,
 )
 
 
@@ -120,6 +121,7 @@ def hook(memory: Memory, job: Job, system: System, table: Table, record: Record)
         time=memory.floats(log.time),
         state=memory.floats(log.state),
         turns=memory.integers(log.turns),
+        angles=memory.floats(log.angles),
     )
     context = memory.integers([*system, *table, *record, *events])
     return Hook(watch_step.address, context)
@@ -166,9 +168,9 @@ def _clocks(tableau: Tableau) -> NDArray[np.int64]:
     return clocks
 
 
-def record(memory: Memory, job: Job) -> Record:
+def record(memory: Memory, job: Job, system: System) -> Record:
     """Where the results of a job go; its arrays are contiguous and are written in place."""
-    return Record(
+    found = Record(
         samples=len(job.times),
         time=memory.floats(job.times),
         state=memory.floats(job.states),
@@ -180,4 +182,22 @@ def record(memory: Memory, job: Job) -> Record:
         sampled=memory.floats(job.angles),
         counters=memory.integers(job.counters),
         control=memory.floats(job.control),
+        observer=0,
+        observed=0,
     )
+    if job.tangents is None:
+        return found
+    # Compiled by the first run that has tangents.
+    from linkages.solvers.tangents import watch_tangents
+
+    tangents = Tangents(
+        size=job.tangents.size,
+        columns=job.tangents.columns,
+        every=job.tangents.every,
+        offset=job.tangents.offset,
+        orthogonal=int(job.tangents.orthogonal),
+        seen=memory.integers(np.zeros(1)),
+        lengths=memory.floats(job.lengths),
+    )
+    context = memory.integers([*system, *found, *tangents])
+    return found._replace(observer=watch_tangents.address, observed=context)

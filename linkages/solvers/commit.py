@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from linkages.solvers.compiled import compiled, floats, integers
+from linkages.solvers.compiled import call_hook, compiled, floats, integers
 from linkages.solvers.counting import arrive, expect_end, start_angles
 from linkages.solvers.margins import is_too_small
 from linkages.solvers.outcome import Outcome
@@ -72,6 +72,8 @@ def begin(system: System, record: Record, start: float, near: float) -> int:
         if abs(floats(record.time)[counters[SAMPLES]] - start) > near:
             break
         write_sample(system, record, 0)
+    if record.observer != 0:
+        call_hook(record.observer, record.observed, start, 0.0, start)
     return margin_outcome(system, record)
 
 
@@ -96,6 +98,8 @@ def commit(system: System, table: Table, record: Record, t_end: float) -> None:
         rows[i] = rows[last + i]
     settle(system)
     wrap_angles(system, system.rows, record.final_turns, record.final_turns)
+    if record.observer != 0:
+        call_hook(record.observer, record.observed, t_end, 0.0, t_end)
     floats(record.control)[NOW] = t_end
     integers(record.counters)[STEPS] += 1
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from linkages.solvers.compiled import callback, compiled, floats, inlined, integers, tuple_at
+from linkages.solvers.counting import counted_angle, expect_end
 from linkages.solvers.locate import (
     FUNCTION,
     VALUES,
@@ -43,9 +44,15 @@ SLACK = 1e-12
 
 @compiled
 def note(
-    system: System, table: Table, events: Events, record: Record, event: int, time: float
+    system: System,
+    table: Table,
+    events: Events,
+    record: Record,
+    event: int,
+    time: float,
+    h: float,
 ) -> None:
-    """Record a crossing with the state at the end of the step in the workspace."""
+    """Record a crossing with the state at the end of the step of length h in the workspace."""
     n, found = system.n, integers(events.found)
     first = integers(events.first)
     place = first[event] + found[event]
@@ -57,6 +64,11 @@ def note(
     for i in range(2 * n):
         floats(state)[i] = source[i]
     wrap_angles(system, state, record.final_turns, events.turns + WORD * place * n)
+    if system.counted > 0:
+        expect_end(system, table, record, h)
+        angles = events.angles + WORD * place * system.counted
+        for i in range(system.counted):
+            floats(angles)[i] = counted_angle(system, record, table.end, i)
 
 
 @compiled
@@ -100,7 +112,7 @@ def cross_piece(
         if prepare_dense(system, table, record, t, h):
             theta = search(system, table, events, record, event, t, h, low, high, target)
         theta = polish(system, table, events, record, event, t, h, theta, low, high, target)
-        note(system, table, events, record, event, t + theta * h)
+        note(system, table, events, record, event, t + theta * h, theta * h)
         if integers(events.found)[event] == integers(events.terminal)[event]:
             return theta
     return GO_ON

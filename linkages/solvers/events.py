@@ -73,6 +73,8 @@ class Crossings:
         Coordinates and speeds; rotating coordinates lie within [-π, π].
     turns : (m, n) of int
         Whole turns to be added to rotating coordinates.
+    angles : (m, d)
+        Dependent angles with the whole turns made since the start.
     count
         Number of crossings met, of which the first m were recorded.
     """
@@ -80,6 +82,7 @@ class Crossings:
     time: NDArray[np.float64]
     state: NDArray[np.float64]
     turns: NDArray[np.int64]
+    angles: NDArray[np.float64]
     count: int
 
 
@@ -102,6 +105,7 @@ class EventLog:
     time: NDArray[np.float64] = field(init=False)
     state: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
+    angles: NDArray[np.float64] = field(init=False)
     found: NDArray[np.int64] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -123,6 +127,7 @@ class EventLog:
             "time": np.zeros(first[-1]),
             "state": np.zeros((first[-1], 2 * n)),
             "turns": np.zeros((first[-1], n), dtype=np.int64),
+            "angles": np.zeros((first[-1], self.flow.counted)),
             "found": np.zeros(len(weights), dtype=np.int64),
         }
         for name, array in arrays.items():
@@ -149,6 +154,7 @@ class EventLog:
                     time=self.time[rows],
                     state=self.state[rows],
                     turns=self.turns[rows],
+                    angles=self.angles[rows],
                     count=int(found),
                 )
             )

@@ -36,7 +36,7 @@ class Gauss(Method):
         rows = np.concatenate([rows, np.zeros((2 * self.collocation.stages, rows.shape[1]))])
         system = arrays.system(memory, job, rows)
         table = arrays.table(memory, tableau, job.flow)
-        record = arrays.record(memory, job)
+        record = arrays.record(memory, job, system)
         loop = partial(
             implicit_steps,
             system,

@@ -18,6 +18,7 @@ from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.method import Method
 from linkages.solvers.methods import METHODS
+from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -40,6 +41,7 @@ def integrate(
     max_steps: int = MAX_STEPS,
     events: Sequence[Event] = (),
     angles: NDArray[np.float64] | None = None,
+    tangents: Renormalisation | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion and sample the motion at given times.
@@ -71,6 +73,8 @@ def integrate(
     angles : (d,)
         About where dependent angles whose turns are counted are at the start; default: within one
         turn.
+    tangents
+        Which coordinates are tangents, and after how many samples each time they are renormalised.
     watch
         Called about 20 times a second, and once at the end, with the fraction of simulated time
         that is done.
@@ -107,6 +111,7 @@ def integrate(
         max_steps=max_steps,
         events=tuple(events),
         begun=angles,
+        tangents=tangents,
     )
     clock = time.perf_counter()
     found = job.trajectory(supervise(chosen, job, watch), choice)

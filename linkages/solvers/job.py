@@ -12,6 +12,7 @@ from linkages.solvers.choice import Choice
 from linkages.solvers.events import Event, EventLog
 from linkages.solvers.flow import Flow
 from linkages.solvers.outcome import Outcome
+from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Trajectory
 
 
@@ -39,6 +40,8 @@ class Job:
         Crossings to locate and record.
     begun : (d,)
         About where dependent angles are at the start, with their turns.
+    tangents
+        What is renormalised on the way; None for nothing.
     """
 
     flow: Flow
@@ -51,6 +54,7 @@ class Job:
     max_steps: int
     events: Sequence[Event] = ()
     begun: NDArray[np.float64] | None = None
+    tangents: Renormalisation | None = None
 
     log: EventLog = field(init=False)
     states: NDArray[np.float64] = field(init=False)
@@ -59,6 +63,7 @@ class Job:
     final_turns: NDArray[np.int64] = field(init=False)
     angles: NDArray[np.float64] = field(init=False)
     final_angles: NDArray[np.float64] = field(init=False)
+    lengths: NDArray[np.float64] = field(init=False)
     counters: NDArray[np.int64] = field(init=False)
     control: NDArray[np.float64] = field(init=False)
 
@@ -71,6 +76,7 @@ class Job:
             "final_turns": np.zeros(n, dtype=np.int64),
             "angles": np.zeros((m, d)),
             "final_angles": np.zeros(d) if self.begun is None else self.begun.copy(),
+            "lengths": np.zeros(self._renormalised(m)),
             # Samples, steps, rejected steps, evaluations, block: see `views`.
             "counters": np.array([0, 0, 0, 0, -1], dtype=np.int64),
             # Time reached, and whether to stop.
@@ -79,6 +85,11 @@ class Job:
         object.__setattr__(self, "log", EventLog(self.events, self.flow))
         for name, array in arrays.items():
             object.__setattr__(self, name, array)
+
+    def _renormalised(self, samples: int) -> tuple[int, int]:
+        """How often, and how many tangents."""
+        tangents = self.tangents
+        return (tangents.count(samples), tangents.columns) if tangents else (0, 0)
 
     @property
     def end(self) -> float:
@@ -114,6 +125,7 @@ class Job:
             angles=self.angles[:samples],
             final_angles=self.final_angles,
             crossings=self.log.crossings,
+            lengths=self.lengths[: self._renormalised(samples)[0]],
             method=choice.name,
             reason=choice.reason,
         )

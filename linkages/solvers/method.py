@@ -76,7 +76,7 @@ class RungeKutta(Method):
         rows = arrays.workspace(tableau, job.flow, job.state)
         system = arrays.system(store, job, rows)
         table = arrays.table(store, tableau, job.flow)
-        record = arrays.record(store, job)
+        record = arrays.record(store, job, system)
         shared = (
             system,
             table,

@@ -40,7 +40,7 @@ class StiffRun:
         self.job, self.n, self.blocks = job, flow.coordinates, len(flow.margin_scale)
         self.kernel = caller(flow, flow.written)
         self.linear: Companion | None = flow.linearise() if flow.linearise else None
-        self.status = 0
+        self.status = self.seen = 0
         if self.linear is not None:
             size = 2 * self.n * self.n + 2 * self.blocks + 2 * flow.carried
             self.slopes = caller(self.linear, size)
@@ -147,11 +147,18 @@ class StiffRun:
         if part < 1.0:
             end, outcome = start + part * (end - start), Outcome.SINGULAR
         self._sample(start, end, dense)
+        factor = self._renormalised()
         job.final_angles[:] = self._turned(start, end, dense)
         job.state[:] = solver.y if part == 1.0 else dense(end)
-        if self._wrap(job.state) and part == 1.0:
+        changed = self._wrap(job.state)
+        if factor is not None:
+            job.state[self._tangents] = job.state[self._tangents] @ factor
+            solver.f = self.derivative(end, job.state)
+            # the Jacobian contains the tangents, too
+            solver.J, solver.LU_real, solver.LU_complex = solver.jac(end, job.state), None, None
+        if (changed or factor is not None) and part == 1.0:
             solver.y = job.state.copy()
-            # SciPy would predict the next step from the angles before.
+            # SciPy would predict the next step from the state before.
             solver.sol = None
         job.control[NOW] = end
         job.counters[STEPS] += 1
@@ -202,6 +209,33 @@ class StiffRun:
             job.states[k], job.turns[k] = state, job.final_turns
             job.counters[SAMPLES] += 1
         job.final_turns[:] = turns
+
+    @property
+    def _tangents(self) -> NDArray[np.intp]:
+        """Places of the tangents in a state, shape (2·size, columns)."""
+        tangents = self.job.tangents
+        assert tangents is not None
+        first = self.n - tangents.columns * tangents.size
+        places = first + np.arange(tangents.columns) * tangents.size
+        places = places + np.arange(tangents.size)[:, None]
+        return np.concatenate([places, self.n + places])
+
+    def _renormalised(self) -> NDArray | None:
+        """Renormalise tangents at new samples; what those behind are multiplied by, if any."""
+        tangents, job = self.job.tangents, self.job
+        if tangents is None:
+            return None
+        samples = int(job.counters[SAMPLES])
+        new = job.states[self.seen : samples, self._tangents]
+        lengths, after, factor = tangents.undone(new, self.seen)
+        done, self.seen = tangents.count(self.seen), samples
+        job.lengths[done : done + len(lengths)] = lengths
+        first = tangents.every - 1 - (samples - len(new) + tangents.offset) % tangents.every
+        for place, values in zip(
+            range(samples - len(new) + first, samples, tangents.every), after, strict=True
+        ):
+            job.states[place, self._tangents] = values
+        return factor if len(lengths) else None
 
     def _part_before_singular(
         self, margins: NDArray, dense: Callable[[float], NDArray], start: float, h: float

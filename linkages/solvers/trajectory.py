@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,8 @@ class Trajectory:
         The same at `stop_time`.
     crossings
         What was found of each event.
+    lengths : (k, columns)
+        Logarithms of the lengths to which tangents had grown whenever they were renormalised.
     method, reason
         Name of the method, and why it was taken.
     """
@@ -64,6 +66,7 @@ class Trajectory:
     angles: NDArray[np.float64]
     final_angles: NDArray[np.float64]
     crossings: tuple[Crossings, ...] = ()
+    lengths: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     method: str = ""
     reason: str = ""
 

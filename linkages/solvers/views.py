@@ -92,6 +92,8 @@ class Record(NamedTuple):
     sampled: int  # (m, d) of float64
     counters: int  # (5,) of int64
     control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
+    observer: int  # a compiled function ``(context, t, h, t_end)`` that follows every step, or 0
+    observed: int  # its context
 
 
 class Events(NamedTuple):
@@ -110,6 +112,19 @@ class Events(NamedTuple):
     time: int  # (rows,) of float64
     state: int  # (rows, 2n) of float64
     turns: int  # (rows, n) of int64
+    angles: int  # (rows, d) of float64
+
+
+class Tangents(NamedTuple):
+    """Tangents that are renormalised; see `tangents.Renormalisation`."""
+
+    size: int
+    columns: int
+    every: int
+    offset: int
+    orthogonal: int  # 0 or 1
+    seen: int  # (1,) of int64: samples that are done
+    lengths: int  # (times, columns) of float64: logarithms of lengths before
 
 
 class Hook(NamedTuple):

@@ -16,6 +16,7 @@ from linkages.components.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
+from linkages.solution.motion import Motion, Piece
 
 DOUBLE = """\
 name: Double pendulum
@@ -74,9 +75,14 @@ def test_mean_damping_of_a_slider_against_its_closed_form():
     mechanism = built(ROLLER)
     system = System(mechanism)
     angles = np.linspace(0, 2 * np.pi, 50)
-    state = np.array([angles, np.full(50, 3.0)])
-    volumes = Volumes(system)
-    found = volumes.damping_rates(np.zeros(50), state)[:, 0, 0]
+    piece = Piece(
+        system=system,
+        time=np.zeros(50),
+        state=np.array([angles, np.full(50, 3.0)]),
+        turns=np.zeros((1, 50)),
+        acceleration=np.zeros((1, 50)),
+    )
+    found = Volumes(system).damping_rates(piece)[:, 0, 0]
     r, length = 0.04, 0.14
     along = np.sqrt(length**2 - (r * np.sin(angles)) ** 2)
     slope = -r * np.sin(angles) - r**2 * np.sin(angles) * np.cos(angles) / along
@@ -90,7 +96,7 @@ def test_mean_damping_of_a_slider_against_its_closed_form():
         + 0.4 * slope**2
     )
     assert found == pytest.approx(3 * slope**2 / mass, rel=1e-12)
-    grown = volumes.logarithm(np.zeros(50), state)
+    grown = Volumes(system).logarithm(piece)
     assert grown == pytest.approx(np.log(mass), abs=1e-12)
 
 
@@ -181,16 +187,16 @@ def test_a_violated_invariant_leaves_no_verdict():
 
 def test_states_in_between_change_nothing_and_stay_few():
     """Samples come from the dense output, so that steps are the same to the last bit."""
-    plain, kept = (LinkageTangents(System(built(DOUBLE)), 4, parts=parts) for parts in (0, 16))
-    for tangents in (plain, kept):
-        tangents.advance(0.25)
-        tangents.advance(0.25)
+    system = System(built(DOUBLE))
+    plain, kept = (LinkageTangents(system, 4, parts=parts) for parts in (0, 16))
+    grown = [np.concatenate([g.rates for g in t.grow(2, 0.25)]) for t in (plain, kept)]
+    assert (grown[0] == grown[1]).all()
     assert (plain.state == kept.state).all()
     assert (plain.tangents == kept.tangents).all()
     assert plain.passed == []
-    times = np.concatenate([time for time, _ in kept.passed])
-    assert times == pytest.approx(np.linspace(0, 0.5, 33), abs=1e-15)
-    assert kept.passed[-1][1][:, -1] == pytest.approx(kept.state, abs=1e-15)
+    passed = Motion(pieces=tuple(kept.passed))
+    assert passed.time == pytest.approx(np.linspace(0, 0.5, 33), abs=1e-15)
+    assert passed.state[:, -1] == pytest.approx(kept.state, abs=1e-15)
     assert samples_within(100) == 16
     assert all(samples_within(n) * n <= max(2**20, 2 * n) for n in (10**4, 10**5, 10**6, 10**8))
 

@@ -5,7 +5,7 @@ import pytest
 from chaos_systems import henon, orbit
 
 from linkages.chaos.closed_curves import closed_curves
-from linkages.chaos.systems import Map
+from linkages.chaos.own_systems import Map
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

@@ -24,7 +24,7 @@ from chaos_systems import (
 from linkages.chaos.averages import mean_error
 from linkages.chaos.certificate import pair_sums
 from linkages.chaos.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.systems import Map, Ode
+from linkages.chaos.own_systems import Map, Ode
 
 TURN = 2 * math.pi
 

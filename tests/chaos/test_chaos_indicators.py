@@ -8,7 +8,7 @@ from chaos_systems import henon, henon_heiles, lorenz
 
 from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.indicators import ROUND_OFF, Verdict, classify, fast_indicators
-from linkages.chaos.systems import Map, Ode
+from linkages.chaos.own_systems import Map, Ode
 
 
 def verdict_by_fli(found):

@@ -9,9 +9,9 @@ import pytest
 from linkages.chaos.closed_curves import ClosedCurves
 from linkages.chaos.exponents import Exponents
 from linkages.chaos.judge import Course, judge
+from linkages.chaos.own_systems import Map, Ode
 from linkages.chaos.steadiness import steadiness
 from linkages.chaos.stretch import Evidence, ends_alike, gathered
-from linkages.chaos.systems import Map, Ode
 from linkages.chaos.verdict import judged, transient
 
 PERIODS = 300

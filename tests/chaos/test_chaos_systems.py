@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from chaos_systems import henon, henon_heiles, logistic, lorenz, sprott_pendulum
 
-from linkages.chaos.systems import Map, Ode
+from linkages.chaos.own_systems import Map, Ode
 from linkages.errors import ComputationError
 
 

@@ -83,7 +83,7 @@ def test_advantages_may_be_infinite():
 
 def test_a_motion_ends_before_a_sample():
     solution = linkages.simulate(linkages.load("pendulum"), end=0.1, samples=11)
-    part = solution.motion.until(4)
+    part = solution.motion.part(last=4)
     assert part.time.tolist() == solution.motion.time[:4].tolist()
     assert part.state.tolist() == solution.motion.state[:, :4].tolist()
-    assert solution.motion.until(0).time.size == 0
+    assert solution.motion.part(last=0).time.size == 0

@@ -8,7 +8,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
 from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Motion
+from linkages.solution.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
 
@@ -62,24 +62,23 @@ def certificate(
     Parameters
     ----------
     tangents
-        What was integrated, with states in `passed`.
+        What was integrated, and kept its `motion`.
     exponents
         The whole spectrum.
     skip
         Intervals before its average began.
     """
-    parts, passed = tangents.parts, Motion(pieces=tuple(tangents.passed))
-    passed = passed.part(skip * parts, (skip + len(exponents.growth)) * parts + 1)
-    volumes = Volumes(tangents.system)
-    of_piece = {piece.system: Volumes(piece.system) for piece in passed.pieces}
-    damping, logarithms = (
-        np.concatenate([getattr(of_piece[p.system], name)(p) for p in passed.pieces])
-        for name in ("damping_rates", "logarithm")
-    )
+    volumes, intervals = Volumes(tangents.system), len(exponents.growth)
+    parts = 1 if volumes.conservative else min(tangents.parts, samples_within(intervals))
+    between = tangents.parts // parts
+    first, last = skip * tangents.parts, (skip + intervals) * tangents.parts + 1
+    passed = tangents.motion.part(first, last, between)
+    damping = _joined(passed, Volumes.damping_rates)
+    logarithms = _joined(passed.part(each=parts), Volumes.logarithm)
     numeric = STEPS * tangents.tolerance / float(np.diff(exponents.times).min())
     floor = max(SMALL * float(exponents.errors.max()), numeric)
     traces = np.trace(damping, axis1=1, axis2=2)
-    found = [_sum(exponents, traces, logarithms[::parts], parts, floor)]
+    found = [_sum(exponents, traces, logarithms, parts, floor)]
     rate = volumes.uniform(damping)
     if rate is not None:
         found += _pairs(exponents, rate, floor)
@@ -87,6 +86,12 @@ def certificate(
     if volumes.autonomous and _goes_on(rates, numeric):
         found += _zeros(exponents, volumes.conservative, floor)
     return tuple(found)
+
+
+def _joined(motion: Motion, values: Callable[[Volumes, Piece], Floats]) -> Floats:
+    """Values along a motion, in whatever coordinates it was integrated."""
+    of_system = {piece.system: Volumes(piece.system) for piece in motion.pieces}
+    return np.concatenate([values(of_system[piece.system], piece) for piece in motion.pieces])
 
 
 def _sum(

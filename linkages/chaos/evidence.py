@@ -16,8 +16,8 @@ from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapp
 from linkages.chaos.rotation import Rotation, classify_angle, refined
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.stretch import Evidence
+from linkages.chaos.tangents import LinkageTangents
 from linkages.components.mechanism import Mechanism
-from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
@@ -25,8 +25,8 @@ from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Settings, compute_motion
-from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.motion import Settings
+from linkages.solution.solution import Solution, labelled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +50,6 @@ LONGER = 2.0
 """Part of the stretch, in its length, in which its crossings are looked for."""
 
 Floats = NDArray[np.float64]
-Watch = Callable[[float], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,29 +168,21 @@ def labelled_section(system: System, section: Section, evidence: Evidence) -> xr
     return labelled_states(system, values, "crossing", {"time": time}, section.attributes)
 
 
-def followed(
-    system: System, run: RunOptions, period: float, periods: int, watch: Watch | None
-) -> Solution:
-    """The motion over time from where a system is: free coordinates and clearance forces."""
+def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Solution:
+    """The motion of a stretch that was kept: free coordinates and clearance forces over time."""
+    system, motion = tangents.system, tangents.motion
+    motion = motion.part(each=(len(motion.time) - 1) // (periods * PER_PERIOD))
     outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")
-    times = system.time + period * np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
-    settings = Settings(times=times, run=run, counting=True, watch=watch)
-    motion = compute_motion(system, settings)
-    solution = Solution(
+    return Solution(
         data=labelled(system, motion, evaluate_variables(motion, outputs)),
         mechanism=system.mechanism,
         system=system,
         motion=motion,
-        settings=settings,
+        settings=Settings(times=motion.time, run=run),
         notes=(*assumptions(system), *doubts(system.mechanism), *motion.notes),
     )
-    if motion.interrupted:
-        raise Interrupted(str(motion.failure), time=motion.stop_time, solution=solution)
-    if motion.failure is not None:
-        raise IncompleteError(solution)
-    return solution
 
 
 def dimension_of(evidence: Evidence) -> Dimension | None:

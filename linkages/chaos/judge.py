@@ -86,8 +86,8 @@ class Judgement(Generic[T]):
         As `linkages.chaos.verdict.judged` gives them.
     evidence
         Of the stretch that was judged.
-    start
-        The system where that begins.
+    start, end
+        The system where that begins, and where it ends.
     skipped, how_skipped
         Periods before it, and why so many.
     again, verdict_again
@@ -98,6 +98,7 @@ class Judgement(Generic[T]):
     reasons: tuple[str, ...]
     evidence: Evidence
     start: T
+    end: T
     skipped: int
     how_skipped: str
     again: Evidence
@@ -110,7 +111,7 @@ def judge(
     tighter: Callable[[T], T],
     *,
     watches: tuple[Watch | None, Watch | None] = (None, None),
-    keep: Callable[[Evidence], None] = lambda _: None,
+    keep: Callable[[Evidence, T], None] = lambda _, __: None,
 ) -> Judgement[T]:
     """Judge the motion of a system from where it is, which is left there.
 
@@ -125,15 +126,15 @@ def judge(
     watches
         Called with the fraction done of the first run, and of the repetition.
     keep
-        Called with the evidence once it is there.
+        Called with the evidence once it is there, and the system at the end of the stretch.
 
     Raises
     ------
     ComputationError
         If the motion cannot go on, or somebody interrupts.
     """
-    start, skipped, how, evidence = _after_transient(system, course, watches[0])
-    keep(evidence)
+    start, end, skipped, how, evidence = _after_transient(system, course, watches[0])
+    keep(evidence, end)
     verdict, reasons = judged(evidence, dissipative=course.dissipative)
     again, _ = _observed(tighter(start), course, watches[1], tight=True)
     verdict_again, _ = judged(again, dissipative=course.dissipative)
@@ -142,6 +143,7 @@ def judge(
         reasons=tuple(reasons),
         evidence=evidence,
         start=start,
+        end=end,
         skipped=skipped,
         how_skipped=how,
         again=again,
@@ -151,15 +153,15 @@ def judge(
 
 def _after_transient(
     system: T, course: Course[T], watch: Watch | None
-) -> tuple[T, int, str, Evidence]:
-    """The system where the judged stretch begins, periods before, why, and the evidence."""
+) -> tuple[T, T, int, str, Evidence]:
+    """The system where the judged stretch begins and ends, periods before, why, the evidence."""
     searched = course.skip is None and course.dissipative
     skipped = course.skip or (FIRST_SKIP if searched else 0)
     start = _later(system, course, skipped)
     evidence, end = _observed(start, course, watch)
     if not searched:
         how = "nothing dissipates" if course.skip is None else "as asked for"
-        return start, skipped, how, evidence
+        return start, end, skipped, how, evidence
     for _ in range(MOST_STRETCHES - 1):
         if not transient(evidence):
             break
@@ -170,15 +172,14 @@ def _after_transient(
         evidence, end = _observed(start, course, watch)
     found = transient(evidence)
     how = f"the most that is tried: {found}" if found else "the motion is settled from there on"
-    return start, skipped, how, evidence
+    return start, end, skipped, how, evidence
 
 
 def _later(system: T, course: Course[T], periods: int) -> T:
     """The same some periods later, with tangents of length one."""
     found = copy.copy(system)
-    for _ in range(periods):
-        found.advance(course.period)
-        found.tangents = np.linalg.qr(found.tangents)[0]
+    for _ in found.grow(periods, course.period):
+        pass
     return found
 
 

@@ -16,7 +16,7 @@ from linkages.chaos.exponents import Exponents, UnfinishedExponentsError
 from linkages.chaos.findings import ChaosReport
 from linkages.chaos.free_states import require_free
 from linkages.chaos.judge import Course, Judgement, judge
-from linkages.chaos.lyapunov import labelled_exponents, samples_needed
+from linkages.chaos.lyapunov import labelled_exponents
 from linkages.chaos.stretch import Evidence
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
@@ -29,7 +29,7 @@ from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
 from linkages.options.signature import takes
 from linkages.solution.options import options_of
-from linkages.solution.solution import IncompleteError
+from linkages.solution.solution import Solution
 from linkages.solvers.integrate import LEAST_RTOL
 from linkages.solvers.methods import METHODS
 
@@ -100,14 +100,18 @@ def _report(
     kept: dict[str, xr.Dataset],
 ) -> ChaosReport:
     """Judge, put what is there into `kept`, and look at the motion over time."""
-    mechanism, tight, parts = system.mechanism, tightened(options), _Parts(watch, 3)
+    mechanism, tight, parts = system.mechanism, tightened(options), _Parts(watch, 2)
     periods = options.periods
     section = gathering.section_for(system, options, periods)
     conservative = gathering.conservative(mechanism)
 
-    def keep(found: Evidence) -> None:
+    solutions: list[Solution] = []
+
+    def keep(found: Evidence, end: LinkageTangents) -> None:
         kept["chaos_exponents"] = labelled_exponents(mechanism, found.exponents)
         kept["chaos_section"] = gathering.labelled_section(system, section, found)
+        solutions.append(gathering.followed(end, options, periods))
+        kept["chaos_motion"] = solutions[0].data
 
     def points(at: LinkageTangents, smaller: bool) -> tuple[Floats, Floats]:
         return section.points(system, at.here, tight if smaller else options, periods)
@@ -122,15 +126,19 @@ def _report(
         observed=len(system.topology.free),
         certified=_certified,
     )
-    samples = samples_needed(system, periods * course.parts)
     found = judge(
-        _tangents(system, options, samples),
+        LinkageTangents(
+            system,
+            2 * len(system.topology.free),
+            options,
+            parts=gathering.PER_PERIOD // course.parts,
+        ),
         course,
         lambda start: start.starting(tight),
         watches=(parts.of(0), parts.of(1)),
         keep=keep,
     )
-    solution = gathering.followed(found.start.here, options, section.period, periods, parts.of(2))
+    (solution,) = solutions
     contact = contact_of(solution.data)
     verdict, reasons = certified(
         *_confirmed(found, options, tight), found.evidence.exponents.certificate
@@ -179,11 +187,6 @@ def _report(
     )
 
 
-def _tangents(system: System, run: RunOptions, samples: int) -> LinkageTangents:
-    """A system with a whole set of tangents, which keeps so many samples of each interval."""
-    return LinkageTangents(system, 2 * len(system.topology.free), run, parts=samples)
-
-
 def _certified(tangents: LinkageTangents, exponents: Exponents) -> Exponents:
     """Exponents with what is known of them along the motion of these tangents."""
     return replace(exponents, certificate=certificate(tangents, exponents, 0))
@@ -225,8 +228,6 @@ def _last(mechanism: Mechanism, error: ComputationError) -> dict[str, xr.Dataset
         return {"chaos_exponents": labelled_exponents(mechanism, error.exponents)}
     if isinstance(error, UnfinishedError):
         return {f"chaos_{name}": data for name, data in error.kept.items()}
-    if isinstance(error, IncompleteError):
-        return {"chaos_motion": error.solution.data}
     return {}
 
 
@@ -238,8 +239,6 @@ def _of_last(mechanism: Mechanism, error: Interrupted) -> dict[str, xr.Dataset]:
             found[f"chaos_{name}"] = result
         else:
             found["chaos_exponents"] = labelled_exponents(mechanism, result)
-    if error.solution is not None:
-        found["chaos_motion"] = error.solution.data
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from linkages.kernel.system import System
 from linkages.options.run import DEFAULTS, RunOptions
 from linkages.solution.free_coordinates import free_vectors
 from linkages.solution.march import TANGENT_ATOL, March
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.motion import Motion
 from linkages.solution.renormalising import Renormalised
 
 Floats = NDArray[np.float64]
@@ -40,14 +41,14 @@ class LinkageTangents:
     run
         How it is integrated; `max_steps` are those of all advances together.
     parts
-        Equal parts of every interval after which `passed` keeps where the motion is; none if 0.
+        Equal parts of every interval after which `motion` keeps where it is; none if 0.
     log
         Notes the motion for what is asked of forces later, if there is one.
 
     Attributes
     ----------
-    parts, passed
-        That number, and the motion at its start, then at the ends of parts of each interval.
+    parts
+        That number.
     turned
         Free coordinates with all turns at the start and at the ends of intervals, shape (n, …).
     """
@@ -64,14 +65,12 @@ class LinkageTangents:
         self.system = system
         self._march = March(system, run, tangents=tangents)
         self.parts, self._log = parts, log
-        self.passed: list[Piece] = []
-        self.turned: list[Floats] = []
         self._begin()
 
     def _begin(self) -> None:
-        start = self._march.sample
-        self.passed = [start] if self.parts else []
-        self.turned = [free_vectors(self.system, Motion(pieces=(start,)))[0, : self._size]]
+        start = Motion(pieces=(self._march.sample,))
+        self._kept: list[Motion] = [start] if self.parts else []
+        self.turned: list[Floats] = [free_vectors(self.system, start)[0, : self._size]]
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -84,7 +83,7 @@ class LinkageTangents:
         """Another one in the same state, integrated in another way, which keeps nothing."""
         found = copy.copy(self)
         found._march = self._march.starting(run)
-        found.parts, found._log, found.passed = 0, None, []
+        found.parts, found._log, found._kept = 0, None, []
         return found
 
     @property
@@ -117,6 +116,15 @@ class LinkageTangents:
     def here(self) -> System:
         """The system, where the motion is now."""
         return self._march.here
+
+    @property
+    def motion(self) -> Motion:
+        """What was kept of the motion: its start, then the ends of parts of each interval."""
+        return replace(
+            self._kept[-1],
+            pieces=tuple(piece for part in self._kept for piece in part.pieces),
+            notes=tuple(note for part in self._kept for note in part.notes),
+        )
 
     @property
     def tangents(self) -> Floats:
@@ -172,7 +180,7 @@ class LinkageTangents:
             self._log.note(motion)
         if self.parts:
             between = each // self.parts
-            self.passed += motion.part(between - 1, each=between).pieces
+            self._kept.append(motion.part(between - 1, each=between))
         ends = motion.part(each - 1, each=each)
         self.turned += list(free_vectors(self.system, ends)[:, : self._size])
         return Growth(

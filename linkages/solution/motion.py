@@ -207,7 +207,8 @@ class Motion:
             else:
                 kept.append(replace(piece, samples=piece.samples[places]))
             begin = end
-        return replace(self, pieces=tuple(kept))
+        filled = [piece for piece in kept if len(piece.wanted)]
+        return replace(self, pieces=tuple(filled or kept[:1]))
 
 
 def compute_motion(system: System, settings: Settings) -> Motion:

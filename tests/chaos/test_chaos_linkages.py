@@ -23,7 +23,6 @@ from linkages.kernel.modes import parameter_values
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.motion import Motion
 from linkages.solvers.foreign import caller
 from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
 
@@ -260,8 +259,7 @@ def test_every_method_renormalises_tangents(method):
     found = lyapunov_spectrum(tangents, intervals=80, interval=0.50003, skip=10)
     root = np.sqrt(3.5**2 - 9.81)
     assert found.values == pytest.approx([root - 3.5, -root - 3.5], abs=2e-5)
-    followed = Motion(pieces=tuple(tangents.passed))
-    assert len(followed.time) == 3 * 90 + 1
+    assert len(tangents.motion.time) == 3 * 90 + 1
 
 
 def test_fast_indicator_of_a_map_follows_one_tangent(monkeypatch):

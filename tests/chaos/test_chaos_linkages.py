@@ -391,7 +391,7 @@ def test_contact_check_of_a_sine():
     ("angle", "verdict"), [(0, "quasi-periodic"), ("90 deg", "chaotic")], ids=["0", "90 deg"]
 )
 def test_verdicts_of_the_nine_bar(angle, verdict):
-    report = verdict(ninebar(**{"clearances.r1.angle": angle}))
+    report = linkages.verdict(ninebar(**{"clearances.r1.angle": angle}))
     assert report.verdict == report.tighter["verdict"] == verdict, report.reasons
     assert report.conservative
     exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
@@ -412,7 +412,7 @@ def test_verdicts_of_the_nine_bar(angle, verdict):
 @pytest.mark.slow
 @pytest.mark.parametrize(("amplitude", "verdict"), [(15.0, "periodic"), (25.0, "chaotic")])
 def test_verdicts_of_a_driven_damped_double_pendulum(amplitude, verdict):
-    report = verdict(pendulum(amplitude), periods=400, skip=200)
+    report = linkages.verdict(pendulum(amplitude), periods=400, skip=200)
     assert report.verdict == verdict, report.reasons
     assert not report.conservative
     assert report.exponents.attrs["sum"] < 0

@@ -112,7 +112,7 @@ def test_evidence_so_far_is_kept(confirming, monkeypatch):
         return found
 
     monkeypatch.setattr(LinkageTangents, "starting", for_long)
-    interrupt = Interrupt(0.5 if confirming else 1e-6)
+    interrupt = Interrupt(0.5 + 1e-9 if confirming else 1e-6)
     with pytest.raises(Interrupted) as caught:
         verdict(pendulum(), periods=200 if confirming else 10**6, watch=interrupt)
     motion = {"chaos_section", "chaos_motion"} if confirming else set()

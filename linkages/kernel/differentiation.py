@@ -14,23 +14,10 @@ from linkages.operations import ELEMENTARY
 
 
 def derivative(nodes: Sequence[Scalar], with_respect_to: Sequence[Scalar]) -> list[list[Scalar]]:
-    """Partial derivatives of nodes with respect to inputs.
+    """Partial derivatives of nodes with respect to inputs, or other independent nodes.
 
-    Parameters
-    ----------
-    nodes
-        What is differentiated.
-    with_respect_to
-        Nodes that count as independent of each other, inputs as a rule.
-
-    Returns
-    -------
-    One row for each node, with one entry for each input.
-
-    Raises
-    ------
-    ValueError
-        For an operation without a rule.
+    Returns one row for each node, with one entry for each input; raises what `derivative_along`
+    does.
     """
     if not nodes:
         return []
@@ -80,25 +67,30 @@ def derivative_along(
 
 def _tangent(graph: ScalarGraph, node: Scalar, tangents: dict[int, Tangent]) -> Tangent:
     """Chain rule: the tangents of the operands, each times its partial derivative."""
-    result: Tangent = {}
-    if not any(tangents[operand.index] for operand in node.operands):
-        return result
-    if node.operation == "item":
-        several, index = node.arguments
-        result = {k: values[index] for k, values in tangents[several.index].items()}
-    elif node.operation in SEVERAL:
+    rates = [tangents[operand.index] for operand in node.operands]
+    if not any(rates):
+        return {}
+    if node.operation in SEVERAL:
         return SEVERAL[node.operation].tangent(node, tangents)
+    if node.operation == "item":
+        found = {k: values[node.arguments[1]] for k, values in rates[0].items()}
     else:
-        row, rates = ELEMENTARY.get(node.operation), [tangents[o.index] for o in node.operands]
-        if row is None:
-            raise ValueError(f"no rule for the derivative of '{node.operation}'")
-        if row.tangent is not None:
-            for k in sorted(set().union(*rates)):
-                moved = [rate.get(k, graph.zero) for rate in rates]
-                result[k] = row.tangent(node, *node.operands, *moved)
-        else:
-            partials = row.partials(graph.apply, node, *node.operands)
-            for rate, factor in zip(rates, map(graph.lift, partials), strict=True):
-                for k, value in rate.items():
-                    result[k] = result.get(k, graph.zero) + factor * value
-    return {k: value for k, value in result.items() if value is not graph.zero}
+        found = _elementary(graph, node, rates)
+    return {k: value for k, value in found.items() if value is not graph.zero}
+
+
+def _elementary(graph: ScalarGraph, node: Scalar, rates: list[Tangent]) -> Tangent:
+    row = ELEMENTARY.get(node.operation)
+    if row is None:
+        raise ValueError(f"no rule for the derivative of '{node.operation}'")
+    result: Tangent = {}
+    if row.tangent is not None:
+        for k in sorted(set().union(*rates)):
+            moved = [rate.get(k, graph.zero) for rate in rates]
+            result[k] = row.tangent(node, *node.operands, *moved)
+        return result
+    partials = row.partials(graph.apply, node, *node.operands)
+    for rate, factor in zip(rates, map(graph.lift, partials), strict=True):
+        for k, value in rate.items():
+            result[k] = result.get(k, graph.zero) + factor * value
+    return result

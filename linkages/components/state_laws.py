@@ -21,7 +21,6 @@ from linkages.components.functions import (
     constant,
 )
 from linkages.components.terms import ZERO
-from linkages.operations import ELEMENTARY
 
 NOTHING = Number(ZERO)
 """The law of a load that exact zeros remove."""
@@ -65,14 +64,6 @@ def _vanishes(function: Function) -> bool:
     return isinstance(function, Number) and (function.parameter.absent or function == constant(0.0))
 
 
-def _keeps_zero(name: str) -> bool:
-    """Whether an operation of zero is zero."""
-    try:
-        return name in ELEMENTARY and ELEMENTARY[name].value(0.0) == 0.0
-    except ValueError:
-        return False
-
-
 def folded(law: Function) -> Function:
     """The same law without what exact zeros remove; `NOTHING` if they remove all of it."""
     if not isinstance(law, Operation):
@@ -85,9 +76,7 @@ def folded(law: Function) -> Function:
             return a
         case "sub", (_, b), (True, _):
             return negated(b)
-        case ("mul", _, (True, _) | (_, True)) | ("div", _, (True, _)):
-            return NOTHING
-        case name, _, (True,) if _keeps_zero(name):
+        case ("mul", _, (True, _) | (_, True)) | ("div", _, (True, _)) | ("neg", _, (True,)):
             return NOTHING
         case "power", (_, Number(exponent)), (True, False) if exponent.value > 0:
             return NOTHING
@@ -147,10 +136,10 @@ def _product(factors: Sequence[Function]) -> Function:
 def _shifted(function: Function) -> bool:
     """Whether it is x, or x less or more a constant."""
     match function:
-        case Operation("sub" | "add", (a, b)):
-            return (a == X and not _of_state(b)) or (
-                b == X and function.name == "add" and not _of_state(a)
-            )
+        case Operation("sub" | "add", (a, b)) if a == X:
+            return not _of_state(b)
+        case Operation("add", (a, b)) if b == X:
+            return not _of_state(a)
     return function == X
 
 

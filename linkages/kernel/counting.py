@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from linkages.components.functions import Number, Operation, Table
-from linkages.components.terms import Parameter, Path
+from linkages.components.functions import Function, Number, Table
+from linkages.components.state_laws import leaves
+from linkages.components.terms import Path
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program
 from linkages.kernel.scalars import Level, Scalar, reachable
@@ -64,27 +64,16 @@ def _left_out(model: Model, program: Program) -> tuple[Path, ...]:
         if not value.absent
     ]
     given += [term.mass.path for term in model.mechanism.point_masses if not term.mass.absent]
-    given += [
-        path
-        for load in model.mechanism.loads
-        for value in vars(load).values()
-        for path in _numbers(value)
-    ]
+    found = (leaf for load in model.mechanism.loads for leaf in leaves(load.force))
+    given += dict.fromkeys(path for leaf in found if (path := _number(leaf)))
     return tuple(path for path in given if numbered.get(path) not in used)
 
 
-def _numbers(value: object) -> Iterator[Path]:
-    """Paths of the numbers of the definition file in a field of a load."""
-    match value:
-        case Parameter(path) if path and not value.absent:
-            yield path
+def _number(leaf: Function) -> Path:
+    """Path of a number of the definition file, the first one of a table; empty for others."""
+    match leaf:
         case Number(parameter):
-            yield from _numbers(parameter)
+            return parameter.path
         case Table(path):
-            yield (*path, "spline", 0)
-        case Operation(_, arguments):
-            for argument in arguments:
-                yield from _numbers(argument)
-        case tuple():
-            for part in value:
-                yield from _numbers(part)
+            return (*path, "spline", 0)
+    return ()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from linkages.components.definition import from_document
+from linkages.plots.kinds import by_kind
 from linkages.plots.pose import Pose, along_carrier
 from linkages.plots.senses import BOTH, drive_sense, force_direction, load_sense
 from linkages.plots.sliders import block_place
@@ -132,9 +133,10 @@ def test_sense_of_loads():
         f"{ARM}loads:\n  - {{bar: crank, torque: -3}}\n  - {{bar: arm, torque: cos(8*t)}}\n"
         "  - {joint: B, force: [0, 2*t - 4]}\n  - {joint: B, force: [0, 0]}\n"
     )
-    constant, swinging, force, none = found.loads
-    assert load_sense(constant.torque, found) == -1
-    assert load_sense(swinging.torque, found) == BOTH
-    angle, sense = force_direction(force.force, found)
+    (_, constant), (_, swinging) = by_kind(found.loads).turns
+    assert load_sense(constant, found) == -1
+    assert load_sense(swinging, found) == BOTH
+    force, none = by_kind(found.loads).joints.values()
+    angle, sense = force_direction(force, found)
     assert (angle, sense) == (pytest.approx(-np.pi / 2), 1)
-    assert force_direction(none.force, found)[1] == 0
+    assert force_direction(none, found)[1] == 0

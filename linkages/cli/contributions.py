@@ -99,23 +99,20 @@ def _on(load: Load) -> str:
 
 def _given(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
     """Kind and value of a force or torque; that at a joint has two components."""
-    first = same[0]
     shown = ", ".join(_law(load.law, load.unit, mechanism) for load in same)
-    kind = "torque" if isinstance(first.measure, Turn) else "force"
-    return kind, f"[{shown}]" if isinstance(first.measure, Coordinate) else shown
+    return "torque" if same[0].turns else "force", f"[{shown}]" if len(same) > 1 else shown
 
 
 def _passive(load: Load) -> tuple[str, str]:
     """Kind and value of a spring or damper."""
     kind = "spring" if load.elastic else "damper"
-    before = "torsional " if isinstance(load.measure, Turn) else ""
-    return before + kind, ", ".join(_terms(load))
+    return f"torsional {kind}" if load.turns else kind, ", ".join(_terms(load))
 
 
 def _terms(load: Load) -> Iterator[str]:
     """The numbers of terms that are constant or linear, and what all others depend on."""
-    turning, unit = isinstance(load.measure, Turn), load.unit
-    per, relaxed = ("rad", "angle ") if turning else ("m", "length ")
+    unit = load.unit
+    per, relaxed = ("rad", "angle ") if load.turns else ("m", "length ")
     damping = "" if isinstance(load.measure, Slide) else "damping "
     viscous: list[str] = []
     others: list[Function] = []

@@ -99,6 +99,11 @@ class Load:
         return self.measure.unit
 
     @property
+    def turns(self) -> bool:
+        """Whether it is a torque."""
+        return self.unit == "N m"
+
+    @property
     def given(self) -> bool:
         """Whether the force is a function of time, as it is written: not a spring or damper."""
         return not any(isinstance(leaf, Measured) for leaf in leaves(self.law))

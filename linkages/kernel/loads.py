@@ -89,10 +89,9 @@ class LoadNodes(ABC):
     @property
     def dimension(self) -> str:
         """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
-        turning = self.load.unit == "N m"
         if self.load.given:
-            return "torque" if turning else "force"
-        return "torsional_spring" if turning else "spring"
+            return "torque" if self.load.turns else "force"
+        return "torsional_spring" if self.load.turns else "spring"
 
     @property
     def label(self) -> str:

@@ -56,6 +56,14 @@ def test_dry_friction_slows_a_rod_down():
     assert not conservative(mechanism)
 
 
+@pytest.mark.slow
+def test_dry_friction_shrinks_volumes_at_its_slope():
+    """About rest the sum of both exponents is −M/(J ω₀); getting there takes 1 of the 250 s."""
+    mechanism = turning("-0.07*tanh(v/0.5) - 0.4*x*(1 + 0.2*cos(t))", speed=0.2)
+    data = linkages.lyapunov(mechanism, periods=40)
+    assert float(data.exponent.sum()) == pytest.approx(-0.07 / (INERTIA * 0.5), rel=0.01)
+
+
 @pytest.mark.parametrize("measure", [{"between": ["O", "B"]}, {"slider": "block"}])
 def test_a_cubic_spring_swings_as_an_elliptic_function(measure):
     """m s̈ = −k s³: s = A cn(A √(k/m) t | ½), through the place where the ends of the spring meet.

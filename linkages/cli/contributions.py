@@ -100,19 +100,19 @@ def _on(load: Load) -> str:
 def _given(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
     """Kind and value of a force or torque; that at a joint has two components."""
     shown = ", ".join(_law(load.law, load.unit, mechanism) for load in same)
-    return "torque" if same[0].turns else "force", f"[{shown}]" if len(same) > 1 else shown
+    return "torque" if same[0].twists else "force", f"[{shown}]" if len(same) > 1 else shown
 
 
 def _passive(load: Load) -> tuple[str, str]:
     """Kind and value of a spring or damper."""
     kind = "spring" if load.elastic else "damper"
-    return f"torsional {kind}" if load.turns else kind, ", ".join(_terms(load))
+    return f"torsional {kind}" if load.twists else kind, ", ".join(_terms(load))
 
 
 def _terms(load: Load) -> Iterator[str]:
     """The numbers of terms that are constant or linear, and what all others depend on."""
     unit = load.unit
-    per, relaxed = ("rad", "angle ") if load.turns else ("m", "length ")
+    per, relaxed = ("rad", "angle ") if load.twists else ("m", "length ")
     damping = "" if isinstance(load.measure, Slide) else "damping "
     viscous: list[str] = []
     others: list[Function] = []

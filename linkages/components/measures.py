@@ -99,7 +99,7 @@ class Load:
         return self.measure.unit
 
     @property
-    def turns(self) -> bool:
+    def twists(self) -> bool:
         """Whether it is a torque."""
         return self.unit == "N m"
 

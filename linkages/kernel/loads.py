@@ -90,8 +90,8 @@ class LoadNodes(ABC):
     def dimension(self) -> str:
         """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
         if self.load.given:
-            return "torque" if self.load.turns else "force"
-        return "torsional_spring" if self.load.turns else "spring"
+            return "torque" if self.load.twists else "force"
+        return "torsional_spring" if self.load.twists else "spring"
 
     @property
     def label(self) -> str:

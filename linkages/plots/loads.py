@@ -121,7 +121,7 @@ def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
 
 def _size(loads: list[Load]) -> str:
     """The magnitude of loads that are one arrow, or the symbol of what varies; empty for none."""
-    turning = loads[0].turns
+    turning = loads[0].twists
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
         found = dict.fromkeys(name for load in loads for name in variables(load.law))

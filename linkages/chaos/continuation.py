@@ -21,7 +21,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
-from linkages.options.sections import PoincareOptions, SectionOptions
+from linkages.options.sections import SectionOptions
 from linkages.solution.motion import Motion, Piece, Settings, compute_motion
 
 Floats = NDArray[np.float64]
@@ -170,7 +170,8 @@ def stroboscopic_points(
     )
     names = labels(system.model, "clearance")
     return Visited(
-        values=found.values() | (contact_values(found.contacts, names) if names else {}),
+        values=found.values(options.wrap)
+        | (contact_values(found.contacts, names) if names else {}),
         first=first,
         last=last,
         refusal=_refusal(found.failure, motion.stop_time),
@@ -199,7 +200,7 @@ def crossing_points(
     refusal: ComputationError | None = None
     try:
         start = mechanism if before is None else before.mechanism(mechanism)
-        data = section_points(start, PoincareOptions.like(options))
+        data = section_points(start, options)
     except UnfinishedError as error:
         if not error.kept["poincare"].sizes["crossing"]:
             raise

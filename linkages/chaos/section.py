@@ -21,7 +21,7 @@ from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
-from linkages.options.sections import PoincareKeywords, PoincareOptions, SectionOptions
+from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes
 from linkages.solution.motion import Motion, Watch
 from linkages.solution.options import options_of
@@ -35,12 +35,12 @@ ROOM = 2
 """Periods beyond the points asked for until which crossings are looked for."""
 
 
-@takes(PoincareOptions)
+@takes(SectionOptions)
 def poincare(
     mechanism: Mechanism,
     *,
     watch: Callable[[float], None] | None = None,
-    **options: Unpack[PoincareKeywords],
+    **options: Unpack[SectionKeywords],
 ) -> xr.Dataset:
     """Points of a Poincaré section.
 
@@ -51,7 +51,7 @@ def poincare(
     watch
         Called about 20 times a second with the fraction of simulated time done.
     options
-        As `PoincareOptions` describes them.
+        As `SectionOptions` describes them.
 
     Returns
     -------
@@ -76,11 +76,11 @@ def poincare(
     ComputationError
         If the motion never crosses the section.
     """
-    return section_points(mechanism, options_of(PoincareOptions, mechanism, options), watch)
+    return section_points(mechanism, options_of(SectionOptions, mechanism, options), watch)
 
 
 def section_points(
-    mechanism: Mechanism, options: PoincareOptions, watch: Watch | None = None
+    mechanism: Mechanism, options: SectionOptions, watch: Watch | None = None
 ) -> xr.Dataset:
     """What `poincare` returns."""
     system = System(mechanism)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,7 +11,7 @@ from linkages.cli.options import Moving, Start
 from linkages.cli.verb import computes
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
-from linkages.options.sections import BifurcationOptions, PoincareOptions
+from linkages.options.sections import BifurcationOptions, SectionOptions
 
 if TYPE_CHECKING:
     from linkages.cli.requests import Request
@@ -43,6 +44,39 @@ def simulate(
     from linkages.cli.simulate import run_simulate
 
     return run_simulate(request, outputs, verify)
+
+
+@computes(without=("figures",))
+def check(
+    request: Request,
+    kernel: Annotated[
+        bool, typer.Option("--kernel", help="Count the operations of the kernel.")
+    ] = False,
+    modes: Annotated[
+        bool, typer.Option("--modes", help="List all ways to put the mechanism together.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
+    ] = None,
+) -> int:
+    """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
+    from linkages.cli.check import run_check
+
+    return run_check(request, kernel, modes or out is not None)
+
+
+@computes(without=("figures", "out"))
+def equations(
+    request: Request,
+    form: Annotated[
+        str, typer.Option("--format", metavar="text|latex|python", help="How to print them.")
+    ] = "text",
+) -> int:
+    """Print the closure equations, the energies and Lagrange's equations."""
+    from linkages.cli.equations import run_equations
+
+    return run_equations(request, form)
 
 
 @computes(RunOptions, without=("figures",))
@@ -96,7 +130,7 @@ def phase(
     return run_phase(request, x, y, wrap, skip, samples)
 
 
-@computes(PoincareOptions)
+@computes(SectionOptions)
 def poincare(request: Request) -> int:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
     from linkages.cli.poincare import run_poincare
@@ -182,3 +216,8 @@ def bench(
     from linkages.cli.bench import run_bench
 
     return run_bench(request, repeats)
+
+
+COMMANDS = (
+    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, chaos, bench
+)  # fmt: skip

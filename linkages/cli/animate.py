@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Sequence
 from math import ceil, copysign
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
-from linkages.cli.terminal import console, number, print_json, print_notes
+from linkages.cli.simulated import how_far
+from linkages.cli.terminal import number, print_notes
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.requests import requested
@@ -70,7 +70,31 @@ def run_animate(
         )  # fmt: skip
     note = too_fast(solution, film)
     notes = [*solution.notes, *([note] if note else [])]
-    _report(solution, film, run.files[0], notes, failure, request.json)
+
+    def show(screen: Console) -> None:
+        frames = f"{film.frames} frame{'s' * (film.frames > 1)}"
+        screen.print(
+            f"[bold]{escape(mechanism.name)}[/bold]: {frames} from t = {number(film.start)} s to "
+            f"{number(film.times[-1])} s, {number(film.fps)} per second, {film.pace}"
+        )
+        print_notes(notes, screen)
+        screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
+        if failure is not None:
+            print(f"stopped {failure}", file=sys.stderr)
+
+    (path,) = run.files
+    content = {
+        **how_far(solution, failure),
+        "start": film.start,
+        "last": float(film.times[-1]),
+        "frames": film.frames,
+        "fps": film.fps,
+        "slow": film.slow,
+        "seconds": film.seconds,
+        "bytes": path.stat().st_size,
+        "notes": notes,
+    }
+    request.report(content, run.files, show)
     return 0 if failure is None else 1
 
 
@@ -116,48 +140,3 @@ def _cut(film: Film, solution: Solution, failure: str) -> Film:
     if len(time) < 2 or abs(float(time[-1])) <= abs(film.start):
         raise ComputationError(f"nothing to animate: {failure}", time=None)
     return replace(film, frames=max(1, int(shown / abs(film.step))))
-
-
-def _report(
-    solution: Solution,
-    film: Film,
-    path: Path,
-    notes: Sequence[str],
-    failure: str | None,
-    json: bool,
-) -> None:
-    if json:
-        print_json(_content(solution, film, path, notes, failure))
-        return
-    screen = console()
-    last = number(float(film.times[-1]))
-    frames = f"{film.frames} frame{'s' * (film.frames > 1)}"
-    screen.print(
-        f"[bold]{escape(solution.mechanism.name)}[/bold]: {frames} from t = "
-        f"{number(film.start)} s to {last} s, {number(film.fps)} per second, {film.pace}"
-    )
-    print_notes(notes, screen)
-    screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
-    if failure is not None:
-        print(f"stopped {failure}", file=sys.stderr)
-
-
-def _content(
-    solution: Solution, film: Film, path: Path, notes: Sequence[str], failure: str | None
-) -> dict[str, Any]:
-    return {
-        "mechanism": solution.mechanism.name,
-        "completed": failure is None,
-        "stopped": None
-        if failure is None
-        else {"time": solution.motion.stop_time, "reason": failure},
-        "start": film.start,
-        "last": float(film.times[-1]),
-        "frames": film.frames,
-        "fps": film.fps,
-        "slow": film.slow,
-        "seconds": film.seconds,
-        "bytes": path.stat().st_size,
-        "notes": list(notes),
-        "files": [str(path)],
-    }

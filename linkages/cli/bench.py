@@ -8,7 +8,7 @@ from pathlib import Path
 from linkages.benchmark.report import TARGETS, BenchReport, run_benchmark
 from linkages.benchmark.work_precision import Point
 from linkages.cli.requests import Request
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import console, number, table
 from linkages.solution.files import replaced
 
 
@@ -24,10 +24,7 @@ def run_bench(request: Request, repeats: int) -> int:
     report = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
     with request.publishing() as run:
         _save(report, run.folder, request.format if request.figures else None)
-    if request.json:
-        print_json({**report.as_dict(), "files": [str(path) for path in run.files]})
-    else:
-        _print(report, run.files)
+    request.report(report.as_dict(), run.files, lambda _: _print(report, run.files))
     return 0
 
 

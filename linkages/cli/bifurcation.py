@@ -23,7 +23,7 @@ from linkages.cli.swept import (
     publish_sweep,
     swept,
 )
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import console, number, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,12 +39,30 @@ def run_bifurcation(
     """Sweep over a parameter; returns the exit code."""
     axis, states = ranges("--vary", vary), initial_states(initial)
     data = _compute(request, axis, states, start, cores)
+    values = _values(data)
 
-    def save(data: xr.Dataset, folder: Path) -> None:
-        _save(data, request, folder)
+    def save(folder: Path) -> None:
+        save_netcdf(data, folder / "bifurcation.nc")
+        save_table(_points(data), folder / "bifurcation.csv")
+        save_table(values, folder / "bifurcation_values.csv")
+        if request.figures:
+            from linkages.plots.bifurcations import figure
 
-    show = _print_json if request.json else _print
-    return publish_sweep(request, data, "value", bool(_counts(data).any()), save, show)
+            drawn = {"bifurcation": figure(data), "bifurcation_rates": figure(data, rates=True)}
+            save_figures(drawn, folder, request.format)
+
+    content = {
+        "mechanism": data.attrs["name"],
+        "varied": data.attrs["varied"],
+        "starts": [str(name) for name in data["start"].values],
+        "interrupted": bool(data.attrs["interrupted"]),
+        "values": {head: np.asarray(column).tolist() for head, column in values.items()},
+        "failures": failures(data),
+        "warnings": counted(_warnings(data)),
+        "contact": contact_content(data),
+    }
+    show = partial(_print, data, values)
+    return publish_sweep(request, data, "value", save, content, show)
 
 
 def _compute(
@@ -75,20 +93,6 @@ def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
     if len(states) == 1:
         texts = [""]
     return np.array([": ".join(t for t in (start, text) if t) for text in texts], dtype=object)
-
-
-def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
-    save_netcdf(data, folder / "bifurcation.nc")
-    save_table(_points(data), folder / "bifurcation.csv")
-    save_table(_values(data), folder / "bifurcation_values.csv")
-    if request.figures:
-        from linkages.plots import bifurcations
-
-        drawn = {
-            "bifurcation": bifurcations.figure(data),
-            "bifurcation_rates": bifurcations.figure(data, rates=True),
-        }
-        save_figures(drawn, folder, request.format)
 
 
 def _parameters(data: xr.Dataset) -> dict[str, np.ndarray]:
@@ -133,24 +137,7 @@ def _counts(data: xr.Dataset) -> np.ndarray:
     return np.asarray(np.isfinite(first.to_numpy()[..., 0]).sum(axis=2))
 
 
-def _print_json(data: xr.Dataset, written: Sequence[Path]) -> None:
-    values = _values(data)
-    print_json(
-        {
-            "mechanism": data.attrs["name"],
-            "varied": data.attrs["varied"],
-            "starts": [str(name) for name in data["start"].values],
-            "interrupted": bool(data.attrs["interrupted"]),
-            "values": {head: np.asarray(column).tolist() for head, column in values.items()},
-            "failures": failures(data),
-            "warnings": counted(_warnings(data)),
-            "contact": contact_content(data),
-            "files": [str(path) for path in written],
-        }
-    )
-
-
-def _print(data: xr.Dataset, written: Sequence[Path]) -> None:
+def _print(data: xr.Dataset, values: dict[str, Any], written: Sequence[Path]) -> None:
     screen = console()
     path = data.attrs["varied"]
     numbers, unit = data[path].to_numpy(), data[path].attrs.get("units", "")
@@ -159,7 +146,6 @@ def _print(data: xr.Dataset, written: Sequence[Path]) -> None:
     screen.print(f"{title} from {ends}", markup=False)
     heads = ["start", "values computed", "points"]
     rows = []
-    values = _values(data)
     for index, name in enumerate(data["start"].values):
         mine = values["start"] == index + 1
         done = int((values["points"][mine] > 0).sum())

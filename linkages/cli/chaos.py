@@ -12,10 +12,8 @@ from linkages.cli.lyapunov import certificate_rows, certificate_table, exponent_
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf
 from linkages.cli.terminal import (
-    console,
     json_text,
     number,
-    print_json,
     print_notes,
     table,
 )
@@ -46,11 +44,12 @@ def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
     tables = _tables(report)
     with request.publishing({**request.asked, "periods": report.run["periods"]}) as place:
         _save(report, tables, request, place.folder)
-    if request.json:
-        print_json({**report.to_dict(), "files": [str(path) for path in place.files]})
-    else:
-        _print(report, tables, console())
-        console().print(f"{len(place.files)} files in {request.folder}", markup=False)
+
+    def show(screen: Console) -> None:
+        _print(report, tables, screen)
+        screen.print(f"{len(place.files)} files in {request.folder}", markup=False)
+
+    request.report(report.to_dict(), place.files, show)
     return 0
 
 

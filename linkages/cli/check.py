@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from linkages.cli.check_report import print_report
 from linkages.cli.contributions import drives, loads, relations
 from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.requests import Request
 from linkages.cli.terminal import console, print_json
 from linkages.components.measures import Distance
 from linkages.components.mechanism import Mechanism
@@ -25,29 +24,21 @@ from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
 
 
-def run_check(
-    file: str,
-    assignments: Sequence[str],
-    json: bool,
-    kernel: bool,
-    modes: bool = False,
-    out: Path | None = None,
-    format: str = "png",  # noqa: A002
-) -> int:
-    """Print the report of a file; returns the exit code. A folder implies `modes`."""
-    mechanism = mechanism_from(file, assignments)
-    if out is not None:
-        require_folder(out)
+def run_check(request: Request, kernel: bool, modes: bool) -> int:
+    """Print the report of a file; returns the exit code."""
+    mechanism = mechanism_from(request.file, request.assignments)
+    if request.out is not None:
+        require_folder(request.out)
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
     if kernel:
         content["kernel"] = _kernel(system)
-    if modes or out is not None:
+    if modes:
         from linkages.cli.modes import modes_content
 
-        content["modes"] = modes_content(system, out, format)
-    if json:
+        content["modes"] = modes_content(system, request.out, request.format)
+    if request.json:
         print_json(content)
     else:
         print_report(content, console())

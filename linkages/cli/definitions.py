@@ -51,10 +51,3 @@ def list_mechanisms(
     raise typer.Exit(
         run_list(json) if name is None else run_show(name, out, json, figures, form.value)
     )
-
-
-def add_to(app: typer.Typer) -> None:
-    """Make them verbs of the program."""
-    app.command()(new)
-    app.command()(schema)
-    app.command("list")(list_mechanisms)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from linkages.cli.loading import mechanism_from
+from linkages.cli.requests import Request
 from linkages.cli.terminal import print_json
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System, choose_free
@@ -14,19 +13,19 @@ from linkages.topology.topology import build_topology
 FORMATS = ("text", "latex", "python")
 
 
-def run_equations(file: str, assignments: Sequence[str], form: str, json: bool) -> int:
+def run_equations(request: Request, form: str) -> int:
     """Print closure, energies and Lagrange's equations; returns the exit code."""
     if form not in FORMATS:
         near = suggestion(form, FORMATS) or f"; expected one of: {', '.join(FORMATS)}"
         message = f"unknown format {form!r}{near}"
         raise InputError("--format", [Problem(message=message)])
-    topology = build_topology(choose_free(mechanism_from(file, assignments)))
+    topology = build_topology(choose_free(mechanism_from(request.file, request.assignments)))
     if topology.redundant:  # positions tell which blocks have to be solved together
         topology = System(topology.mechanism).topology
     from linkages.equations import derive, render
 
     text = render(derive(topology), form)
-    if json:
+    if request.json:
         print_json({"mechanism": topology.mechanism.name, "format": form, "equations": text})
     else:
         print(text)

@@ -20,7 +20,18 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
     InputError
         For anything wrong in the file or the assignments.
     """
-    overrides: dict[str, object] = {}
+    return load(file, set=overrides("--set", assignments))
+
+
+def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:
+    """Path → value of assignments that an option has.
+
+    Raises
+    ------
+    InputError
+        Lists all that are no assignments.
+    """
+    found: dict[str, object] = {}
     problems: list[Problem] = []
     for assignment in assignments:
         try:
@@ -28,10 +39,10 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
         except InputError as error:
             problems += error.problems
         else:
-            overrides[path] = value
+            found[path] = value
     if problems:
-        raise InputError("--set", problems)
-    return load(file, set=overrides)
+        raise InputError(option, problems)
+    return found
 
 
 def require_folder(folder: Path) -> None:

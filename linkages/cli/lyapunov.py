@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.swept import close_report, contact_content
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,47 +26,40 @@ def run_lyapunov(request: Request) -> int:
     with request.computing("exponents of") as watch:
         data = lyapunov(request.mechanism, watch=watch, **request.given)
     with request.publishing() as place:
-        _save(data, request, place.folder)
-    rows, known = exponent_rows(data), certificate_rows(data)
-    end, total, error = float(data["time"][-1]), data.attrs["sum"], data.attrs["sum_error"]
-    warning, name = data.attrs["warning"], data.attrs["name"]
-    if request.json:
-        print_json(
-            {
-                "mechanism": name,
-                "end": end,
-                "exponents": rows,
-                "sum": {"value": total, "error": error},
-                "certificate": known,
-                "contact": contact_content(data),
-                "settled": bool(data.attrs["settled"]),
-                "warning": warning or None,
-                "files": [str(path) for path in place.files],
-            }
-        )
-        return 0
-    screen = console()
-    screen.print(f"[bold]{escape(name)}[/bold]: exponents up to t = {number(end)} s")
-    screen.print(exponent_table(rows))
-    screen.print(f"sum of these: {number(total)} ± {error:.2g} 1/s")
-    if known:
-        heading, heads, cells = certificate_table(known)
-        screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
-    close_report(data, [warning] if warning else [], place.files)
-    return 0
+        save_netcdf(data, place.folder / "lyapunov.nc")
+        columns = {"time (s)": data["time"].to_numpy()} | {
+            f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
+            for index in data["index"].to_numpy()
+        }
+        save_table(columns, place.folder / "lyapunov.csv")
+        if request.figures:
+            from linkages.plots import exponents
 
+            save_figures({"lyapunov": exponents.figure(data)}, place.folder, request.format)
+    rows, known, said = exponent_rows(data), certificate_rows(data), data.attrs
+    end = float(data["time"][-1])
 
-def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
-    save_netcdf(data, folder / "lyapunov.nc")
-    columns = {"time (s)": data["time"].to_numpy()} | {
-        f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
-        for index in data["index"].to_numpy()
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
+        screen.print(exponent_table(rows))
+        screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
+        if known:
+            heading, heads, cells = certificate_table(known)
+            screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
+        close_report(data, [said["warning"]] if said["warning"] else [], place.files)
+
+    content = {
+        "mechanism": said["name"],
+        "end": end,
+        "exponents": rows,
+        "sum": {"value": said["sum"], "error": said["sum_error"]},
+        "certificate": known,
+        "contact": contact_content(data),
+        "settled": bool(said["settled"]),
+        "warning": said["warning"] or None,
     }
-    save_table(columns, folder / "lyapunov.csv")
-    if request.figures:
-        from linkages.plots import exponents
-
-        save_figures({"lyapunov": exponents.figure(data)}, folder, request.format)
+    request.report(content, place.files, show)
+    return 0
 
 
 def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:

@@ -11,13 +11,11 @@ import os
 import sys
 from contextlib import suppress
 from io import TextIOWrapper, UnsupportedOperation
-from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 
 from linkages.cli import analyses, definitions
-from linkages.cli.options import File, Format, Json, Picture, Set
 
 app = typer.Typer(
     name="linkages",
@@ -59,51 +57,9 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-app.command()(analyses.simulate)
-
-
-@app.command()
-def check(
-    file: File,
-    assignments: Set = None,
-    json: Json = False,
-    kernel: Annotated[
-        bool, typer.Option("--kernel", help="Count the operations of the kernel.")
-    ] = False,
-    modes: Annotated[
-        bool, typer.Option("--modes", help="List all ways to put the mechanism together.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
-    ] = None,
-    form: Format = Picture.PNG,
-) -> None:
-    """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
-    from linkages.cli.check import run_check
-
-    raise typer.Exit(run_check(file, assignments or [], json, kernel, modes, out, form.value))
-
-
-@app.command()
-def equations(
-    file: File,
-    assignments: Set = None,
-    form: Annotated[
-        str, typer.Option("--format", metavar="text|latex|python", help="How to print them.")
-    ] = "text",
-    json: Json = False,
-) -> None:
-    """Print the closure equations, the energies and Lagrange's equations."""
-    from linkages.cli.equations import run_equations
-
-    raise typer.Exit(run_equations(file, assignments or [], form, json))
-
-
-for command in (analyses.animate, analyses.phase, analyses.poincare, analyses.lyapunov,
-                analyses.bifurcation, analyses.chaos, analyses.map_, analyses.bench):  # fmt: skip
+for command in (*analyses.COMMANDS, definitions.new, definitions.schema):
     app.command()(command)
-definitions.add_to(app)
+app.command("list")(definitions.list_mechanisms)
 
 
 def main() -> None:

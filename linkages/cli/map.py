@@ -23,10 +23,11 @@ from linkages.cli.swept import (
     publish_sweep,
     swept,
 )
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import console, number, table
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 def run_map(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
@@ -38,32 +39,26 @@ def run_map(request: Request, x: Sequence[str], y: Sequence[str], cores: int | N
     task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)
     data = swept(request, "map", "point", task)
 
-    def save(data: xr.Dataset, folder: Path) -> None:
-        _save(data, request, folder)
+    def save(folder: Path) -> None:
+        save_netcdf(data, folder / "map.nc")
+        save_table(_columns(data), folder / "map.csv")
+        if request.figures:
+            save_figures(_figures(data), folder, request.format)
 
-    def show(data: xr.Dataset, files: Sequence[Path]) -> None:
-        content = _content(data, files)
-        if request.json:
-            print_json(content)
-        else:
-            _print(content, data, files)
-
-    computed = bool(np.isfinite(data["indicator"]).any())
-    return publish_sweep(request, data, "point", computed, save, show)
+    content = _content(data)
+    show = partial(_print, content, data)
+    return publish_sweep(request, data, "point", save, content, show)
 
 
-def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
-    save_netcdf(data, folder / "map.nc")
-    save_table(_columns(data), folder / "map.csv")
-    if request.figures:
-        from linkages.plots import maps
+def _figures(data: xr.Dataset) -> dict[str, Figure | None]:
+    from linkages.plots import maps
 
-        drawn = {"map": maps.figure(data)}
-        names = [str(name) for name in data["coordinate"].values]
-        for index, name in enumerate(names):
-            stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
-            drawn[stem] = maps.class_figure(data, name)
-        save_figures(drawn, folder, request.format)
+    drawn: dict[str, Figure | None] = {"map": maps.figure(data)}
+    names = [str(name) for name in data["coordinate"].values]
+    for index, name in enumerate(names):
+        stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
+        drawn[stem] = maps.class_figure(data, name)
+    return drawn
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
@@ -96,7 +91,7 @@ def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
     return dict(Counter(str(word) for word in words if word))
 
 
-def _content(data: xr.Dataset, written: Sequence[Path]) -> dict[str, Any]:
+def _content(data: xr.Dataset) -> dict[str, Any]:
     values = data["indicator"].to_numpy()
     finite = values[np.isfinite(values)]
     return {
@@ -115,7 +110,6 @@ def _content(data: xr.Dataset, written: Sequence[Path]) -> dict[str, Any]:
         "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
         "contact": contact_content(data),
         "failures": failures(data),
-        "files": [str(path) for path in written],
     }
 
 

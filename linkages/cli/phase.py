@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import save_figures, save_netcdf, save_table
 from linkages.cli.simulated import as_far_as_possible
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import number, table
 from linkages.errors import ComputationError
 from linkages.options.option import OptionError
 from linkages.options.run import SimulationOptions
@@ -59,25 +59,19 @@ def run_phase(
 
             drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
             save_figures(drawn, place.folder, request.format)
-    rows = [
+    rows: list[dict[str, Any]] = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()
     ]
-    _report(request, mechanism.name, rows, place.files, failure)
+
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(mechanism.name)}[/bold]: phase diagram")
+        cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
+        screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
+        screen.print(f"{len(place.files)} files in {place.files[0].parent}", markup=False)
+        if failure is not None:
+            print(f"stopped {failure}", file=sys.stderr)
+
+    content = {"mechanism": mechanism.name, "stopped": failure, "series": rows}
+    request.report(content, place.files, show)
     return 0 if failure is None else 1
-
-
-def _report(
-    request: Request, name: str, rows: list[dict[str, Any]], files: list[Path], failure: str | None
-) -> None:
-    if request.json:
-        found = [str(path) for path in files]
-        print_json({"mechanism": name, "stopped": failure, "series": rows, "files": found})
-        return
-    screen = console()
-    screen.print(f"[bold]{escape(name)}[/bold]: phase diagram")
-    cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
-    screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
-    screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
-    if failure is not None:
-        print(f"stopped {failure}", file=sys.stderr)

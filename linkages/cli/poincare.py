@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
 from linkages.cli.swept import close_report, contact_content
-from linkages.cli.terminal import console, number, print_json, table
+from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,39 +27,32 @@ def run_poincare(request: Request) -> int:
     with request.computing("section of") as watch:
         data = poincare(request.mechanism, watch=watch, **request.given)
     with request.publishing() as place:
-        _save(data, request, place.folder)
-    rows = section_rows(data)
-    warning, name = data.attrs["warning"], data.attrs["name"]
-    if request.json:
-        print_json(
-            {
-                "mechanism": name,
-                "points": data.sizes["crossing"],
-                "taken": {k: data.attrs[k] for k in TAKEN if k in data.attrs},
-                "first": float(data["time"][0]),
-                "last": float(data["time"][-1]),
-                "coordinates": rows,
-                "contact": contact_content(data),
-                "warning": warning or None,
-                "files": [str(path) for path in place.files],
-            }
-        )
-        return 0
-    screen = console()
-    screen.print(f"[bold]{escape(name)}[/bold]: {escape(taken(data))}")
-    screen.print(section_table(rows))
-    close_report(data, [warning] if warning else [], place.files)
+        save_netcdf(data, place.folder / "poincare.nc")
+        columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
+        save_table(columns, place.folder / "poincare.csv")
+        if request.figures:
+            from linkages.plots import sections
+
+            save_figures({"poincare": sections.figure(data)}, place.folder, request.format)
+    rows, warning = section_rows(data), data.attrs["warning"]
+
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(data.attrs['name'])}[/bold]: {escape(taken(data))}")
+        screen.print(section_table(rows))
+        close_report(data, [warning] if warning else [], place.files)
+
+    content = {
+        "mechanism": data.attrs["name"],
+        "points": data.sizes["crossing"],
+        "taken": {k: data.attrs[k] for k in TAKEN if k in data.attrs},
+        "first": float(data["time"][0]),
+        "last": float(data["time"][-1]),
+        "coordinates": rows,
+        "contact": contact_content(data),
+        "warning": warning or None,
+    }
+    request.report(content, place.files, show)
     return 0
-
-
-def _save(data: xr.Dataset, request: Request, folder: Path) -> None:
-    save_netcdf(data, folder / "poincare.nc")
-    columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
-    save_table(columns, folder / "poincare.csv")
-    if request.figures:
-        from linkages.plots import sections
-
-        save_figures({"poincare": sections.figure(data)}, folder, request.format)
 
 
 def taken(data: xr.Dataset) -> str:

@@ -17,6 +17,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -36,19 +37,12 @@ class EndedError(LinkagesError):
     """Ctrl-C or a signal ended a run; the message says what has been written."""
 
 
+@dataclass
 class Published:
-    """Where files of a run are written, and where they are then.
+    """Where files of a run are to be written, and once they are: where they are, in their order."""
 
-    Parameters
-    ----------
-    folder
-        Write here.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.files: list[Path] = []
-        """Once all are written: where they are, in the order in which they were written."""
+    folder: Path
+    files: list[Path] = field(default_factory=list)
 
 
 @contextmanager

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.loading import mechanism_from, overrides, require_folder
 from linkages.cli.published import EndedError, Published, published
-from linkages.cli.terminal import progress
+from linkages.cli.terminal import console, print_json, progress
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
-from linkages.reading.overrides import parse_assignment
 from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
@@ -123,32 +123,26 @@ class Request:
                 save_netcdf(data, place.folder / f"{name}.nc")
         return "\nup to there: " + " and ".join(str(path) for path in place.files)
 
-    @contextmanager
     def publishing(
         self,
         options: Mapping[str, Any] | None = None,
         *,
         complete: bool = True,
         interrupted: bool = False,
-    ) -> Iterator[Published]:
-        """Where to write the files of the run, and where they are at the end.
+    ) -> AbstractContextManager[Published]:
+        """Where to write the files of the run, see `published`; it is not always as was asked."""
+        how = {**self.own, **(self.asked if options is None else options)}
+        state = {"complete": complete, "interrupted": interrupted}
+        return published(self.verb, self.folder, self.mechanism, how, **state)
 
-        Parameters
-        ----------
-        options
-            How it was computed, if that is more than was asked for.
-        complete, interrupted
-            Whether the run came to its end, and whether somebody ended it, see `published`.
-        """
-        with published(
-            self.verb,
-            self.folder,
-            self.mechanism,
-            {**self.own, **(self.asked if options is None else options)},
-            complete=complete,
-            interrupted=interrupted,
-        ) as run:
-            yield run
+    def report(
+        self, content: Mapping[str, Any], files: Sequence[Path], show: Callable[[Console], None]
+    ) -> None:
+        """Print what was found as JSON if that is asked for, else as `show` does."""
+        if self.json:
+            print_json({**content, "files": [str(path) for path in files]})
+        else:
+            show(console())
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:
@@ -183,18 +177,5 @@ def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
     InputError
         Lists all that are no assignments.
     """
-    states: list[dict[str, object]] = []
-    problems: list[Problem] = []
-    for text in texts:
-        state: dict[str, object] = {}
-        for part in NEXT.split(text):
-            try:
-                path, value = parse_assignment(part)
-            except InputError as error:
-                problems += error.problems
-            else:
-                state[path] = value
-        states.append(state)
-    if problems:
-        raise InputError("--initial", problems)
-    return states or [{}]
+    found = [overrides("--initial", NEXT.split(text)) for text in texts]
+    return found or [{}]

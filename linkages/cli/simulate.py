@@ -6,15 +6,15 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
-from linkages.cli.simulated import as_far_as_possible
-from linkages.cli.terminal import console, number, print_json, print_notes, table
+from linkages.cli.simulated import as_far_as_possible, how_far
+from linkages.cli.terminal import number, print_notes, table
 from linkages.solution.horizon import Horizon, cost_factor
 from linkages.solution.requests import ALL
 from linkages.solution.solution import Solution
@@ -78,7 +78,26 @@ def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> 
 
             dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
             save_figures(solution.data, solution.mechanism, run.folder, request.format, dense=dense)
-    _report(solution, horizon, rows, notes, run.files, failure, request.json)
+
+    def show(screen: Console) -> None:
+        _print(solution, horizon, rows, screen)
+        print_notes(notes, screen)
+        if run.files:
+            screen.print(f"{len(run.files)} files in {run.files[0].parent}", markup=False)
+        if failure is not None:
+            print(f"stopped {failure}", file=sys.stderr)
+
+    content = {
+        **how_far(solution, failure),
+        "samples": int(solution.data.sizes["time"]),
+        "method": solution.motion.method or None,
+        "reason": solution.motion.reason or None,
+        "cost": solution.motion.cost,
+        "horizon": None if horizon is None else asdict(horizon),
+        "maxima": solution.maxima,
+        "notes": notes,
+    }
+    request.report(content, run.files, show)
     return 0 if failure is None else 1
 
 
@@ -179,19 +198,12 @@ def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _report(
+def _print(
     solution: Solution,
     horizon: Horizon | None,
     rows: Sequence[dict[str, Any]],
-    notes: Sequence[str],
-    written: list[Path],
-    failure: str | None,
-    json: bool,
+    screen: Console,
 ) -> None:
-    if json:
-        print_json(_content(solution, horizon, notes, written, failure))
-        return
-    screen = console()
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
     cells = [
         [
@@ -212,11 +224,6 @@ def _report(
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
     if horizon is not None:
         screen.print(_believable(horizon))
-    print_notes(notes, screen)
-    if written:
-        screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
-    if failure is not None:
-        print(f"stopped {failure}", file=sys.stderr)
 
 
 def _believable(horizon: Horizon) -> str:
@@ -244,27 +251,3 @@ def _how(solution: Solution) -> str:
     else:
         how = f"{solution.motion.method}, rtol {run.rtol:g}, {cost['rejected']} rejected"
     return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"
-
-
-def _content(
-    solution: Solution,
-    horizon: Horizon | None,
-    notes: Sequence[str],
-    written: list[Path],
-    failure: str | None,
-) -> dict[str, Any]:
-    return {
-        "mechanism": solution.mechanism.name,
-        "completed": failure is None,
-        "stopped": None
-        if failure is None
-        else {"time": solution.motion.stop_time, "reason": failure},
-        "samples": int(solution.data.sizes["time"]),
-        "method": solution.motion.method or None,
-        "reason": solution.motion.reason or None,
-        "cost": solution.motion.cost,
-        "horizon": None if horizon is None else asdict(horizon),
-        "maxima": solution.maxima,
-        "notes": list(notes),
-        "files": [str(path) for path in written],
-    }

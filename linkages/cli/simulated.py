@@ -24,3 +24,13 @@ def as_far_as_possible(mechanism: Mechanism, **given: Any) -> tuple[Solution, st
         return error.solution, str(error), False
     except Interrupted as error:
         return error.solution, str(error), True
+
+
+def how_far(solution: Solution, failure: str | None) -> dict[str, Any]:
+    """Whether a motion came to its end, as JSON says it."""
+    stopped = None if failure is None else {"time": solution.motion.stop_time, "reason": failure}
+    return {
+        "mechanism": solution.mechanism.name,
+        "completed": failure is None,
+        "stopped": stopped,
+    }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -63,34 +63,36 @@ def publish_sweep(
     request: Request,
     data: xr.Dataset,
     what: str,
-    computed: bool,
-    save: Callable[[xr.Dataset, Path], None],
-    show: Callable[[xr.Dataset, Sequence[Path]], None],
+    save: Callable[[Path], None],
+    content: Mapping[str, Any],
+    show: Callable[[Sequence[Path]], None],
 ) -> int:
-    """Write the files of a sweep and report it; returns the exit code.
+    """Write the files of a sweep, and report `content` as JSON or show it; returns the exit code.
 
-    Parameters
-    ----------
-    request, data
-        What was asked for, and what was found.
-    what
-        One of its computations in a word.
-    computed
-        Whether there is a result at all.
-    save, show
-        Write the files into a folder; print a report that lists them.
+    `what` is one of its computations in a word.
     """
-    interrupted = bool(data.attrs["interrupted"])
+    interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
     with request.publishing(complete=computed, interrupted=interrupted) as place:
-        save(data, place.folder)
-    show(data, place.files)
+        save(place.folder)
+    request.report(content, place.files, lambda _: show(place.files))
     if interrupted:
         raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
     if not computed:
         print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
     return int(not computed)
+
+
+def any_computed(data: xr.Dataset) -> bool:
+    """Whether a sweep has a result: an indicator, or the first point of a section."""
+    if "indicator" in data:
+        return bool(np.isfinite(data["indicator"]).any())
+    return any(
+        bool(np.isfinite(array).any())
+        for array in data.data_vars.values()
+        if "crossing" in array.dims
+    )
 
 
 def coordinate_head(name: object, array: xr.DataArray) -> str:

@@ -57,7 +57,7 @@ def computes(
                 verb=function.__name__.rstrip("_"),
                 file=given["file"],
                 assignments=given["assignments"] or (),
-                out=given["out"],
+                out=given.get("out"),
                 json=given["json"],
                 figures=given.get("figures", False),
                 format=given["form"],

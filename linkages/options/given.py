@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
@@ -13,6 +12,7 @@ from linkages.options.option import OptionError
 from linkages.options.run import FORM, RunOptions, SimulationOptions
 from linkages.reading.wording import listed, suggestion
 from linkages.spec.annotations import alternatives, rule_of, stripped
+from linkages.spec.conversion import QuantityError
 from linkages.spec.docstrings import field_texts
 from linkages.spec.quantities import Count, FieldType, Quantity
 
@@ -22,21 +22,12 @@ Options = TypeVar("Options", bound=RunOptions)
 def given_options(
     kind: type[Options], given: Mapping[str, Any], file: SimulationOptions
 ) -> Options:
-    """Options of a run.
-
-    Parameters
-    ----------
-    kind
-        Their class.
-    given
-        Keyword arguments; None says nothing.
-    file
-        What the definition file says of how motions are integrated, and simulated.
+    """Options of a run: as given, else as the definition file says, else as they are by default.
 
     Raises
     ------
     OptionError
-        For a value that makes no sense.
+        For a value that makes no sense; None says nothing.
     TypeError
         For a name that is no option, and for a value of another type.
     """
@@ -52,22 +43,9 @@ def given_options(
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """What is known of a field of options.
+    """A field of options: what its docstring says, its type without None, how it is read.
 
-    Parameters
-    ----------
-    name, text
-        As the class has it, and what its docstring says.
-    value
-        Type of the value, without None.
-    rule
-        How numbers and texts are read, if there is a rule.
-    default
-        None where the definition file says it.
-    form
-        What a text looks like.
-    of_file
-        Whether the definition file has it as well.
+    `form` is what a text looks like. What the definition file has as well has no default.
     """
 
     name: str
@@ -108,17 +86,14 @@ def _options(kind: type[RunOptions]) -> list[Option]:
 
 def _read(option: Option, value: Any) -> Any:
     name, rule, kind = option.name, option.rule, option.value
-    if isinstance(rule, Count):
-        number = whole_number(name, value)
-        if number < rule.least:
-            raise OptionError(name, f"{name} must be at least {rule.least}, found {value}")
-        return number
-    if isinstance(rule, Quantity):
-        real = real_number(name, value)
-        if not (math.isfinite(real) and rule.bound.holds(real)):
-            limit = f"{rule.dimension.article} {rule.bound.value}".rstrip()
-            raise OptionError(name, f"{name} must be {limit}, found {value}")
-        return real
+    if isinstance(rule, Count | Quantity):
+        if not isinstance(value, Real) or isinstance(value, bool):
+            raise TypeError(f"{name} must be a number, found {value!r}")
+        try:
+            return rule.read(value)
+        except QuantityError as error:
+            expected = error.expected.partition(" (")[0]  # units are for texts
+            raise OptionError(name, f"{name} must be {expected}, found {error.found}") from None
     if get_origin(kind) is Literal:
         if value not in get_args(kind):
             words = listed(map(repr, get_args(kind)))
@@ -128,30 +103,3 @@ def _read(option: Option, value: Any) -> Any:
         word = {bool: "True or False", str: "text"}[kind]
         raise TypeError(f"{name} must be {word}, found {value!r}")
     return value
-
-
-def whole_number(name: str, value: Any) -> int:
-    """A whole number; 20.0 is one, and NumPy's are.
-
-    Raises
-    ------
-    TypeError, OptionError
-        For what is no number, or no whole one.
-    """
-    number = real_number(name, value)
-    if not (math.isfinite(number) and number == int(number)):
-        raise OptionError(name, f"{name} must be a whole number, found {value!r}")
-    return int(number)
-
-
-def real_number(name: str, value: Any) -> float:
-    """A number.
-
-    Raises
-    ------
-    TypeError
-        For what is no number.
-    """
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise TypeError(f"{name} must be a number, found {value!r}")
-    return float(value)

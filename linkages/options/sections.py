@@ -31,6 +31,11 @@ class SectionOptions(RunOptions):
         quantity of position or velocity (angle, speed, position, velocity) and a value in SI.
     direction
         How the section is crossed.
+    end
+        Time in s until which crossings of a section are looked for. If not given, ``periods + skip
+        + 2`` times the common period of the drives (or the file's end time, if there is none).
+    wrap
+        Take angles within one turn.
     """
 
     periods: PositiveInteger = 500
@@ -38,6 +43,8 @@ class SectionOptions(RunOptions):
     phase: Annotated[float, Quantity(dimensions.NUMBER)] = 0.0
     section: str | None = field(default=None, metadata={FORM: "ELEMENT.QUANTITY=VALUE"})
     direction: Direction = "up"
+    end: Instant | None = None
+    wrap: bool = True
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.phase < 1.0:
@@ -51,32 +58,10 @@ class SectionOptions(RunOptions):
                 f"phase {self.phase:g} goes with points once a period; a section where a quantity "
                 "has a value has none",
             )
-
-
-@dataclass(frozen=True, kw_only=True)
-class PoincareOptions(SectionOptions):
-    """Points of one motion.
-
-    Parameters
-    ----------
-    end
-        Time in s until which crossings of a section are looked for. If not given, ``periods + skip
-        + 2`` times the common period of the drives (or the file's end time, if there is none).
-    wrap
-        Take angles within one turn.
-    """
-
-    end: Instant | None = None
-    wrap: bool = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.end is None:
-            return
-        if self.section is None:
+        if self.end is not None and self.section is None:
             what = f"end = {self.end:g} s {_NEEDED}; points once a period end with their number"
             raise OptionError("end", what)
-        if not self.end > 0.0:
+        if self.end is not None and not self.end > 0.0:
             raise OptionError("end", f"end must be a time in s > 0, found {self.end:g}")
 
 
@@ -117,11 +102,6 @@ class SectionKeywords(RunKeywords, total=False):
     phase: float
     section: str | None
     direction: str
-
-
-class PoincareKeywords(SectionKeywords, total=False):
-    """`PoincareOptions` as keyword arguments."""
-
     end: float | None
     wrap: bool
 

@@ -145,7 +145,7 @@ def test_values_of_an_axis_are_in_the_unit_of_its_range():
 def test_numbers_of_periods_are_whole(name):
     vary = {DAMPING: [0.5, 0.6]}
     arguments = {"bifurcation": [vary], "chaos_map": [vary, {AMPLITUDE: [1, 2]}]}.get(name, [])
-    with pytest.raises(ValueError, match=r"periods must be a whole number, found 20\.5"):
+    with pytest.raises(ValueError, match=r"periods must be a whole number > 0, found 20\.5"):
         getattr(linkages, name)(pendulum(), *arguments, periods=20.5)
     with pytest.raises(TypeError, match="periods must be a number, found '20'"):
         getattr(linkages, name)(pendulum(), *arguments, periods="20")

@@ -18,7 +18,7 @@ from linkages.options.given import options_in
 
 QUESTIONS = {
     "simulate": (linkages.simulate, run.SimulationOptions, run.SimulationKeywords),
-    "poincare": (linkages.poincare, sections.PoincareOptions, sections.PoincareKeywords),
+    "poincare": (linkages.poincare, sections.SectionOptions, sections.SectionKeywords),
     "lyapunov": (linkages.lyapunov, exponents.ExponentOptions, exponents.ExponentKeywords),
     "bifurcation": (
         linkages.bifurcation, sections.BifurcationOptions, sections.BifurcationKeywords

@@ -18,16 +18,16 @@ def pendulum():
         ({"method": "RK45"}, ValueError, r"unknown method 'RK45'; expected one of: dop853"),
         ({"method": "rk4"}, ValueError, r"method 'rk4' needs a step"),
         ({"method": "rk4", "step": 1e-12}, ValueError, r"step 1e-12 s needs more than 100000000"),
-        ({"samples": 11.5}, ValueError, r"samples must be a whole number, found 11\.5"),
+        ({"samples": 11.5}, ValueError, r"samples must be a whole number > 0, found 11\.5"),
         ({"samples": "11"}, TypeError, r"samples must be a number, found '11'"),
         ({"samples": True}, TypeError, r"samples must be a number, found True"),
-        ({"samples": float("inf")}, ValueError, r"samples must be a whole number, found inf"),
+        ({"samples": float("inf")}, ValueError, r"samples must be a whole number > 0, found inf"),
         ({"samples": 1}, ValueError, r"samples must be at least 2"),
         ({"rtol": "1e-3"}, TypeError, r"rtol must be a number, found '1e-3'"),
         ({"rtol": 2}, ValueError, r"rtol must be from 1e-14 to 1, found 2"),
         ({"atol": None, "end": "1"}, TypeError, r"end must be a number, found '1'"),
         ({"step": "x"}, TypeError, r"step must be a number, found 'x'"),
-        ({"max_steps": 100.5}, ValueError, r"max_steps must be a whole number, found 100\.5"),
+        ({"max_steps": 100.5}, ValueError, r"max_steps must be a whole number > 0, found 100\.5"),
     ],
     ids=str,
 )
@@ -50,7 +50,7 @@ def test_whole_numbers_of_any_type(pendulum, samples):
 
 @pytest.mark.parametrize("name", ["periods", "skip"])
 def test_exponents_name_their_arguments_too(name):
-    with pytest.raises(ValueError, match=rf"{name} must be a whole number, found 20\.5"):
+    with pytest.raises(ValueError, match=rf"{name} must be a whole number >=? 0, found 20\.5"):
         linkages.lyapunov(linkages.load("pendulum"), **{name: 20.5})
 
 

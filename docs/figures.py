@@ -29,7 +29,7 @@ from linkages.plots.figures import FIGURES, write_figure
 from linkages.plots.style import line_style, panels, styled
 from linkages.solution.flows import build_flow
 from linkages.solution.resolved import resolved
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 
 ROOT = Path(__file__).resolve().parents[1]
 STATIC = ROOT / "docs" / "_static"

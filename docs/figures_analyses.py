@@ -28,7 +28,7 @@ from linkages.chaos.report import verdict
 from linkages.chaos.sweep import Threads
 from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 
 NUMBERS = STATIC / "analyses.json"
 MASSES = np.array([0.5, 0.51, 0.52, 0.53])

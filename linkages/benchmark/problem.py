@@ -14,7 +14,7 @@ from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
 from linkages.solution.march import failure_text
 from linkages.solvers.flow import Flow
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 
 REFERENCE = "gauss8"
 

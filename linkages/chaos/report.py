@@ -30,7 +30,7 @@ from linkages.options.run import RunOptions
 from linkages.options.signature import takes
 from linkages.solution.options import options_of
 from linkages.solution.solution import Solution
-from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.integration import LEAST_RTOL
 from linkages.solvers.methods import METHODS
 
 Floats = NDArray[np.float64]

@@ -53,7 +53,7 @@ class RunOptions:
 
     @property
     def integration(self) -> dict[str, Any]:
-        """Keyword arguments of `linkages.solvers.integrate.integrate`."""
+        """Keyword arguments of `linkages.solvers.integrate`."""
         return {
             "method": self.method,
             "rtol": self.rtol,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.solution.free_coordinates import free_vectors
 from linkages.solution.motion import Motion, Settings, compute_motion
-from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.integration import LEAST_RTOL
 from linkages.solvers.methods import METHODS
 
 TIGHTER = 0.01

@@ -35,7 +35,7 @@ from linkages.solution.renormalising import Renormalised
 from linkages.solution.switching import better_system, movable, passes, tangent_map
 from linkages.solution.undefined import loads_at_stop
 from linkages.solvers.events import Crossings
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 

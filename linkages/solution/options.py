@@ -11,7 +11,7 @@ from linkages.options.given import Options, given_options
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.solvers.choice import AUTO
-from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.integration import LEAST_RTOL
 from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
 
 MAX_SAMPLES = 10_000_000

@@ -23,7 +23,7 @@ import numpy as np
 import linkages
 from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 
 HERE = Path(__file__).parent
 REFERENCE = json.loads((HERE.parent / "data" / "ninebar_states.json").read_text(encoding="utf-8"))

@@ -12,7 +12,7 @@ import pytest
 import linkages
 from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 
 sys.path.insert(0, str(Path(__file__).parent))
 

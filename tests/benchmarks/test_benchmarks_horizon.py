@@ -117,7 +117,7 @@ def test_nothing_to_compare_where_nothing_is_integrated():
 
 
 def test_tightest_tolerance_has_nothing_tighter():
-    from linkages.solvers.integrate import LEAST_RTOL
+    from linkages.solvers.integration import LEAST_RTOL
 
     assert horizon_of(0.02, rtol=LEAST_RTOL) is None
 

@@ -19,7 +19,7 @@ from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.flows import build_flow, kernel_source
 from linkages.solution.march import integrated_motion
 from linkages.solution.simulate import simulate
-from linkages.solvers.integrate import integrate
+from linkages.solvers.integration import integrate
 from linkages.topology.topology import build_topology
 
 

@@ -13,7 +13,7 @@ from linkages.components.definition import from_document
 from linkages.kernel.system import System
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
-from linkages.solvers.integrate import LEAST_RTOL
+from linkages.solvers.integration import LEAST_RTOL
 
 # the pendulum of docs/chaos.md (Baker and Gollub, Chaotic Dynamics, with their g = 1.15)
 PENDULUM = """\

@@ -1,6 +1,5 @@
 """Errors of adaptive methods follow the tolerance, over all of its range."""
 
-import importlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from solver_kernels import ORBIT, PERIOD, arenstorf, pendulum, swing
 import linkages
 from linkages.kernel.system import System
 from linkages.solution.flows import build_flow
-from linkages.solvers import METHODS, choose, integrate
+from linkages.solvers import METHODS, choose, integrate, integration
 
 STATES = Path(__file__).parents[1] / "data" / "ninebar_states.json"
 NAMES = ["dop853", "tsit5", "vern9"]
@@ -48,7 +47,6 @@ def ninebar():
 def test_memory_of_the_step_control_saves_rejected_steps(ninebar, monkeypatch):
     """PI control damps the step size where the error changes quickly, as in each swing."""
     flow, start, times, _ = ninebar
-    integration = importlib.import_module("linkages.solvers.integrate")
     rejected = {}
     for memory in (0.0, METHODS["tsit5"].memory):
         method = replace(METHODS["tsit5"], memory=memory)

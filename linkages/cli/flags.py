@@ -39,7 +39,8 @@ def _flag(option: Option) -> Parameter:
     names = (f"--{option.name}",) if value is bool and default is False else ()
     sentence = _SENTENCE.split(option.text, maxsplit=1)[0].replace("`", "'")
     panel = OF_FILE if option.of_file else None
-    flag = typer.Option(*names, help=f"{sentence}.", rich_help_panel=panel, **how)
+    text = f"{sentence}." if sentence else None  # python -OO has no docstrings
+    flag = typer.Option(*names, help=text, rich_help_panel=panel, **how)
     kind = value | None if default is None else value
     return Parameter(
         option.name, Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, flag]

@@ -123,6 +123,7 @@ RANGES = {
     "bifurcation": {"vary": f"{DAMPING}=0.5:0.6:2"},
     "map": {"x": f"{DAMPING}=0.5:0.6:2", "y": f"{MASS}=1:1.1:2"},
 }
+RATE = {"section": "arm.speed=0"}
 FIXED = {"method": "rk4", "step": 0.05}
 RUN = {
     "method": ({"method": "tsit5"}, {"method": "vern9"}),
@@ -163,6 +164,74 @@ def test_every_question_is_integrated_as_it_is_asked(verb, name, pendulum):
     assert np.isfinite(first).all()
     assert first.shape == second.shape
     assert (first != second).any()
+
+
+OWN = {
+    "simulate": [({"end": 5.0}, {"end": 6.0}), ({"samples": 11}, {"samples": 12})],
+    "poincare": [
+        ({"periods": 3}, {"periods": 4}),
+        ({"skip": 0}, {"skip": 1}),
+        ({"phase": 0.0}, {"phase": 0.5}),
+        ({"section": "arm.speed=0"}, {"section": "arm.speed=0.1"}),
+        ({**RATE, "direction": "up"}, {**RATE, "direction": "down"}),
+        ({**RATE, "periods": 20, "end": 30.0}, {**RATE, "periods": 20, "end": 60.0}),
+        ({"skip": 9, "wrap": True}, {"skip": 9, "wrap": False}),
+    ],
+    "lyapunov": [
+        ({"periods": 20}, {"periods": 21}),
+        ({"skip": 0}, {"skip": 2}),
+        ({"count": 1}, {"count": 2}),
+        ({"interval": 3.0}, {"interval": 4.0}),
+    ],
+    "bifurcation": [
+        ({"periods": 2}, {"periods": 3}),
+        ({"skip": 0}, {"skip": 1}),
+        ({"phase": 0.0}, {"phase": 0.5}),
+        ({"section": "arm.speed=0"}, {"section": "arm.speed=0.1"}),
+        ({**RATE, "direction": "up"}, {**RATE, "direction": "down"}),
+        ({**RATE, "periods": 20, "end": 30.0}, {**RATE, "periods": 20, "end": 60.0}),
+        ({"skip": 9, "wrap": True}, {"skip": 9, "wrap": False}),
+        ({"start": "forward"}, {"start": "backward"}),
+        ({"exponent": False}, {"exponent": True}),
+    ],
+    "map": [
+        ({"indicator": "exponent"}, {"indicator": "fli"}),
+        ({"periods": 4}, {"periods": 5}),
+    ],
+}
+OWN_CASES = [(verb, *pair) for verb, pairs in OWN.items() for pair in pairs]
+
+
+def test_own_options_are_all_tried():
+    for verb, pairs in OWN.items():
+        changed = {
+            name for first, second in pairs for name in second if first[name] != second[name]
+        }
+        own = {option.name for option in options_in(QUESTIONS[verb][1])}
+        assert changed == own - set(RUN) - {"max_steps", "change_points"}
+
+
+@pytest.mark.parametrize(("verb", "first", "second"), OWN_CASES, ids=str)
+def test_own_options_change_what_is_found(verb, first, second, pendulum):
+    found = [numbers(answered(verb, pendulum, **options)) for options in (first, second)]
+    assert not np.array_equal(*found, equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("verb", "name", "along"), [("bifurcation", "bar_angle", "value"), ("map", "indicator", "x")]
+)
+def test_what_the_file_says_of_the_integration_can_be_varied(verb, name, along, pendulum):
+    """Options of a sweep are those of the definition at each value, unless they are given."""
+    vary = "simulate.rtol=1e-8:1e-3:2"
+    ranges = {"vary": vary} if verb == "bifurcation" else {"x": vary, "y": f"{MASS}=1:1.1:2"}
+    varied, given = (
+        QUESTIONS[verb][0](pendulum, **ranges, **LENGTHS[verb], **options)[name]
+        for options in ({}, {"rtol": 1e-8})
+    )
+    at = {along: 0}, {along: 1}
+    assert np.array_equal(varied.isel(at[0]), given.isel(at[0]))
+    assert np.array_equal(given.isel(at[1]), given.isel(at[0]))
+    assert (varied.isel(at[1]) != given.isel(at[0])).any()
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -25,7 +25,7 @@ from linkages.solution.assumptions import assumptions
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Settings
+from linkages.solution.motion import Motion, Settings
 from linkages.solution.solution import Solution, labelled
 
 if TYPE_CHECKING:
@@ -168,10 +168,15 @@ def labelled_section(system: System, section: Section, evidence: Evidence) -> xr
     return labelled_states(system, values, "crossing", {"time": time}, section.attributes)
 
 
+def kept(tangents: LinkageTangents, periods: int) -> Motion:
+    """The motion of a stretch at `PER_PERIOD` times in a period."""
+    motion = tangents.motion
+    return motion.part(each=(len(motion.time) - 1) // (periods * PER_PERIOD))
+
+
 def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Solution:
     """The motion of a stretch that was kept: free coordinates and clearance forces over time."""
-    system, motion = tangents.system, tangents.motion
-    motion = motion.part(each=(len(motion.time) - 1) // (periods * PER_PERIOD))
+    system, motion = tangents.system, kept(tangents, periods)
     outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")

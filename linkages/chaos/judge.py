@@ -90,7 +90,7 @@ class Judgement(Generic[T]):
         The system where that begins, and where it ends.
     skipped, how_skipped
         Periods before it, and why so many.
-    again, verdict_again
+    again, end_again, verdict_again
         The same from the same state on with a smaller error.
     """
 
@@ -102,6 +102,7 @@ class Judgement(Generic[T]):
     skipped: int
     how_skipped: str
     again: Evidence
+    end_again: T
     verdict_again: str
 
 
@@ -136,7 +137,7 @@ def judge(
     start, end, skipped, how, evidence = _after_transient(system, course, watches[0])
     keep(evidence, end)
     verdict, reasons = judged(evidence, dissipative=course.dissipative)
-    again, _ = _observed(tighter(start), course, watches[1], tight=True)
+    again, end_again = _observed(tighter(start), course, watches[1], tight=True)
     verdict_again, _ = judged(again, dissipative=course.dissipative)
     return Judgement(
         verdict=verdict,
@@ -147,6 +148,7 @@ def judge(
         skipped=skipped,
         how_skipped=how,
         again=again,
+        end_again=end_again,
         verdict_again=verdict_again,
     )
 

@@ -28,6 +28,7 @@ from linkages.options.exponents import VerdictKeywords, VerdictOptions
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
 from linkages.options.signature import takes
+from linkages.solution.horizon import horizon_between
 from linkages.solution.options import options_of
 from linkages.solution.solution import Solution
 from linkages.solvers.integration import LEAST_RTOL
@@ -139,6 +140,10 @@ def _report(
         keep=keep,
     )
     (solution,) = solutions
+    horizon = None
+    if _smaller(tight, options):
+        again = gathering.kept(found.end_again, periods)
+        horizon = horizon_between(system, options, solution.motion, again)
     contact = contact_of(solution.data)
     verdict, reasons = certified(
         *_confirmed(found, options, tight), found.evidence.exponents.certificate
@@ -165,7 +170,7 @@ def _report(
         dimension=gathering.dimension_of(judged),
         period=judged.period,
         curves=judged.curves,
-        horizon=solution.horizon,
+        horizon=horizon,
         contact=contact,
         tighter={
             "how": _how(tight),
@@ -197,7 +202,7 @@ def _confirmed(
 ) -> tuple[str, list[str]]:
     """The verdict if the run with a smaller error gives the same, and the reasons."""
     reasons = list(found.reasons)
-    if (tight.rtol, tight.step) == (run.rtol, run.step):
+    if not _smaller(tight, run):
         return "undecided", [
             *reasons, "No smaller error can be asked for, so nothing confirms this."
         ]  # fmt: skip
@@ -216,6 +221,11 @@ def tightened(run: RunOptions) -> RunOptions:
         atol = None if run.atol is None else TIGHTER * run.atol
         return replace(run, rtol=max(TIGHTER * run.rtol, LEAST_RTOL), atol=atol)
     return replace(run, step=run.step * TIGHTER ** (1 / METHODS[run.method].order))
+
+
+def _smaller(tight: RunOptions, run: RunOptions) -> bool:
+    """Whether errors are smaller with one than with the other."""
+    return (tight.rtol, tight.step) != (run.rtol, run.step)
 
 
 def _how(run: RunOptions) -> str:

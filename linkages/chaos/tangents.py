@@ -80,10 +80,10 @@ class LinkageTangents:
         return found
 
     def starting(self, run: RunOptions) -> LinkageTangents:
-        """Another one in the same state, integrated in another way, which keeps nothing."""
+        """Another one in the same state, integrated in another way."""
         found = copy.copy(self)
         found._march = self._march.starting(run)
-        found.parts, found._log, found._kept = 0, None, []
+        found._log = None
         return found
 
     @property

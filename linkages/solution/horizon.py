@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.solution.free_coordinates import free_vectors
 from linkages.solution.motion import Motion, Settings, compute_motion
 from linkages.solvers.integration import LEAST_RTOL
@@ -71,10 +72,25 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
     other = compute_motion(system, tighter)
     if other.interrupted:
         raise KeyboardInterrupt
+    return horizon_between(system, settings.run, motion, other)
+
+
+def horizon_between(system: System, run: RunOptions, motion: Motion, other: Motion) -> Horizon:
+    """Until when a motion is like another one with smaller errors.
+
+    Parameters
+    ----------
+    system
+        Whose free coordinates are compared.
+    run
+        How the first one was integrated.
+    motion, other
+        At the same times, as far as both go.
+    """
     count = min(len(motion.time), len(other.time))
     if count < 2:  # the comparison run went elsewhere at once
         return Horizon(time=float(motion.time[0]), whole=False, error=math.inf)
-    differences = _relative(system, settings, motion, other, count)
+    differences = _relative(system, run, motion, other, count)
     wrong = differences > WRONG
     first = int(np.argmax(wrong)) if wrong.any() else count
     last = max(0, first - 1)
@@ -99,7 +115,7 @@ def _tighter(settings: Settings, motion: Motion) -> Settings | None:
 
 
 def _relative(
-    system: System, settings: Settings, motion: Motion, other: Motion, count: int
+    system: System, run: RunOptions, motion: Motion, other: Motion, count: int
 ) -> NDArray[np.float64]:
     """Largest difference at each sample in units of the amplitudes, shape (count,).
 
@@ -112,6 +128,6 @@ def _relative(
     for row, name in enumerate(system.topology.free):
         if system.mechanism.bodies[name].rotates:
             amplitude[row] = min(amplitude[row], np.pi)
-    within = settings.run.rtol if settings.run.atol is None else settings.run.atol
+    within = run.rtol if run.atol is None else run.atol
     scale = np.maximum(amplitude, ADDED_UP * within / WRONG)[:, None]
     return (np.abs(own - better) / scale).max(axis=0)

@@ -157,6 +157,7 @@ LAWS = {
     "drag": {"slider": "bead", "law": "-2*v*sqrt(v**2 + 0.01)"},
     "wall": {"joint": "T", "axis": 1, "law": "5*exp(-3*x) - 0.2*v"},
     "parametric": {"bars": ["rocker", "tail"], "law": "-(2 + sin(3*t))*(x - 0.3)"},
+    "cylinder": {"between": ["A", "T"], "law": "7.5*cos(7*t)"},
     "one-sided": {"slider": "bead", "law": "select(0.1 - x, 400*(0.1 - x), 0)"},
 }
 
@@ -193,6 +194,7 @@ def test_absolute_formulation_agrees():
         ("drag", True, (), False),
         ("wall", True, (), False),
         ("parametric", False, ("tail", "rocker"), False),
+        ("cylinder", False, (), False),
         ("one-sided", False, (), False),
     ],
 )
@@ -223,6 +225,7 @@ def test_reports_and_drawings_leave_none_out():
         ("damper", "bead in its guide", "a law of v"),
         ("spring", "y of joint T", "damping 0.2 N s/m, a law of x"),
         ("torsional spring", "tail against rocker", "a law of x and t"),
+        ("force", "joints A and T", "-7.5 to 7.5 N until t = 1 s"),
         ("spring", "bead in its guide", "a law of x"),
     ]
     data = linkages.simulate(mechanism, end=0.1, samples=3).data

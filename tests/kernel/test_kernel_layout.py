@@ -1,0 +1,52 @@
+"""Places in integrated vectors, against vectors whose entries say what they are."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from linkages.kernel.layout import Layout
+
+CASES = [
+    pytest.param(Layout(("a", "b"), carried, (), work, tangents), id=f"{carried}-{work}-{tangents}")
+    for carried, work, tangents in product([(), ("c",), ("c", "d")], [False, True], [0, 1, 4])
+]
+
+
+def named(layout):
+    """The entries of an integrated vector as the docstring of `Layout` lists them."""
+    tangents = [f"{k}:{name}" for k in range(layout.tangents) for name in layout.free]
+    half = [*layout.free, *layout.carried, *(["work"] if layout.work else []), *tangents]
+    return np.array([(name, 0) for name in half] + [(name, 1) for name in half], dtype=object)
+
+
+@pytest.mark.parametrize("layout", CASES)
+def test_parts_of_a_vector_are_what_they_are_called(layout):
+    vector = named(layout)
+    assert len(vector) == 2 * layout.size
+    own = [(name, half) for half in (0, 1) for name in layout.coordinates]
+    assert [tuple(entry) for entry in layout.motion(vector)] == own
+    free = [(name, half) for half in (0, 1) for name in layout.free]
+    assert [tuple(entry) for entry in layout.free_motion(vector)] == free
+    for column, places in enumerate(layout.tangent_rows.T):
+        found = [tuple(entry) for entry in vector[places]]
+        assert found == [(f"{column}:{name}", half) for name, half in free]
+    carried = [(name, half) for half in (0, 1) for name in layout.carried]
+    assert [tuple(entry) for entry in layout.motion(vector)[layout.carried_rows]] == carried
+    if layout.work:
+        assert tuple(vector[layout.work_row]) == ("work", 1)
+    else:
+        assert layout.work_done(np.zeros(2 * layout.size)) is None
+
+
+@pytest.mark.parametrize("layout", CASES)
+def test_what_is_packed_comes_out_again(layout):
+    random = np.random.default_rng(3)
+    motion = random.normal(size=2 * len(layout.coordinates))
+    tangents = random.normal(size=(2 * len(layout.free), layout.tangents))
+    vector = layout.packed(motion, 2.5, tangents)
+    assert (layout.motion(vector) == motion).all()
+    assert (vector[layout.tangent_rows] == tangents).all()
+    assert not layout.work or layout.work_done(vector) == 2.5
+    columns = layout.motion(np.stack([vector, 2 * vector], axis=1))
+    assert (columns == np.stack([motion, 2 * motion], axis=1)).all()

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import reachable
 
 SCIPY_LEAST_RTOL = 2.3e-14
@@ -95,7 +94,7 @@ def _expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[An
     """
     model = problem.system.model
     roots = model.free_accelerations
-    numbers = parameter_values(model, problem.system.assembly)
+    numbers = problem.system.parameters
     inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
     inputs["y"] = variables.__getitem__
     operations: dict[str, Callable[..., Any]] = {

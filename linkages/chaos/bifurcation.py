@@ -21,8 +21,8 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
 from linkages.solution.arguments import whole_number
-from linkages.solution.flows import Flows
 from linkages.solution.motion import Settings
+from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +75,9 @@ class _Request:
                 points[0],
                 (InputError, NoPeriodError),
             )
-        Flows(system).flow()  # compiled here, once, and not by every thread that waits for it
+        Plan.of(system).bind(
+            system
+        )  # compiled here, once, and not by every thread that waits for it
         return system
 
     def compute(self, point: Point) -> Value:

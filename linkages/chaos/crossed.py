@@ -12,8 +12,8 @@ from linkages.chaos.stops import stop_text
 from linkages.chaos.surface import Surface
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.flows import Flows, watched
 from linkages.solution.motion import Motion, Piece, Settings
+from linkages.solution.plan import Plan, watched
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
@@ -47,7 +47,7 @@ def crossed(
     end: float,
 ) -> Met:
     """Integrate until enough crossings are found."""
-    flow, function = Flows(system).flow(), watched(system, surface.nodes)
+    flow, function = Plan.of(system).bind(system), watched(system, surface.nodes)
     wanted = points + skip
     capacity = wanted
     interval = check_interval(system, end)

@@ -31,8 +31,8 @@ from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.solution.arguments import whole_number
-from linkages.solution.flows import Flows
 from linkages.solution.motion import Settings
+from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -228,7 +228,7 @@ def chaos_map(
     points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
     first = first_possible(request.system, points)  # what is wrong everywhere shows here
     require_free(first)
-    Flows(first, tangents=request.tangents).flow()  # compiled here, once
+    Plan.of(first, tangents=request.tangents).bind(first)  # compiled here, once
     swept = sweep(request.compute, points, executor=executor, watch=watch)
     shape = len(request.y), len(request.x)
     varied_along = {

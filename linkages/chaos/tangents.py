@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,7 @@ from linkages.chaos.contact_log import ContactLog
 from linkages.chaos.stops import stop_text
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
-from linkages.solution.flows import Flows
+from linkages.solution.plan import Plan
 from linkages.solvers.integrate import MAX_STEPS, integrate
 from linkages.solvers.outcome import Outcome
 
@@ -61,7 +59,7 @@ class LinkageTangents:
         self.time = system.time
         self._count = len(system.topology.free)
         self._columns = tangents
-        self._flow = Flows(system, tangents=tangents).flow()
+        self._flow = Plan.of(system, tangents=tangents).bind(system)
         self._method, self._rtol, self._step = method, rtol, step
         self._total = self._flow.coordinates
         self._tangent_rows = self._rows()
@@ -109,9 +107,7 @@ class LinkageTangents:
     @property
     def here(self) -> System:
         """The system, where the motion is now."""
-        found = copy.copy(self.system)
-        found.state, found.time = self._plain(self._vector).copy(), self.time
-        return found
+        return self.system.at(self.time, self._plain(self._vector))
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""

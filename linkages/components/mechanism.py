@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from linkages.components.clearance import Clearance
 from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.friction import resolved
+from linkages.components.kept import depends, keeping
 from linkages.components.listed import numbered
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
@@ -35,6 +36,7 @@ from linkages.components.torsional_damper import ClearanceDamper
 from linkages.components.written import document_of
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
+from linkages.reading.paths import split
 
 Place = tuple[Parameter, Parameter]
 
@@ -56,6 +58,8 @@ class Mechanism:
         The definition file that it was read from, if there is one; `definition` is what it is now.
     defined
         What `document` defines.
+    sensitive
+        Paths of numbers that are no structure, whatever their value; see `keeping`.
 
     Raises
     ------
@@ -68,6 +72,7 @@ class Mechanism:
     source: str = "mechanism"
     document: Document | None = field(default=None, repr=False, compare=False)
     defined: tuple[Component, ...] = field(default=(), repr=False, compare=False)
+    sensitive: tuple[Path, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
@@ -97,7 +102,15 @@ class Mechanism:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """What all components contribute, in their order."""
-        return tuple(term for component in self.components for term in component.terms())
+        return tuple(term for component in self.components for term in self.terms_of(component))
+
+    def terms_of(self, component: Component) -> tuple[Term, ...]:
+        """What one component contributes."""
+        terms = component.terms()
+        for asked in self.sensitive:
+            where = (asked, component.path, self.definition)
+            terms = keeping(terms, partial(depends, *where))
+        return terms
 
     @cached_property
     def ground(self) -> dict[str, tuple[Parameter, Parameter]]:
@@ -196,6 +209,18 @@ class Mechanism:
         """How its author wants it to be simulated."""
         own = (c for c in self.components if isinstance(c, SimulationDefaults))
         return next(own, SimulationDefaults())
+
+    def keeping(self, paths: Iterable[str]) -> Mechanism:
+        """The same mechanism for which some numbers stay arguments of kernels.
+
+        Parameters
+        ----------
+        paths
+            Dotted paths of the definition. A zero, a right angle or a ratio of one there, or in
+            what follows from it, is no structure then.
+        """
+        asked = tuple(split(path) or (path,) for path in paths)
+        return replace(self, sensitive=tuple(dict.fromkeys((*self.sensitive, *asked))))
 
     def with_component(self, component: Component) -> Mechanism:
         """The same mechanism with one more component."""

@@ -66,21 +66,25 @@ class Evaluator:
         values: dict[int, Any] = {}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             for node in self._nodes:
-                if node.operation == "constant":
-                    values[node.index] = node.arguments[0]
-                elif node.operation == "input":
-                    name, index = node.arguments
-                    values[node.index] = inputs[name][index]
-                elif node.operation in SEVERAL:
-                    values[node.index] = _several(node, values, inputs)
-                elif node.operation == "item":
-                    several, index = node.arguments
-                    values[node.index] = values[several.index][index]
-                else:
-                    values[node.index] = apply(node, values)
+                values[node.index] = evaluate(node, values, inputs)
                 for index in self._drop.get(node.index, ()):
                     del values[index]
         return [np.asarray(values[root.index], dtype=float) for root in self._roots]
+
+
+def evaluate(node: Scalar, values: dict[int, Any], inputs: dict[str, Any]) -> Any:
+    """The value of a node, given those of its operands and the arguments of the kernel."""
+    if node.operation == "constant":
+        return node.arguments[0]
+    if node.operation == "input":
+        name, index = node.arguments
+        return inputs[name][index]
+    if node.operation in SEVERAL:
+        return _several(node, values, inputs)
+    if node.operation == "item":
+        several, index = node.arguments
+        return values[several.index][index]
+    return apply(node, values)
 
 
 def apply(node: Scalar, values: dict[int, Any]) -> Any:

@@ -126,6 +126,7 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     moments = [node for node in nodes if node.level == Level.TIME]
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(model.inputs.parameters)
+    used = {n.arguments for n in nodes if n.operation == "input"}
     writer = _Writer(model, by_level, {i: 1 + r.block for i, r in checks.items()}, count)
     known = {node.index: f"p[{count + k}]" for k, node in enumerate(derived)}
     clocked = {node.index: f"timed[{k}]" for k, node in enumerate(timed)}
@@ -134,7 +135,9 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
         _HEADER.format(
             version=GENERATOR_VERSION,
             parameters="\n".join(
-                f"    p[{index}] {text}" for index, text in enumerate(model.inputs.describe())
+                f"    p[{index}] {text}"
+                for index, text in enumerate(model.inputs.describe())
+                if ("p", index) in used
             ),
             coordinates=model.inputs.coordinates,
             written=written,

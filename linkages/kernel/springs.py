@@ -104,9 +104,7 @@ class SpringNodes(_Elastic, Pull):
     @property
     def _apart(self) -> Scalar:
         """Negative where round-off alone keeps its ends apart."""
-        mechanism = self.model.mechanism
-        index = mechanism.loads.index(self.load)
-        nearest = self.model.inputs.nearest(index, ROUND_OFF * extent(mechanism))
+        nearest = self.model.inputs.nearest
         return self._between.square - nearest * nearest
 
     @property

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
 from linkages.solution.determined import is_determined
-from linkages.solution.flows import Flows
 from linkages.solution.motion import (
     STOPS_THERE,
     Motion,
@@ -24,6 +23,7 @@ from linkages.solution.motion import (
     passed_text,
 )
 from linkages.solution.passage import Crossing, Passage
+from linkages.solution.plan import Plan
 from linkages.solution.switching import better_system, movable
 from linkages.solution.undefined import loads_at_stop
 from linkages.solvers.integrate import integrate
@@ -68,7 +68,7 @@ class _Run:
         `angles` are those of its bodies with all the turns that they have made, if any.
         """
         self._system = system
-        self._flows = Flows(system, self._settings.work, counting=self._counting)
+        self._plan = Plan.of(system, work=self._settings.work, counting=self._counting)
         self._flipped: tuple[int, ...] = ()
         self._time = system.time
         self._state = self._extended(system.state)
@@ -115,7 +115,7 @@ class _Run:
         model = self._system.model
         nodes = [*model.margins, *model.margin_rates]
         values = self._system.evaluate(nodes, self._time, state, flipped=flipped)[:, 0]
-        relative = np.abs(values[:blocks]) / self._flows.margin_scale
+        relative = np.abs(values[:blocks]) / self._system.margin_scale
         with np.errstate(invalid="ignore"):  # in a change point rates are infinite
             growing = values[:blocks] * values[blocks:] * self._direction > 0
         if stopped is not None:
@@ -148,7 +148,7 @@ class _Run:
         """Integrate until something happens, and keep the samples."""
         settings = self._settings
         trajectory = integrate(
-            self._flows.flow(self._flipped, self._least),
+            self._plan.bind(self._system, self._flipped, self._least),
             self._state,
             settings.times[self._taken :],
             start=self._time,
@@ -225,7 +225,7 @@ class _Run:
 
     def _pass_through(self) -> bool:
         """Step across the change point ahead, if it is one."""
-        crossing = Crossing(self._flows.flow(self._flipped), self._direction)
+        crossing = Crossing(self._plan.bind(self._system, self._flipped), self._direction)
         ahead = crossing.ahead(self._time, self._state)
         if ahead is None:
             return False
@@ -234,7 +234,7 @@ class _Run:
         if not all(("side", block) in self._system.model.inputs.parameters for block in blocks):
             return False
         passage = crossing.across(
-            self._flows.flow(beyond),
+            self._plan.bind(self._system, beyond),
             self._time,
             self._state,
             left,

@@ -20,6 +20,7 @@ from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possib
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Settings
 from linkages.solution.plan import Plan
@@ -44,7 +45,7 @@ Point = tuple[int, Mapping[str, object], End | None]
 class _Request:
     """What is computed at every value."""
 
-    mechanism: Mechanism
+    varying: Varying
     axis: Axis
     section: Mapping[str, Any]
     start: str
@@ -52,11 +53,14 @@ class _Request:
     max_steps: int | None
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
-        return self.mechanism.with_values({**self.axis.at(index), **overrides})
+        return self.varying.mechanism_at({**self.axis.at(index), **overrides})
 
     def system(self, point: Point) -> System:
-        """The mechanism at a value, assembled."""
-        return System(self.at(*point[:2]))
+        """The mechanism at a value, assembled; where another motion ended, if it goes on there."""
+        index, overrides, before = point
+        if before is not None:
+            return before.system(self.at(index, overrides))
+        return self.varying.at({**self.axis.at(index), **overrides})
 
     def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
         """The system at the first value that has one; what is wrong everywhere shows here."""
@@ -87,7 +91,7 @@ class _Request:
         settings = self._settings(mechanism, self.section["periods"] + self.section["skip"])
         continued = self.start != "same"
         if self.section["section"] is None:
-            system = System(mechanism) if before is None else before.system(mechanism)
+            system = self.system(point)
             taken = {key: self.section[key] for key in ("periods", "skip", "phase")}
             ends = self.exponent, continued
             visited = stroboscopic_points(system, settings, **taken, ends=ends)
@@ -105,11 +109,12 @@ class _Request:
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
-        settings = self._settings(self.mechanism, self.section["periods"] + self.section["skip"])
+        mechanism = self.varying.mechanism
+        settings = self._settings(mechanism, self.section["periods"] + self.section["skip"])
         taken = {key: "" if found is None else found for key, found in self.section.items()}
         return {
-            "name": self.mechanism.name,
-            "source": self.mechanism.source,
+            "name": mechanism.name,
+            "source": mechanism.source,
             "varied": self.axis.label,
             "start": self.start,
             **taken,
@@ -207,7 +212,7 @@ def bifurcation(
     max_steps = None if max_steps is None else whole_number("max_steps", max_steps)
     taken = {"periods": periods, "skip": skip, "phase": phase, "section": section,
              "direction": direction, "method": method, "rtol": rtol}  # fmt: skip
-    request = _Request(mechanism, values, taken, start, exponent, max_steps)
+    request = _Request(Varying(mechanism), values, taken, start, exponent, max_steps)
     system = request.checked(initial)
     compute = _independent if start == "same" else _continued
     found, interrupted = compute(request, initial, executor, watch)

@@ -29,6 +29,7 @@ from linkages.chaos.varied import (
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Settings
 from linkages.solution.plan import Plan
@@ -48,7 +49,7 @@ ONE_SENSE = 0.9
 
 @dataclass(frozen=True)
 class _Request:
-    mechanism: Mechanism
+    varying: Varying
     x: Axis
     y: Axis
     indicator: str
@@ -57,26 +58,21 @@ class _Request:
     rtol: float | None
     max_steps: int | None
 
-    def at(self, point: tuple[int, int]) -> Mechanism:
-        """The mechanism at a column and a row."""
+    def system(self, point: tuple[int, int]) -> System:
+        """The mechanism at a column and a row, assembled."""
         column, row = point
-        return self.mechanism.with_values({**self.x.at(column), **self.y.at(row)})
+        return self.varying.at({**self.x.at(column), **self.y.at(row)})
 
     @property
     def tangents(self) -> int:
         """How many tangents the indicator needs."""
         return 2 if self.indicator == "gali" else 1
 
-    def system(self, point: tuple[int, int]) -> System:
-        """The same, assembled."""
-        return System(self.at(point))
-
     def compute(self, point: tuple[int, int]) -> MapPoint:
         """The indicator, what every free angle does, and forces in clearances."""
-        mechanism = self.at(point)
-        settings = self.settings(mechanism)
+        system = self.system(point)
+        settings = self.settings(system.mechanism)
         count = self.tangents
-        system = System(mechanism)
         looked = check_interval(system)
         log = None if looked is None else ContactLog(system, looked)
         tangents = _Followed(
@@ -90,7 +86,7 @@ class _Request:
             log=log,
         )
         intervals = self.periods * PARTS
-        interval = characteristic_period(mechanism) / PARTS
+        interval = characteristic_period(system.mechanism) / PARTS
         error, told = math.nan, 0
         if self.indicator == "exponent":
             exponents = lyapunov_spectrum(tangents, intervals=intervals, interval=interval, count=1)
@@ -105,10 +101,11 @@ class _Request:
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
-        settings = self.settings(self.mechanism)
+        mechanism = self.varying.mechanism
+        settings = self.settings(mechanism)
         return {
-            "name": self.mechanism.name,
-            "source": self.mechanism.source,
+            "name": mechanism.name,
+            "source": mechanism.source,
             "kind": self.indicator,
             "x": self.x.label,
             "y": self.y.label,
@@ -222,7 +219,7 @@ def chaos_map(
     if periods < 4:
         raise ValueError(f"a map needs at least 4 periods, found {periods}")
     axes = axis_of(x), axis_of(y)
-    request = _Request(mechanism, *axes, indicator, periods, method, rtol, max_steps)
+    request = _Request(Varying(mechanism), *axes, indicator, periods, method, rtol, max_steps)
     require_different(axes)
     points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
     first = first_possible(request.system, points)  # what is wrong everywhere shows here

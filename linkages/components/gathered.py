@@ -51,6 +51,24 @@ def read_components(document: Document) -> tuple[Document, tuple[Component, ...]
     return document, tuple(gathered.components)
 
 
+def read_section(document: Document, key: str) -> tuple[Component, ...]:
+    """The components of one section, for themselves: whether they fit others is not looked at.
+
+    Raises
+    ------
+    InputError
+        With every problem of the section.
+    """
+    document, faulty_tables = with_tables(document)
+    gathered = _Gathered(document, problems=faulty_tables)
+    gathered.section(key, SECTIONS[key])
+    found = [problem for component in gathered.components for problem in component.problems()]
+    gathered.problems += [document.problem(path, message) for path, message in found]
+    if gathered.problems:
+        raise InputError(document.source, gathered.problems)
+    return tuple(gathered.components)
+
+
 @dataclass
 class _Gathered:
     """Components and problems found so far, and the names that faulty entries declare."""

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import chain
 from pathlib import Path as FilePath
 
 from linkages.components.clearance import Clearance
@@ -147,7 +148,12 @@ class Mechanism:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """What all components contribute, in their order."""
-        return tuple(term for component in self.components for term in self.terms_of(component))
+        return tuple(chain.from_iterable(self.term_groups))
+
+    @cached_property
+    def term_groups(self) -> tuple[tuple[Term, ...], ...]:
+        """The same for each component."""
+        return tuple(self.terms_of(component) for component in self.components)
 
     def terms_of(self, component: Component) -> tuple[Term, ...]:
         """What one component contributes."""
@@ -296,6 +302,23 @@ class Mechanism:
         return replace(
             self, components=components, defined=components, name=name, document=document
         )
+
+    def exchanging(self, others: Mapping[int, tuple[Component, tuple[Term, ...]]]) -> Mechanism:
+        """The same mechanism with other numbers in some components.
+
+        Parameters
+        ----------
+        others
+            Place among `components` → one that differs from it in numbers only, so that all fit
+            together as before; and its terms.
+        """
+        found = object.__new__(type(self))
+        components, groups = list(self.components), list(self.term_groups)
+        for place, (component, terms) in others.items():
+            components[place], groups[place] = component, terms
+        vars(found).update({name: getattr(self, name) for name in self.__dataclass_fields__})
+        vars(found).update(components=tuple(components), term_groups=tuple(groups))
+        return found
 
     def with_component(self, component: Component) -> Mechanism:
         """The same mechanism with one more component."""

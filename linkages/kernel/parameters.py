@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from linkages.components.functions import Table
 from linkages.components.interpolation import polynomials
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Guide, Parameter, Path, Relation
+from linkages.components.terms import Guide, Parameter, Path, Relation, Spring
 from linkages.kernel.springs import ROUND_OFF, extent
 from linkages.topology.orientation import is_unit
 from linkages.topology.topology import Topology
@@ -51,12 +51,9 @@ def structure_key(item: object) -> Hashable:
             return tuple(map(structure_key, item))
         case Mapping():
             return tuple((name, structure_key(value)) for name, value in item.items())
-        case _ if is_dataclass(item):
-            own = (structure_key(getattr(item, field.name)) for field in fields(item))
-            return (type(item).__name__, *own)
         case str() | int() | None:
             return item
-    raise TypeError(f"a term holds {item!r}; expected texts, numbers, parameters and their like")
+    return (type(item).__name__, *map(structure_key, _parts(item)))
 
 
 def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
@@ -74,9 +71,16 @@ def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
         case Mapping():
             for part in item.values():
                 yield from numbers_in(part)
-        case _ if is_dataclass(item):
-            for field in fields(item):
-                yield from numbers_in(getattr(item, field.name))
+        case str() | float() | int() | None:
+            return
+        case _:
+            for part in _parts(item):
+                yield from numbers_in(part)
+
+
+def _parts(item: Any) -> Iterator[object]:
+    """What the fields of a dataclass hold."""
+    return (getattr(item, name) for name in item.__dataclass_fields__)
 
 
 def table_numbers(table: Table) -> list[float]:
@@ -102,9 +106,14 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.loads,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
-    if mechanism.loads:
-        found[NEAREST] = ROUND_OFF * extent(mechanism)
+    if any(isinstance(load, Spring) for load in mechanism.loads):
+        found[NEAREST] = nearest_distance(mechanism)
     return found
+
+
+def nearest_distance(mechanism: Mechanism) -> float:
+    """Distance of two joints in metres that round-off may cause."""
+    return ROUND_OFF * extent(mechanism)
 
 
 def chosen_paths(topology: Topology) -> list[Path]:

@@ -163,13 +163,12 @@ class Settling:
 
     def assembly(self, settled: Settled, index: int) -> Assembly:
         """The way in which one set of numbers is assembled."""
-        found: dict[str, dict[int, float]] = {"side": {}, "turns": {}}
-        for path, place in self._places.items():
-            if path[0] in found and len(path) == 2:
-                found[path[0]][int(path[1])] = float(settled.parameters[place, index])
-        sides = {block.index: 1 for block, *_ in self._blocks}
-        sides |= {block: int(side) for block, side in found["side"].items()}
-        turned = {load: found["turns"][load] for load in self._turning}
+        column = settled.parameters[:, index]
+        sides = {
+            block.index: 1 if radicand is None else int(column[self._places["side", block.index]])
+            for block, radicand, *_ in self._blocks
+        }
+        turned = {load: float(column[self._places["turns", load]]) for load in self._turning}
         return Assembly(sides, {}, turned, settled.assumed)
 
     @cached_property

@@ -96,7 +96,8 @@ def structure_of(mechanism: Mechanism, whole: bool = False) -> Structure:
 
 def topology_of(topology: Topology, mechanism: Mechanism) -> Topology:
     """The same topology for another mechanism of the structure."""
-    return replace(topology, mechanism=mechanism, slaves=slaves(mechanism))
+    followers = slaves(mechanism) if topology.slaves else {}
+    return replace(topology, mechanism=mechanism, slaves=followers)
 
 
 def block_sizes(topology: Topology, mechanism: Mechanism) -> tuple[float, ...]:

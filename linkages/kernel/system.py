@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -100,13 +100,41 @@ class System:
         """Sizes of the margins of all blocks, shape (blocks,)."""
         return self.evaluate(self.model.margin_scales)[:, 0]
 
-    def at(self, time: float, state: Floats) -> System:
-        """The same at another time and in another state, which need not be assembled again."""
-        return self._with(time=time, state=state)
+    def at(self, time: float, state: Floats, flipped: Collection[int] = ()) -> System:
+        """The same at another time and in another state, with some blocks in their other mode."""
+        sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
+        return self._with(time=time, state=state, assembly=replace(self.assembly, sides=sides))
 
     def turned(self, state: Floats, turns: Mapping[int, float]) -> System:
         """The same with other whole turns: in the state, and of torsional springs."""
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
+
+    def bound(
+        self,
+        mechanism: Mechanism,
+        numbers: Floats,
+        assembly: Assembly,
+        state: Floats,
+        margin_scale: Floats,
+    ) -> System:
+        """The system of another mechanism of this structure, whose assembly is known.
+
+        Parameters
+        ----------
+        mechanism, numbers
+            The mechanism, and its parameters for any way of assembly, shape (p,).
+        assembly, state, margin_scale
+            As a system of its own would have them.
+        """
+        return self._with(
+            mechanism=mechanism,
+            topology=topology_of(self.structure.topology, mechanism),
+            numbers=numbers,
+            assembly=assembly,
+            state=state,
+            margin_scale=margin_scale,
+            _place=Place(self.model, mechanism, numbers, self.time, state),
+        )
 
     def _with(self, **changed: object) -> System:
         found = copy.copy(self)

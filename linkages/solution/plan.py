@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -20,6 +20,7 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.structure import MOST_STRUCTURES, Remembered
 from linkages.kernel.system import System
 from linkages.kernel.variations import variations
+from linkages.kernel.varying import Varying
 from linkages.solvers.flow import Companion, Flow
 from linkages.topology.topology import Topology
 
@@ -94,7 +95,7 @@ class Plan:
         The printed kernel.
     """
 
-    key: Hashable = field(repr=False)
+    key: tuple[Hashable, ...] = field(repr=False)
     layout: Layout
     rotates: tuple[bool, ...]
     program: Printed = field(compare=False, repr=False)
@@ -158,6 +159,38 @@ class Plan:
         """
         return definition_vector(mechanism, self.layout.parameters)
 
+    def numbers_along(self, mechanism: Mechanism, values: Mapping[str, Sequence[object]]) -> Floats:
+        """Parameters of a mechanism with other values, assembled, shape (lanes, p).
+
+        Parameters
+        ----------
+        mechanism
+            What is varied.
+        values
+            Dotted paths → equally many values, as `Mechanism.with_values` takes them.
+
+        Raises
+        ------
+        InputError
+            If a path names nothing, a value cannot be used or a mechanism not be assembled.
+        ValueError
+            If values change the structure: these need plans of their own.
+        """
+        points = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+        along = Varying(mechanism).along(points)
+        found = np.empty((len(points), len(self.layout.parameters)))
+        for index, row in enumerate(found):
+            system = along.system(index)
+            self._require(system)
+            row[:] = system.parameters
+        return found
+
+    def _require(self, system: System) -> None:
+        key = system.structure.key
+        if key is not self.key[0] and key != self.key[0]:
+            name = system.mechanism.name
+            raise ValueError(f"{name} has another structure than this plan; expected a plan of it")
+
     def bind(
         self,
         system: System,
@@ -174,7 +207,13 @@ class Plan:
             Blocks that are in the other mode.
         least_margin
             Relative margins below which an integration stops, shape (blocks,).
+
+        Raises
+        ------
+        ValueError
+            If the system has another structure.
         """
+        self._require(system)
         parameters = _flipped(system, flipped)
         kernel = bind_kernel(self.program, parameters)
         layout = self.layout

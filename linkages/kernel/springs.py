@@ -199,7 +199,8 @@ class TorsionSpringNodes(Turning, _Elastic):
     @property
     def elongation(self) -> Scalar:
         """Without the whole turns that are taken away at t = 0."""
-        turns = self.model.inputs.turns(self.model.mechanism.loads.index(self.load))
+        paths = [load.path for load in self.model.mechanism.loads]
+        turns = self.model.inputs.turns(paths.index(self.load.path))
         return self.difference - self.model.inputs.parameter(self.load.angle) - turns
 
 

@@ -47,7 +47,7 @@ def crossed(
     end: float,
 ) -> Met:
     """Integrate until enough crossings are found."""
-    flow, function = Plan.of(system).bind(system), watched(system, surface.nodes)
+    flow, function = Plan.of(system).bind(system), watched(system, surface.nodes, surface.key)
     wanted = points + skip
     capacity = wanted
     interval = check_interval(system, end)

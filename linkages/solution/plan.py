@@ -71,7 +71,7 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
     accelerations = model.integrated_accelerations(model.free_accelerations)
     if layout.work:
         accelerations = [*accelerations, model.power]
-    accelerations = [*accelerations, *variations(model, layout.tangents)]
+    accelerations = [*accelerations, *variations(model, layout)]
     counted = tuple(model.counted) if layout.counted else ()
     return KernelSource(model, tuple(accelerations), counted)
 
@@ -252,7 +252,9 @@ _PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
 _FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
 
 
-def watched(system: System, function: Watched, flipped: Collection[int] = ()) -> Companion:
+def watched(
+    system: System, function: Watched, key: Hashable, flipped: Collection[int] = ()
+) -> Companion:
     """A function of position and velocity, compiled for an event in the flow of a system.
 
     Parameters
@@ -260,8 +262,9 @@ def watched(system: System, function: Watched, flipped: Collection[int] = ()) ->
     system
         A system with integrated coordinates.
     function
-        The model → the function and its rate, which may depend on accelerations. Equal functions
-        are printed once for a structure.
+        The model → the function and its rate, which may depend on accelerations.
+    key
+        Equal for equal functions, which are printed once for a structure.
     flipped
         Blocks that are in another mode than at the start.
     """
@@ -271,7 +274,7 @@ def watched(system: System, function: Watched, flipped: Collection[int] = ()) ->
         what = "a function of position and velocity, its rate"
         return Printed.of(write_functions_of(model, function(model), what))
 
-    program = _FURTHER.get((system.structure.key, function), made)
+    program = _FURTHER.get((system.structure.key, key), made)
     return _companion(bind_kernel(program, _flipped(system, flipped)))
 
 

@@ -17,13 +17,15 @@ from numpy.typing import NDArray
 from linkages.components.functions import Table
 from linkages.components.interpolation import polynomials
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Guide, Parameter, Path, Relation, Spring
-from linkages.kernel.springs import ROUND_OFF, extent
+from linkages.components.terms import Guide, Parameter, Path, Relation, Spring, TorsionSpring
 from linkages.topology.orientation import is_unit
 from linkages.topology.topology import Topology
 
 NEAREST: Path = ("nearest",)
 """Distance in metres below which two joints are apart by round-off only."""
+
+ROUND_OFF = 4e-15
+"""Distance of two joints, beside the size of the mechanism, that round-off may cause."""
 
 SIDED = ("RRR", "RRP", "RPR")
 """Blocks that can be assembled in two ways."""
@@ -112,15 +114,22 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
 
 
 def nearest_distance(mechanism: Mechanism) -> float:
-    """Distance of two joints in metres that round-off may cause."""
-    return ROUND_OFF * extent(mechanism)
+    """Distance of two joints in metres that round-off may cause.
+
+    Beside a length that all places have in common: the farthest point of every body, summed up.
+    """
+    places = [*mechanism.attachments.values(), mechanism.anchors]
+    farthest = (
+        max((abs(n.value) for p in some.values() for n in p), default=0.0) for some in places
+    )
+    return ROUND_OFF * sum(farthest)
 
 
 def chosen_paths(topology: Topology) -> list[Path]:
     """Parameters that the way of assembly gives: sides of blocks, whole turns of loads."""
     loads = enumerate(topology.mechanism.loads)
     sides = [("side", b.index) for b in topology.solved_blocks if b.kind in SIDED]
-    return [*sides, *(("turns", index) for index, load in loads if load.turned)]
+    return [*sides, *(("turns", i) for i, load in loads if isinstance(load, TorsionSpring))]
 
 
 def definition_vector(mechanism: Mechanism, paths: Iterable[Path]) -> NDArray[np.float64]:

@@ -11,11 +11,7 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 
 if TYPE_CHECKING:
-    from linkages.components.mechanism import Mechanism
     from linkages.kernel.model import Model
-
-ROUND_OFF = 4e-15
-"""Distance of two joints, beside the size of the mechanism, that round-off may cause."""
 
 
 class _Elastic(Conjugate):
@@ -202,12 +198,3 @@ class TorsionSpringNodes(Turning, _Elastic):
         paths = [load.path for load in self.model.mechanism.loads]
         turns = self.model.inputs.turns(paths.index(self.load.path))
         return self.difference - self.model.inputs.parameter(self.load.angle) - turns
-
-
-def extent(mechanism: Mechanism) -> float:
-    """A length that all places have in common: the farthest point of every body, summed up."""
-    places = [*mechanism.attachments.values(), mechanism.anchors]
-    farthest = (
-        max((abs(n.value) for p in some.values() for n in p), default=0.0) for some in places
-    )
-    return sum(farthest)

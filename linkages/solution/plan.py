@@ -253,7 +253,7 @@ _FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
 
 
 def watched(
-    system: System, function: Watched, key: Hashable, flipped: Collection[int] = ()
+    system: System, function: Watched, key: Hashable = None, flipped: Collection[int] = ()
 ) -> Companion:
     """A function of position and velocity, compiled for an event in the flow of a system.
 
@@ -264,7 +264,7 @@ def watched(
     function
         The model → the function and its rate, which may depend on accelerations.
     key
-        Equal for equal functions, which are printed once for a structure.
+        Equal for equal functions, which are printed once for a structure; None to print it anew.
     flipped
         Blocks that are in another mode than at the start.
     """
@@ -274,7 +274,7 @@ def watched(
         what = "a function of position and velocity, its rate"
         return Printed.of(write_functions_of(model, function(model), what))
 
-    program = _FURTHER.get((system.structure.key, key), made)
+    program = made() if key is None else _FURTHER.get((system.structure.key, key), made)
     return _companion(bind_kernel(program, _flipped(system, flipped)))
 
 

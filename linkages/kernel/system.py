@@ -100,11 +100,6 @@ class System:
         """Sizes of the margins of all blocks, shape (blocks,)."""
         return self.evaluate(self.model.margin_scales)[:, 0]
 
-    def at(self, time: float, state: Floats, flipped: Collection[int] = ()) -> System:
-        """The same at another time and in another state, with some blocks in their other mode."""
-        sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
-        return self._with(time=time, state=state, assembly=replace(self.assembly, sides=sides))
-
     def turned(self, state: Floats, turns: Mapping[int, float]) -> System:
         """The same with other whole turns: in the state, and of torsional springs."""
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
@@ -179,6 +174,11 @@ class System:
             rows = self.layout.carried_rows
             state[rows] = self._place.values(self.model.settled, assembly)
         return state
+
+    def at(self, time: float, state: Floats, flipped: Collection[int] = ()) -> System:
+        """The same at another time and in another state, with some blocks in their other mode."""
+        sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
+        return self._with(time=time, state=state, assembly=replace(self.assembly, sides=sides))
 
     def modes(self) -> list[Assembly]:
         """All assembly modes at the initial values of drives and free coordinates."""

@@ -10,7 +10,7 @@ from linkages.components.terms import Parameter, Path
 from linkages.reading.document import Document
 
 
-def keeping(item: Any, kept: Callable[[Parameter], bool]) -> Any:
+def keeping(item: Any, kept: Callable[[Parameter], bool | None]) -> Any:
     """A term (or several) in which some numbers are no structure."""
     match item:
         case Parameter():

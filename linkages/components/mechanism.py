@@ -269,8 +269,16 @@ class Mechanism:
         paths
             Dotted paths of the definition. A zero, a right angle or a ratio of one there, or in
             what follows from it, is no structure then.
+
+        Raises
+        ------
+        InputError
+            If a path leads to no number.
         """
         asked = tuple(split(path) or (path,) for path in paths)
+        found = [(p, "found no number there") for p in asked if not self._has_number(p)]
+        if found:
+            raise self.error(found)
         return replace(self, sensitive=tuple(dict.fromkeys((*self.sensitive, *asked))))
 
     def with_values(self, values: Mapping[str, object]) -> Mechanism:
@@ -302,6 +310,14 @@ class Mechanism:
         return replace(
             self, components=components, defined=components, name=name, document=document
         )
+
+    def _has_number(self, path: Path) -> bool:
+        """Whether a path leads to a number of a component, written or not."""
+        known: list[Path] = []
+        owned = any(path[: len(c.path)] == c.path for c in self.components)
+        keeping(self.terms, lambda number: known.append(number.path))
+        given = self.definition.value(path) is not None
+        return owned and (given or any(own[: len(path)] == path for own in known))
 
     def exchanging(self, others: Mapping[int, tuple[Component, tuple[Term, ...]]]) -> Mechanism:
         """The same mechanism with other numbers in some components.

@@ -230,3 +230,11 @@ def test_what_follows_from_a_number_stays_with_it():
     fixed = Plan.of(mechanism(given), sensitive=["bars.coupler.mass"])
     assert ("bars", "coupler", "mass") in fixed.layout.parameters
     assert ("bars", "coupler", "inertia") not in fixed.layout.parameters
+
+
+@pytest.mark.parametrize(
+    "path", ["dampers[1].damping", "bars.crank.lenght", "bars", "nothing.at.all"]
+)
+def test_sensitivities_to_nothing_are_refused(path):
+    with pytest.raises(InputError, match="found no number there"):
+        Plan.of(mechanism(), sensitive=[path])

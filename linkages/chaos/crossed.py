@@ -13,7 +13,7 @@ from linkages.chaos.surface import Surface
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Piece, Settings
-from linkages.solution.plan import Plan, watched
+from linkages.solution.plan import Plan
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
@@ -47,7 +47,8 @@ def crossed(
     end: float,
 ) -> Met:
     """Integrate until enough crossings are found."""
-    flow, function = Plan.of(system).bind(system), watched(system, surface.nodes, surface.key)
+    plan = Plan.of(system)
+    flow, function = plan.bind(system), plan.watch(system, surface.nodes, surface.key)
     wanted = points + skip
     capacity = wanted
     interval = check_interval(system, end)

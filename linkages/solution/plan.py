@@ -67,7 +67,7 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
         tangent are n more coordinates, which obey the equations linearised in the free ones.
     """
     layout = Layout.of(topology) if layout is None else layout
-    model = Model(topology, more=layout.size - len(layout.coordinates))
+    model = Model(topology, layout.more)
     accelerations = model.integrated_accelerations(model.free_accelerations)
     if layout.work:
         accelerations = [*accelerations, model.power]
@@ -237,6 +237,35 @@ class Plan:
             linearise=linearise,
         )
 
+    def watch(
+        self,
+        system: System,
+        function: Watched,
+        key: Hashable = None,
+        flipped: Collection[int] = (),
+    ) -> Companion:
+        """A function of position and velocity, compiled for an event in the flow of a system.
+
+        Parameters
+        ----------
+        system
+            Whose numbers and assembly mode are taken.
+        function
+            The model → the function and its rate, which may depend on accelerations.
+        key
+            Equal for equal functions, which are printed once for a plan; None to print it anew.
+        flipped
+            Blocks that are in the other mode.
+        """
+
+        def made() -> Printed:
+            model = Model(system.topology, self.layout.more)
+            what = "a function of position and velocity, its rate"
+            return Printed.of(write_functions_of(model, function(model), what))
+
+        program = made() if key is None else _FURTHER.get((self.key, key), made)
+        return _companion(bind_kernel(program, _flipped(system, flipped)))
+
     def _jacobian(self, topology: Topology) -> Printed:
         """The printed derivatives of the accelerations."""
 
@@ -250,32 +279,6 @@ class Plan:
 
 _PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
 _FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
-
-
-def watched(
-    system: System, function: Watched, key: Hashable = None, flipped: Collection[int] = ()
-) -> Companion:
-    """A function of position and velocity, compiled for an event in the flow of a system.
-
-    Parameters
-    ----------
-    system
-        A system with integrated coordinates.
-    function
-        The model → the function and its rate, which may depend on accelerations.
-    key
-        Equal for equal functions, which are printed once for a structure; None to print it anew.
-    flipped
-        Blocks that are in another mode than at the start.
-    """
-
-    def made() -> Printed:
-        model = Model(system.topology)
-        what = "a function of position and velocity, its rate"
-        return Printed.of(write_functions_of(model, function(model), what))
-
-    program = made() if key is None else _FURTHER.get((system.structure.key, key), made)
-    return _companion(bind_kernel(program, _flipped(system, flipped)))
 
 
 def _flipped(system: System, flipped: Collection[int]) -> Floats:

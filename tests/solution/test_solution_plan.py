@@ -16,6 +16,7 @@ from linkages.kernel.layout import Layout
 from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import System
 from linkages.solution.plan import Plan, kernel_source
+from linkages.solvers.events import Event
 from linkages.solvers.integrate import integrate
 
 WINDER = """
@@ -238,3 +239,22 @@ def test_what_follows_from_a_number_stays_with_it():
 def test_sensitivities_to_nothing_are_refused(path):
     with pytest.raises(InputError, match="found no number there"):
         Plan.of(mechanism(), sensitive=[path])
+
+
+def test_functions_are_watched_wherever_the_vector_has_them():
+    """The crank passes 1.5 rad, with or without work and tangents beside it in the vector."""
+    system = System(mechanism())
+
+    def nodes(model):
+        return model.inputs.coordinate(0) - 1.5, model.inputs.rate(0)
+
+    found = []
+    for options in ({}, {"work": True}, {"tangents": 2}):
+        plan = Plan.of(system, **options)
+        event = Event(function=plan.watch(system, nodes, "crank at 1.5"), direction=1)
+        start = plan.layout.packed(system.state)
+        moved = integrate(plan.bind(system), start, [0.0, 1.0], rtol=1e-10, events=[event])
+        found.append(moved.crossings[0].time[0])
+    # three integrations with their own steps, each within its tolerance
+    assert found == pytest.approx([found[0]] * 3, abs=1e-9)
+    assert 0.0 < found[0] < 1.0

@@ -18,11 +18,12 @@ from figures_stability import write
 import linkages
 from linkages.benchmark.calls import seconds_per_evaluation
 from linkages.kernel.counting import report_kernel
+from linkages.kernel.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Level, reachable
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.flows import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 from linkages.solution.reactions import joint_reactions
 from linkages.solution.requests import DEFAULT
 
@@ -74,7 +75,8 @@ def kernels() -> str:
         if name not in moving:
             lines.append(f"| {name} | – | – | – | – | no kernel, nothing is integrated |")
             continue
-        source = kernel_source(moving[name], CASES[name][2])
+        topology = moving[name].topology
+        source = kernel_source(topology, Layout.of(topology, CASES[name][2]))
         parts = [*report_kernel(source.model, source.program).counts.values()]
         sums = [sum(part.values()) for part in parts]
         costly = [parts[-1][kind] for kind in ("divisions", "square roots", "trigonometric calls")]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import reachable
 from linkages.operations import ELEMENTARY
 
@@ -96,7 +95,7 @@ def expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any
     """
     model = problem.system.model
     roots = model.free_accelerations
-    numbers = parameter_values(model, problem.system.assembly)
+    numbers = problem.system.parameters
     inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
     inputs["y"] = variables.__getitem__
     values: dict[int, Any] = {}

@@ -17,15 +17,16 @@ from linkages.chaos.diagram import Value, diagram
 from linkages.chaos.lyapunov import run_exponents
 from linkages.chaos.section import require_section
 from linkages.chaos.sweep import Executor, Outcome, Progress, per_period, sweep
-from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible, varied
+from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
-from linkages.solution.flows import Flows
 from linkages.solution.options import options_of
+from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,25 +45,28 @@ Point = tuple[int, Mapping[str, object], End | None]
 class _Request:
     """What is computed at every value."""
 
-    mechanism: Mechanism
+    varying: Varying
     axis: Axis
     given: Mapping[str, Any]
 
     @cached_property
     def options(self) -> BifurcationOptions:
         """What is asked for where nothing is varied."""
-        return options_of(BifurcationOptions, self.mechanism, self.given)
+        return options_of(BifurcationOptions, self.varying.mechanism, self.given)
 
     def options_at(self, mechanism: Mechanism, periods: int) -> BifurcationOptions:
         """The same at a value, in the steps that so many periods may take."""
         return per_period(options_of(BifurcationOptions, mechanism, self.given), periods)
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
-        return varied(self.mechanism, {**self.axis.at(index), **overrides})
+        return self.varying.mechanism_at({**self.axis.at(index), **overrides})
 
     def system(self, point: Point) -> System:
-        """The mechanism at a value, assembled."""
-        return System(self.at(*point[:2]))
+        """The mechanism at a value, assembled; where another motion ended, if it goes on there."""
+        index, overrides, before = point
+        if before is not None:
+            return before.system(self.at(index, overrides))
+        return self.varying.at({**self.axis.at(index), **overrides})
 
     def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
         """The system at the first value that has one; what is wrong everywhere shows here."""
@@ -80,7 +84,9 @@ class _Request:
                 points[0],
                 (InputError, NoPeriodError),
             )
-        Flows(system).flow()  # compiled here, once, and not by every thread that waits for it
+        Plan.of(system).bind(
+            system
+        )  # compiled here, once, and not by every thread that waits for it
         return system
 
     def compute(self, point: Point) -> Value:
@@ -90,7 +96,7 @@ class _Request:
         options = self.options_at(mechanism, self._periods)
         continued = options.start != "same"
         if options.section is None:
-            system = System(mechanism) if before is None else before.system(mechanism)
+            system = self.system(point)
             ends = options.exponent, continued
             visited = stroboscopic_points(system, options, ends=ends)
         else:
@@ -110,10 +116,11 @@ class _Request:
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
+        mechanism = self.varying.mechanism
         taken = per_period(self.options, self._periods)
         return {
-            "name": self.mechanism.name,
-            "source": self.mechanism.source,
+            "name": mechanism.name,
+            "source": mechanism.source,
             "varied": self.axis.label,
             "start": taken.start,
             "periods": taken.periods,
@@ -187,7 +194,7 @@ def bifurcation(
         After Ctrl-C; ``kept["bifurcation"]`` has the values so far.
     """
     values = axis_of(vary)
-    request = _Request(mechanism, values, options)
+    request = _Request(Varying(mechanism), values, options)
     asked = request.options
     system = request.checked(initial)
     compute = _independent if asked.start == "same" else _continued

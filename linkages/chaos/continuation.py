@@ -65,13 +65,12 @@ class End:
     def system(self, other: Mechanism) -> System:
         """Another mechanism in this state and assembly mode, with the same whole turns."""
         system = System(other.with_state(self.state), near=self.places)
-        topology = system.topology
+        topology, state = system.topology, system.state.copy()
         for index, name in enumerate(topology.coordinates):
             if name in self.carried and topology.unwrapped(name):
-                apart = self.carried[name] - system.state[index]
-                system.state[index] += 2 * np.pi * np.round(apart / (2 * np.pi))
-        system.assembly = replace(system.assembly, turns=dict(self.turns))
-        return system
+                apart = self.carried[name] - state[index]
+                state[index] += 2 * np.pi * np.round(apart / (2 * np.pi))
+        return system.turned(state, self.turns)
 
 
 def end_of(system: System, motion: Motion, sample: int = -1) -> End:

@@ -25,15 +25,15 @@ from linkages.chaos.varied import (
     coordinates,
     first_possible,
     require_different,
-    varied,
 )
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.options.signature import takes
-from linkages.solution.flows import Flows
 from linkages.solution.options import options_of
+from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +50,7 @@ ONE_SENSE = 0.9
 
 @dataclass(frozen=True)
 class _Request:
-    mechanism: Mechanism
+    varying: Varying
     x: Axis
     y: Axis
     given: Mapping[str, Any]
@@ -58,37 +58,32 @@ class _Request:
     @cached_property
     def options(self) -> MapOptions:
         """What is asked for where nothing is varied."""
-        return self.options_at(self.mechanism)
+        return self.options_at(self.varying.mechanism)
 
     def options_at(self, mechanism: Mechanism) -> MapOptions:
         """The same at a point, in the steps that it may take."""
         options = options_of(MapOptions, mechanism, self.given)
         return per_period(options, options.periods)
 
-    def at(self, point: tuple[int, int]) -> Mechanism:
-        """The mechanism at a column and a row."""
+    def system(self, point: tuple[int, int]) -> System:
+        """The mechanism at a column and a row, assembled."""
         column, row = point
-        return varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
+        return self.varying.at({**self.x.at(column), **self.y.at(row)})
 
     @property
     def tangents(self) -> int:
         """How many tangents the indicator needs."""
         return 2 if self.options.indicator == "gali" else 1
 
-    def system(self, point: tuple[int, int]) -> System:
-        """The same, assembled."""
-        return System(self.at(point))
-
     def compute(self, point: tuple[int, int]) -> MapPoint:
         """The indicator, what every free angle does, and forces in clearances."""
-        mechanism = self.at(point)
-        options, count = self.options_at(mechanism), self.tangents
-        system = System(mechanism)
+        system = self.system(point)
+        options, count = self.options_at(system.mechanism), self.tangents
         looked = check_interval(system)
         log = None if looked is None else ContactLog(looked)
         tangents = LinkageTangents(system, count, options, log=log)
         intervals = options.periods * PARTS
-        interval = characteristic_period(mechanism) / PARTS
+        interval = characteristic_period(system.mechanism) / PARTS
         error, told = math.nan, 0
         if options.indicator == "exponent":
             exponents = lyapunov_spectrum(tangents, intervals=intervals, interval=interval, count=1)
@@ -103,10 +98,10 @@ class _Request:
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
-        run = self.options
+        run, mechanism = self.options, self.varying.mechanism
         return {
-            "name": self.mechanism.name,
-            "source": self.mechanism.source,
+            "name": mechanism.name,
+            "source": mechanism.source,
             "kind": run.indicator,
             "x": self.x.label,
             "y": self.y.label,
@@ -186,13 +181,13 @@ def chaos_map(
         After Ctrl-C; ``kept["map"]`` has the points so far.
     """
     axes = axis_of(x), axis_of(y)
-    request = _Request(mechanism, *axes, options)
+    request = _Request(Varying(mechanism), *axes, options)
     indicator = request.options.indicator
     require_different(axes)
     points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
     first = first_possible(request.system, points)  # what is wrong everywhere shows here
     require_free(first)
-    Flows(first, tangents=request.tangents).flow()  # compiled here, once
+    Plan.of(first, tangents=request.tangents).bind(first)  # compiled here, once
     swept = sweep(request.compute, points, executor=executor, watch=watch)
     shape = len(request.y), len(request.x)
     varied_along = {

@@ -43,6 +43,11 @@ class Surface:
         return self.series.variable in ANGLES
 
     @property
+    def key(self) -> tuple[str, str, float]:
+        """What tells it from others of a mechanism."""
+        return self.series.variable, self.series.name, self.level
+
+    @property
     def rate(self) -> Series:
         """The rate of the series."""
         kind, _, quantity = self.series.variable.rpartition("_")

@@ -9,7 +9,7 @@ from linkages.benchmark.report import TARGETS, BenchReport, run_benchmark
 from linkages.benchmark.work_precision import Point
 from linkages.cli.requests import Request
 from linkages.cli.terminal import console, number, table
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 
 
 def run_bench(request: Request, repeats: int) -> int:

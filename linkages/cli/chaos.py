@@ -17,7 +17,7 @@ from linkages.cli.terminal import (
     print_notes,
     table,
 )
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 
 if TYPE_CHECKING:
     from linkages.chaos.findings import ChaosReport

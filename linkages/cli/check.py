@@ -152,8 +152,8 @@ def _kernel(system: System) -> dict[str, Any]:
     if not system.topology.free:
         return {"note": "nothing is free to move: no kernel is compiled, nothing is integrated"}
     from linkages.kernel.counting import report_kernel
-    from linkages.solution.flows import kernel_source
+    from linkages.solution.plan import kernel_source
 
-    source = kernel_source(system)
+    source = kernel_source(system.topology)
     report = report_kernel(source.model, source.program)
     return {"operations": report.counts, "left_out": [dotted(path) for path in report.left_out]}

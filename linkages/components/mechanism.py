@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import chain
+from pathlib import Path as FilePath
 
 from linkages.components.clearance import Clearance
 from linkages.components.component import Component, Term
 from linkages.components.consistency import Declared, findings
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.friction import resolved
+from linkages.components.gathered import read_components
+from linkages.components.kept import depends, keeping
 from linkages.components.listed import numbered
 from linkages.components.measures import Friction, Load
+from linkages.components.registry import SECTIONS
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
     ZERO,
@@ -33,19 +39,26 @@ from linkages.components.torsional_damper import ClearanceDamper
 from linkages.components.written import document_of
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
+from linkages.reading.overrides import apply
+from linkages.reading.paths import split
+from linkages.reading.replacing import replaced
+from linkages.reading.writing import as_yaml
 
 Place = tuple[Parameter, Parameter]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Mechanism:
     """A planar linkage, from a definition file or built in Python.
+
+    Two mechanisms are equal if they have the same name and components, wherever they come from.
 
     Parameters
     ----------
     components
-        Bars, joints, sliders, … in the order that reports and results keep. The indices of loads,
-        springs and whatever else has no name are closed up where some are missing.
+        Bars, joints, sliders, …; kept section by section as in a definition file, and within a
+        section in the order given, which reports and results keep. The indices of loads, springs
+        and whatever else has no name are closed up where some are missing.
     name
         For titles.
     source
@@ -54,6 +67,8 @@ class Mechanism:
         The definition file that it was read from, if there is one; `definition` is what it is now.
     defined
         What `document` defines.
+    sensitive
+        Paths of numbers that are no structure, whatever their value; see `keeping`.
 
     Raises
     ------
@@ -63,16 +78,23 @@ class Mechanism:
 
     components: tuple[Component, ...]
     name: str = "mechanism"
-    source: str = "mechanism"
+    source: str = field(default="mechanism", compare=False)
     document: Document | None = field(default=None, repr=False, compare=False)
     defined: tuple[Component, ...] = field(default=(), repr=False, compare=False)
+    sensitive: tuple[Path, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
         found = findings(self.components, Declared(self.components))
         if found:
             raise self.error(found)
-        object.__setattr__(self, "components", numbered(self.components))
+        ordered = sorted(numbered(self.components), key=_place)
+        object.__setattr__(self, "components", tuple(ordered))
+
+    def __repr__(self) -> str:
+        counts = Counter(component.section for component in self.components)
+        parts = [repr(self.name), *(f"{section}={count}" for section, count in counts.items())]
+        return f"Mechanism({', '.join(parts)})"
 
     @cached_property
     def definition(self) -> Document:
@@ -83,6 +105,35 @@ class Mechanism:
         if self.document is not None and self.components == self.defined:
             return self.document
         return document_of(self.components, self.source, self.document, self.defined)
+
+    def to_yaml(self) -> str:
+        """The definition as YAML text, from which `linkages.loads` makes an equal mechanism.
+
+        Texts such as ``0.3*cos(60 deg)`` stand as they were read, and numbers with all digits;
+        what was changed in Python stands as it is now. Comments are not kept, and tables that were
+        read from files stand in the text itself.
+
+        Examples
+        --------
+        >>> import linkages
+        >>> mechanism = linkages.load("slider-crank")
+        >>> linkages.loads(mechanism.to_yaml()) == mechanism
+        True
+        """
+        definition = self.definition
+        name = {"name": self.name}  # first, and not that of whatever file this is read from
+        return as_yaml(replace(definition, content=name | definition.content | name))
+
+    def save(self, path: str | FilePath) -> FilePath:
+        """Write `to_yaml` to a file, and return its path.
+
+        The file appears whole or not at all; one of that name is replaced when the new one is
+        complete.
+        """
+        file = FilePath(path)
+        with replaced(file) as temporary:
+            temporary.write_text(self.to_yaml(), encoding="utf-8")
+        return file
 
     def problem(self, path: Path, message: str) -> Problem:
         """A problem at a place of the definition, with its line where there is a file."""
@@ -95,7 +146,20 @@ class Mechanism:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """What all components contribute, in their order."""
-        return tuple(term for component in self.components for term in component.terms())
+        return tuple(chain.from_iterable(self.term_groups))
+
+    @cached_property
+    def term_groups(self) -> tuple[tuple[Term, ...], ...]:
+        """The same for each component."""
+        return tuple(self.terms_of(component) for component in self.components)
+
+    def terms_of(self, component: Component) -> tuple[Term, ...]:
+        """What one component contributes."""
+        terms = component.terms()
+        for asked in self.sensitive:
+            where = (asked, component.path, self.definition)
+            terms = keeping(terms, partial(depends, *where))
+        return terms
 
     @cached_property
     def ground(self) -> dict[str, tuple[Parameter, Parameter]]:
@@ -201,6 +265,81 @@ class Mechanism:
         own = (c for c in self.components if isinstance(c, SimulationDefaults))
         return next(own, SimulationDefaults())
 
+    def keeping(self, paths: Iterable[str]) -> Mechanism:
+        """The same mechanism for which some numbers stay arguments of kernels.
+
+        Parameters
+        ----------
+        paths
+            Dotted paths of the definition. A zero, a right angle or a ratio of one there, or in
+            what follows from it, is no structure then.
+
+        Raises
+        ------
+        InputError
+            If a path leads to no number.
+        """
+        asked = tuple(split(path) or (path,) for path in paths)
+        found = [(p, "found no number there") for p in asked if not self._has_number(p)]
+        if found:
+            raise self.error(found)
+        return replace(self, sensitive=tuple(dict.fromkeys((*self.sensitive, *asked))))
+
+    def with_values(self, values: Mapping[str, object]) -> Mechanism:
+        """The same mechanism with other values at some paths of its definition.
+
+        Parameters
+        ----------
+        values
+            Dotted path → value. Numbers (NumPy's as well) are SI; texts are read as they would be
+            in a definition file, with units and arithmetic; quantities of pint carry their unit;
+            lists, mappings and arrays are taken as they are. A path may lead to a whole entry, or
+            to one that does not exist yet.
+
+        Raises
+        ------
+        InputError
+            With every path that leads nowhere and every value that cannot be used.
+
+        Examples
+        --------
+        >>> import linkages
+        >>> mechanism = linkages.load("slider-crank")
+        >>> fast = mechanism.with_values({"bars.rod.length": 0.32, "drives.crank.speed": "900 rpm"})
+        >>> fast == linkages.loads(fast.to_yaml())
+        True
+        """
+        document, components = read_components(apply(self.definition, values))
+        name = str(document.content["name"]) if "name" in values else self.name
+        return replace(
+            self, components=components, defined=components, name=name, document=document
+        )
+
+    def _has_number(self, path: Path) -> bool:
+        """Whether a path leads to a number of a component, written or not."""
+        known: list[Path] = []
+        owned = any(path[: len(c.path)] == c.path for c in self.components)
+        keeping(self.terms, lambda number: known.append(number.path))
+        given = self.definition.value(path) is not None
+        return owned and (given or any(own[: len(path)] == path for own in known))
+
+    def exchanging(self, others: Mapping[int, tuple[Component, tuple[Term, ...]]]) -> Mechanism:
+        """The same mechanism with other numbers in some components.
+
+        Parameters
+        ----------
+        others
+            Place among `components` → one that differs from it in numbers only, so that all fit
+            together as before; and its terms.
+        """
+        found = object.__new__(type(self))
+        components, groups = list(self.components), list(self.term_groups)
+        for place, (component, terms) in others.items():
+            components[place], groups[place] = component, terms
+        vars(found).update({name: getattr(self, name) for name in self.__dataclass_fields__})
+        vars(found).update(components=tuple(components), term_groups=tuple(groups))
+        return found
+
     def with_component(self, component: Component) -> Mechanism:
         """The same mechanism with one more component."""
         return replace(self, components=(*self.components, component))
@@ -234,3 +373,11 @@ class Mechanism:
         gone = (Clearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
+
+
+def _place(component: Component) -> tuple[int, int]:
+    """Where a component stands in a definition: its section, then its index in lists."""
+    sections = list(SECTIONS)
+    section = component.section
+    place = sections.index(section) if section in sections else len(sections)
+    return place, getattr(component, "index", 0)

@@ -27,16 +27,20 @@ class Parameter:
         In SI units.
     structural
         Whether an exact zero is structure that removes terms (a massless bar, no gravity).
+    kept
+        Whether it stays an argument of the kernel whatever its value: sensitivities to it are
+        asked for.
     """
 
     path: Path
     value: float
     structural: bool = False
+    kept: bool = False
 
     @property
     def absent(self) -> bool:
         """Whether everything multiplied by this number is left out of the kernel."""
-        return self.structural and self.value == 0.0
+        return self.structural and self.value == 0.0 and not self.kept
 
 
 ZERO = Parameter((), 0.0, structural=True)

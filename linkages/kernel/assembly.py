@@ -45,14 +45,14 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
     model = place.model
     _check_laws(place)
     if near is None and not model.topology.redundant:
-        _check_hints(model)
+        _check_hints(place)
     found = Assembly()
     assumed: list[int] = []
     for block in model.topology.solved_blocks:
         _check_reach(place, block, found)
         choices = place.choices(block, found)
         if not choices:
-            raise _no_solution(model, block)
+            raise _no_solution(place, block)
         if near is None:
             choice = _hinted(place, block, found, choices)
         else:
@@ -68,13 +68,13 @@ def assemble(place: Place, near: Mapping[str, NDArray[np.float64]] | None = None
 
 
 def _check_laws(place: Place) -> None:
-    model = place.model
-    for name, law in model.positions.laws.items():
+    mechanism = place.mechanism
+    for name, law in place.model.positions.laws.items():
         values = place.values([law.value, law.rate, law.acceleration], Assembly())
         if not np.isfinite(values).all():
-            drive = model.mechanism.prescribed[name]
+            drive = mechanism.prescribed[name]
             message = f"expected a law with finite derivatives at t = {place.time:g} s, found "
-            raise model.mechanism.error(
+            raise mechanism.error(
                 [(drive.path, message + ", ".join(f"{value:g}" for value in values))]
             )
 
@@ -85,16 +85,21 @@ def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
     Angles that the definition gives count as they are given. Of others only the direction is
     known at the start: they are then within half a turn, but for the spring's own angle.
     """
-    model = place.model
+    found = turning(place.model)
+    differences = place.values(list(found.values()), assembly)
+    turns = (float(2 * np.pi * np.round(value / (2 * np.pi))) for value in differences)
+    return dict(zip(found, turns, strict=True))
+
+
+def turning(model: Model) -> dict[int, Scalar]:
+    """Torsional springs → difference of their angles, where only its direction is known."""
     topology = model.topology
     given = {*topology.driven, *topology.free}
-    found: dict[int, float] = {}
+    found: dict[int, Scalar] = {}
     for index, load in enumerate(model.loads):
-        bodies = load.load.turned
-        masters = {master for body in bodies for master in topology.orientations[body].masters}
+        masters = {m for body in load.load.turned for m in topology.orientations[body].masters}
         if not masters <= given:
-            (angle,) = place.values([load.displacement], assembly)
-            found[index] = float(2 * np.pi * np.round(angle / (2 * np.pi)))
+            found[index] = load.displacement
     return found
 
 
@@ -117,7 +122,7 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
     (radicand,) = place.values([dyad.radicand], assembly)
     if radicand >= 0.0:
         return
-    model, loop = place.model, block.loops[0]
+    mechanism, loop = place.mechanism, block.loops[0]
     one, other = block.unknowns
     if np.isinf(place.values([dyad.margin_scale], assembly)[0]):
         message = f"{one} and {other} are too long for double precision. {TOO_LARGE}"
@@ -144,23 +149,24 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
             f"the axis of {other} on {one} cannot reach its pin: {loop.start} and {loop.end} are "
             f"{square**0.5:.6g} m apart at t = 0; expected at least {across**0.5:.6g} m"
         )
-    path = model.mechanism.bodies[one].path
-    raise model.mechanism.error([(path, f"cannot be assembled: {message}")])
+    path = mechanism.bodies[one].path
+    raise mechanism.error([(path, f"cannot be assembled: {message}")])
 
 
-def _no_solution(model: Model, block: Block) -> InputError:
+def _no_solution(place: Place, block: Block) -> InputError:
+    mechanism, topology = place.mechanism, place.model.topology
     bodies = ", ".join(block.unknowns)
-    path = model.mechanism.bodies[block.unknowns[0]].path
+    path = mechanism.bodies[block.unknowns[0]].path
     message = f"cannot be assembled: no position of {bodies} closes the {block.label} at t = 0"
     if block.surplus:
-        known = len(model.topology.driven) + len(model.topology.free)
-        joints = model.topology.redundant_places
+        known = len(topology.driven) + len(topology.free)
+        joints = topology.redundant_places
         message += (
             f"; more constraints than coordinates at {joints}, and they contradict each other: "
-            f"the mobility is {model.topology.mobility}, and {known} coordinates are driven or "
+            f"the mobility is {topology.mobility}, and {known} coordinates are driven or "
             "free; expected no more than the mobility, and fitting dimensions"
         )
-    return model.mechanism.error([(path, message)])
+    return mechanism.error([(path, message)])
 
 
 def _nearest(
@@ -185,9 +191,9 @@ def _nearest(
 
 def _hinted(place: Place, block: Block, assembly: Assembly, choices: list[Choice]) -> Choice | None:
     """The choice that hints ask for; None if there are none for this block."""
-    model = place.model
+    model, mechanism = place.model, place.mechanism
     joints = placed_joints(model, block)
-    hints = [hint for joint, hint in model.mechanism.hints.items() if joint in joints]
+    hints = [hint for joint, hint in mechanism.hints.items() if joint in joints]
     sides = [hint.side for hint in hints if hint.side is not None]
     if sides:
         return sides[0]
@@ -202,15 +208,16 @@ def _hinted(place: Place, block: Block, assembly: Assembly, choices: list[Choice
     size = float(np.linalg.norm(places[best] - places[second]))
     if distances[second] - distances[best] <= 1e-6 * size:
         message = "lies as near to one possible place as to the other; expected nearer to one"
-        raise model.mechanism.error([(hints[0].path, message)])
+        raise mechanism.error([(hints[0].path, message)])
     return choices[best]
 
 
-def _check_hints(model: Model) -> None:
+def _check_hints(place: Place) -> None:
     """A side makes sense only where two links meet."""
+    model, mechanism = place.model, place.mechanism
     apexes = {j: b for b in model.topology.solved_blocks for j in placed_joints(model, b)}
     found = []
-    for joint, hint in model.mechanism.hints.items():
+    for joint, hint in mechanism.hints.items():
         block = apexes.get(joint)
         if hint.side is None or (
             block is not None and block.kind == "RRR" and _meets(joint, block)
@@ -218,7 +225,7 @@ def _check_hints(model: Model) -> None:
             continue
         found.append((hint.path, _no_sides(model, joint, block)))
     if found:
-        raise explained(model.mechanism, model.mechanism.error(found))
+        raise explained(mechanism, mechanism.error(found))
 
 
 def _meets(joint: str, block: Block) -> bool:
@@ -254,7 +261,7 @@ def _no_sides(model: Model, joint: str, block: Block | None) -> str:
 def _missing_hint(
     place: Place, block: Block, assembly: Assembly, choices: list[Choice]
 ) -> InputError:
-    model = place.model
+    model, mechanism = place.model, place.mechanism
 
     def places_of(joint: str) -> list[list[float]]:
         nodes = _place_nodes(model, [joint])
@@ -276,5 +283,5 @@ def _missing_hint(
             f"joint {joint} can be in two places; expected '{joint}: left' (at [{places[0]}]) or "
             f"'{joint}: right' (at [{places[1]}])"
         )
-    problem = model.mechanism.problem(("assembly",), message)
-    return SeveralPlacesError(model.mechanism.source, [problem])
+    problem = mechanism.problem(("assembly",), message)
+    return SeveralPlacesError(mechanism.source, [problem])

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, c_int64, c_void_p
 from dataclasses import dataclass
+from functools import lru_cache
 from types import ModuleType
 
 import numpy as np
@@ -40,7 +43,27 @@ class CompiledKernel:
         return self.module.rates.address
 
 
-def compile_kernel(program: Program, parameters: np.ndarray) -> CompiledKernel:
+@dataclass(frozen=True)
+class Printed:
+    """The text of a program with what is needed to call it.
+
+    Parameters
+    ----------
+    text, parameters, timed
+        As `linkages.kernel.program.Program` has them.
+    """
+
+    text: str
+    parameters: tuple[int, int]
+    timed: int
+
+    @classmethod
+    def of(cls, program: Program) -> Printed:
+        """Without the nodes that it was printed from."""
+        return cls(program.text, program.parameters, program.timed)
+
+
+def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
     """Compile a program (or take it from the cache) and prepare it for some numbers.
 
     Parameters
@@ -50,14 +73,16 @@ def compile_kernel(program: Program, parameters: np.ndarray) -> CompiledKernel:
     parameters
         Values in the order of the model's inputs, shape (parameters,).
     """
-    module = cached_module(program.text)
+    module, prepare = _loaded(program.text)
     values = np.zeros(max(1, sum(program.parameters)))
     values[: program.parameters[0]] = parameters
-    module.prepare.ctypes(_double_pointer(values))
+    prepare(values.ctypes.data)
     return CompiledKernel(module, values, program.timed)
 
 
-def _double_pointer(values: np.ndarray) -> object:
-    import ctypes
-
-    return values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+@lru_cache(maxsize=256)
+def _loaded(text: str) -> tuple[ModuleType, Callable[[int], int]]:
+    """The module of a text, which is found without hashing it again, and its ``prepare``."""
+    module = cached_module(text)
+    call = CFUNCTYPE(c_int64, c_void_p)(module.prepare.address)
+    return module, call

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from linkages.kernel.compiled import CompiledKernel, compile_kernel
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.model import Model
 from linkages.kernel.program import Program, write_program
@@ -32,10 +29,3 @@ def write_jacobian(model: Model, accelerations: Sequence[Scalar]) -> Program:
     """
     entries = [entry for row in jacobian_nodes(model, accelerations) for entry in row]
     return write_program(model, entries)
-
-
-def compile_jacobian(
-    model: Model, accelerations: Sequence[Scalar], parameters: np.ndarray
-) -> CompiledKernel:
-    """Compile the kernel of `write_jacobian` for some numbers."""
-    return compile_kernel(write_jacobian(model, accelerations), parameters)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from linkages.components.terms import Parameter, axis_label
 from linkages.kernel.inputs import Inputs
+from linkages.kernel.parameters import right_angle
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
+from linkages.topology.orientation import is_unit
 from linkages.topology.topology import Topology
 
 
@@ -28,10 +28,9 @@ class Frames:
 
     def direction(self, angle: Parameter) -> Vector:
         """Unit vector at an angle; exact multiples of 90° are structure."""
-        quarters = angle.value / (math.pi / 2)
-        graph = self._inputs.graph
-        if quarters == round(quarters):
-            x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[round(quarters) % 4]
+        quarters, graph = right_angle(angle), self._inputs.graph
+        if quarters is not None:
+            x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
             return Vector(graph.number(x), graph.number(y))
         node = self._inputs.parameter(angle)
         return Vector(graph.cos(node), graph.sin(node))
@@ -94,4 +93,4 @@ class Frames:
 
     def _ratio(self, ratio: Parameter) -> Scalar:
         graph = self._inputs.graph
-        return graph.one if ratio.value == 1.0 else self._inputs.parameter(ratio)
+        return graph.one if is_unit(ratio) else self._inputs.parameter(ratio)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from linkages.components.terms import Parameter, Path
+from linkages.kernel.parameters import NEAREST
 from linkages.kernel.scalars import Level, Scalar, ScalarGraph
 from linkages.kernel.vectors import Vector
 
@@ -17,7 +18,7 @@ _KEYS = frozenset(
 
 
 class Inputs:
-    """Numbers the parameters in the order in which they are first asked for.
+    """Nodes of a graph for the arguments of a kernel.
 
     Parameters
     ----------
@@ -25,13 +26,19 @@ class Inputs:
         The graph that gets the input nodes.
     coordinates
         Number of integrated coordinates n; the state is n coordinates, then n rates.
+    paths
+        Path of each entry of the parameter array.
+
+    Attributes
+    ----------
+    parameters
+        Path → its place in the parameter array.
     """
 
-    def __init__(self, graph: ScalarGraph, coordinates: int) -> None:
+    def __init__(self, graph: ScalarGraph, coordinates: int, paths: Iterable[Path] = ()) -> None:
         self.graph = graph
         self.coordinates = coordinates
-        self.parameters: dict[Path, float] = {}
-        self._index: dict[Path, int] = {}
+        self.parameters = {path: place for place, path in enumerate(paths)}
 
     @property
     def time(self) -> Scalar:
@@ -54,7 +61,7 @@ class Inputs:
         """A number of the definition file; a structural zero is the constant 0."""
         if parameter.absent:
             return self.graph.zero
-        return self._numbered(parameter.path, parameter.value)
+        return self._placed(parameter.path)
 
     def vector(self, pair: tuple[Parameter, Parameter]) -> Vector:
         """Two numbers of the definition file."""
@@ -62,31 +69,23 @@ class Inputs:
 
     def side(self, block: int) -> Scalar:
         """The sign that selects the assembly mode of a block, +1 or −1."""
-        return self._numbered(("side", block), 1.0)
-
-    def block(self, path: Path, values: Sequence[float]) -> int:
-        """Enter numbers that stand one after the other; returns the index of the first."""
-        for index, value in enumerate(values):
-            self._numbered((*path, index), value)
-        return self._index[*path, 0]
+        return self._placed(("side", block))
 
     def turns(self, load: int) -> Scalar:
         """The multiple of 2π by which the difference of a spring's angles is too large at t = 0."""
-        return self._numbered(("turns", load), 0.0)
+        return self._placed(("turns", load))
 
-    def nearest(self, load: int, value: float) -> Scalar:
+    @property
+    def nearest(self) -> Scalar:
         """Distance of a spring's ends below which it is round-off, in metres."""
-        return self._numbered(("nearest", load), value)
+        return self._placed(NEAREST)
 
     def iterate(self, index: int) -> Scalar:
         """An unknown within an iteration."""
         return self.graph.input("z", index, Level.STATE)
 
-    def _numbered(self, path: Path, value: float) -> Scalar:
-        if path not in self._index:
-            self._index[path] = len(self._index)
-            self.parameters[path] = value
-        return self.graph.input("p", self._index[path], Level.PARAMETERS)
+    def _placed(self, path: Path) -> Scalar:
+        return self.graph.input("p", self.parameters[path], Level.PARAMETERS)
 
     def describe(self) -> list[str]:
         """What each parameter is, with numbers in the place of the file's names."""

@@ -12,6 +12,7 @@ from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import Block, Loop, Step
 
 if TYPE_CHECKING:
+    from linkages.components.mechanism import Mechanism
     from linkages.kernel.positions import Positions
 
 CONTRADICTION = 1e-8
@@ -23,7 +24,7 @@ def iterate_block(positions: Positions, block: Block) -> Iterated:
     graph, unknowns = positions.graph, block.unknowns
     iterates = [positions.inputs.iterate(positions.body_numbers[name]) for name in unknowns]
     updates, _ = _newton_step(positions, block, iterates)
-    scale = block_size(positions, block)
+    scale = block_size(positions.topology.mechanism, block)
     iteration = Iteration(
         iterates=tuple(iterates),
         updates=tuple(updates),
@@ -81,14 +82,14 @@ def _column(positions: Positions, loop: Loop, name: str) -> Vector:
     return total
 
 
-def block_size(positions: Positions, block: Block) -> float:
+def block_size(mechanism: Mechanism, block: Block) -> float:
     """A power of ten of the size of the longest link of a block.
 
     It is written into generated code, which must not depend on the lengths themselves.
     """
     longest = 0.0
     for step in (step for loop in block.loops for step in loop.steps):
-        places = positions.topology.mechanism.attachments[step.body]
+        places = mechanism.attachments[step.body]
         ends = [places[label] for label in (step.start, step.end) if label in places]
         longest = max([longest, *(abs(value.value) for end in ends for value in end)])
     return 10.0 ** math.floor(math.log10(longest)) if longest > 0 else 1.0

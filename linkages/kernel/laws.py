@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
-from linkages.components.interpolation import polynomials
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
+from linkages.kernel.parameters import numbers_in, table_numbers
 from linkages.kernel.scalars import Scalar, ScalarGraph
 from linkages.operations import COMPOSITE
 
@@ -44,9 +44,8 @@ def value_of(
         case Measured(order):
             return measured(order)
         case Table():
-            numbers = table_numbers(function)
-            place = inputs.block((*function.path, "spline"), numbers)
-            count = (len(numbers) - 1) // 5
+            place = inputs.parameters[*function.path, "spline", 0]
+            count = (len(table_numbers(function)) - 1) // 5
             return graph.spline(inputs.time, place, count, function.periodic)[0]
         case Operation("power", (base, Number(exponent))):
             found = COMPOSITE["power"].expanded
@@ -67,16 +66,10 @@ def law_of(function: Function, inputs: Inputs) -> Law:
     return Law(value, rate, acceleration)
 
 
-def table_numbers(table: Table) -> list[float]:
-    """Knots, then four coefficients for each interval, the cubic one first."""
-    found = polynomials(table)
-    return [*map(float, found.x), *(float(c) for column in found.c.T for c in column)]
-
-
 def law_values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """Values of a function of time, shape (times,); nan or infinite where it has none."""
-    inputs = Inputs(ScalarGraph(), 0)
-    node = value_of(function, inputs)
-    numbers = np.array(list(inputs.parameters.values()))
+    given = dict(numbers_in(function))
+    node = value_of(function, Inputs(ScalarGraph(), 0, given))
+    numbers = np.array(list(given.values()))
     (found,) = Evaluator([node])(t=times[None, :], p=numbers)
     return np.broadcast_to(found, times.shape)

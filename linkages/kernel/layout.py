@@ -63,7 +63,12 @@ class Layout:
     @property
     def size(self) -> int:
         """Number N of integrated coordinates, with the work and the tangents."""
-        return len(self.coordinates) + int(self.work) + self.tangents * len(self.free)
+        return len(self.coordinates) + self.more
+
+    @property
+    def more(self) -> int:
+        """Number of integrated coordinates beyond those of the motion."""
+        return int(self.work) + self.tangents * len(self.free)
 
     @cached_property
     def motion_rows(self) -> Rows:

@@ -14,11 +14,7 @@ from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 
 if TYPE_CHECKING:
-    from linkages.components.mechanism import Mechanism
     from linkages.kernel.model import Model
-
-ROUND_OFF = 4e-15
-"""Distance of two joints, beside the size of the mechanism, that round-off may cause."""
 
 
 class _Distance(LoadNodes):
@@ -51,8 +47,7 @@ class _Distance(LoadNodes):
     @property
     def _apart(self) -> Scalar:
         """Negative where round-off alone keeps its ends apart."""
-        least = ROUND_OFF * extent(self.model.mechanism)
-        nearest = self.model.inputs.nearest(self.index, least)
+        nearest = self.model.inputs.nearest
         return self._between.square - nearest * nearest
 
     @property
@@ -208,12 +203,3 @@ def load_nodes(model: Model, index: int) -> LoadNodes:
             return _Coordinate(model, index, measure)
         case _ as measure:
             assert_never(measure)
-
-
-def extent(mechanism: Mechanism) -> float:
-    """A length that all places have in common: the farthest point of every body, summed up."""
-    places = [*mechanism.attachments.values(), mechanism.anchors]
-    farthest = (
-        max((abs(n.value) for p in some.values() for n in p), default=0.0) for some in places
-    )
-    return sum(farthest)

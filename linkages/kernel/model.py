@@ -10,6 +10,7 @@ from linkages.kernel.inputs import Inputs
 from linkages.kernel.loads import LoadNodes
 from linkages.kernel.measures import load_nodes
 from linkages.kernel.motion import Accelerations, Rates
+from linkages.kernel.parameters import chosen_paths, definition_numbers
 from linkages.kernel.positions import Positions
 from linkages.kernel.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.vectors import Vector
@@ -39,7 +40,8 @@ class Model:
         self.topology = topology
         self.mechanism = topology.mechanism
         self.graph = ScalarGraph()
-        self.inputs = Inputs(self.graph, len(topology.coordinates) + more)
+        paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
+        self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
 
     @cached_property

@@ -9,12 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.mechanism import Mechanism
+from linkages.components.terms import Path
 from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.inputs import Inputs
 from linkages.kernel.iterated import Iterated
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.several import iterate
 from linkages.topology.blocks import Block
+
+Floats = NDArray[np.float64]
 
 STARTS = 2000
 """Random positions from which the modes of an iterated block are looked for."""
@@ -56,13 +61,25 @@ Choice = int | tuple[float, ...]
 """A side, or values of the unknowns."""
 
 
-def parameter_values(model: Model, assembly: Assembly) -> NDArray[np.float64]:
-    """The parameter array of a model, shape (parameters,)."""
-    values = dict(model.inputs.parameters)
-    given = {("side", block): float(side) for block, side in assembly.sides.items()}
-    given |= {("turns", load): value for load, value in assembly.turns.items()}
-    values |= {path: value for path, value in given.items() if path in values}
-    return np.array(list(values.values()), dtype=float)
+def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
+    """The parameter array for a way of assembly, shape (parameters,).
+
+    Parameters
+    ----------
+    inputs
+        Where everything stands in it.
+    numbers
+        The same for any other way.
+    assembly
+        Sides and whole turns; those that kernels do not ask for are left out.
+    """
+    values, places = numbers.copy(), inputs.parameters
+    chosen: dict[Path, float] = {("side", block): side for block, side in assembly.sides.items()}
+    chosen |= {("turns", load): value for load, value in assembly.turns.items()}
+    for path, value in chosen.items():
+        if path in places:
+            values[places[path]] = value
+    return values
 
 
 class Place:
@@ -72,18 +89,26 @@ class Place:
     ----------
     model
         The equations.
+    mechanism
+        What they are of: a mechanism of the model's structure, with numbers of its own.
+    numbers
+        Its parameter array, for any way of assembly.
     time
         In seconds.
     state
         Integrated coordinates and their rates; those found by iteration are replaced.
     """
 
-    def __init__(self, model: Model, time: float, state: NDArray[np.float64]) -> None:
+    def __init__(
+        self, model: Model, mechanism: Mechanism, numbers: Floats, time: float, state: Floats
+    ) -> None:
         self.model = model
+        self.mechanism = mechanism
+        self.numbers = numbers
         self.time = time
         self._state = state
 
-    def state(self, assembly: Assembly) -> NDArray[np.float64]:
+    def state(self, assembly: Assembly) -> Floats:
         """The state with the values of an assembly, shape (2n,)."""
         state = self._state.copy()
         for name, value in assembly.values.items():
@@ -96,7 +121,7 @@ class Place:
             t=np.array([self.time]),
             y=self.state(assembly),
             a=np.zeros(len(self._state)),
-            p=parameter_values(self.model, assembly),
+            p=assembled(self.model.inputs, self.numbers, assembly),
         )
         return [float(np.ravel(value)[0]) for value in evaluated]
 
@@ -118,7 +143,7 @@ class Place:
         known = self.values(list(iteration.external), assembly)
         outside = {n.index: v for n, v in zip(iteration.external, known, strict=True)}
         random = np.random.default_rng(0)
-        turning = [self.model.mechanism.bodies[name].rotates for name in block.unknowns]
+        turning = [self.mechanism.bodies[name].rotates for name in block.unknowns]
         starts = [
             random.uniform(-np.pi, np.pi, STARTS) if turns else random.normal(0, 3 * scale, STARTS)
             for turns, scale in zip(turning, iteration.scales, strict=True)
@@ -142,9 +167,7 @@ class Place:
             yield values
 
 
-def _apart(
-    first: NDArray[np.float64], second: NDArray[np.float64], angles: NDArray[np.bool_]
-) -> bool:
+def _apart(first: Floats, second: Floats, angles: NDArray[np.bool_]) -> bool:
     difference = first - second
     difference[angles] = np.remainder(difference[angles] + np.pi, 2 * np.pi) - np.pi
     return bool(np.abs(difference).max() > SAME * max(1.0, float(np.abs(first).max())))

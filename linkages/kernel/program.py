@@ -153,7 +153,10 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
         block = build_block(by_level[level], places, checks=ending, stores=stores)
         routines.append(Routine(name, doc, {a: sizes[a] for a in arguments}, block))
         places |= {node.index: entry for entry, node in stores.items()}
-    described = "\n".join(f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()))
+    used = {n.arguments for n in nodes if n.operation == "input"}
+    described = "\n".join(
+        f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used
+    )
     heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
     return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level)
 

@@ -56,7 +56,7 @@ def _require_closed(system: System, block: Block) -> None:
     """Loops without an unknown must close by themselves."""
     positions = system.model.positions
     missed = _largest(system, residuals(positions, block))
-    if missed <= CONTRADICTION * block_size(positions, block):
+    if missed <= CONTRADICTION * block_size(system.mechanism, block):
         return
     joints = system.topology.redundant_places
     loop = block.loops[0]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import IntEnum
+from threading import Lock
 from typing import TYPE_CHECKING
 
 from linkages.operations import ELEMENTARY, value_of
@@ -111,6 +112,7 @@ class ScalarGraph:
     def __init__(self) -> None:
         self.nodes: list[Scalar] = []
         self._known: dict[tuple, Scalar] = {}
+        self._making = Lock()
         self.zero = self.number(0.0)
         self.one = self.number(1.0)
 
@@ -118,11 +120,14 @@ class ScalarGraph:
         identity = tuple(a.index if isinstance(a, Scalar) else a for a in arguments)
         key = (operation, *identity)
         node = self._known.get(key)
-        if node is None:
-            node = Scalar(self, operation, arguments, level, len(self.nodes))
-            self.nodes.append(node)
-            self._known[key] = node
-        return node
+        if node is not None:
+            return node
+        with self._making:  # threads share the equations of a structure
+            if key not in self._known:
+                node = Scalar(self, operation, arguments, level, len(self.nodes))
+                self.nodes.append(node)
+                self._known[key] = node
+            return self._known[key]
 
     def _operation(self, operation: str, *arguments: object) -> Scalar:
         levels = (a.level for a in arguments if isinstance(a, Scalar))

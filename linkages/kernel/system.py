@@ -6,30 +6,28 @@ import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import combinations, islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.free import FreeAngle
 from linkages.components.mechanism import Mechanism
-from linkages.components.revolute import GROUND
-from linkages.components.terms import Body, point_words
+from linkages.components.terms import point_words
 from linkages.errors import InputError
 from linkages.kernel.assembly import SeveralPlacesError, assemble
+from linkages.kernel.choose import possible_choices
 from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.model import Model
-from linkages.kernel.modes import Assembly, Place, all_modes, parameter_values
+from linkages.kernel.layout import Layout
+from linkages.kernel.modes import Assembly, Place, all_modes, assembled
+from linkages.kernel.parameters import definition_vector
 from linkages.kernel.redundancy import require_consistent
 from linkages.kernel.scalars import Scalar
+from linkages.kernel.structure import Structure, structure_of, topology_of
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.explanation import explained
-from linkages.topology.graph import gruebler_mobility, topology_graph, unreachable_bodies
 from linkages.topology.jacobian import block_condition, closure_jacobian
-from linkages.topology.topology import Topology, build_topology
+from linkages.topology.topology import Topology
 
-MOST_CHOICES = 200
-"""How many sets of free coordinates are tried where the file names none."""
+Floats = NDArray[np.float64]
 
 
 class System:
@@ -54,21 +52,21 @@ class System:
         self,
         mechanism: Mechanism,
         time: float = 0.0,
-        near: Mapping[str, NDArray[np.float64]] | None = None,
+        near: Mapping[str, Floats] | None = None,
     ) -> None:
         self.mechanism = choose_free(mechanism)
         self.time = time
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
         )
-        self.topology: Topology = build_topology(self.mechanism)
+        self._take(structure_of(self.mechanism))
         try:
             self._assemble(near)
         except InputError as error:
             if not self.topology.redundant:
                 raise
             # which equations are redundant shows in numbers only: solve all of them together
-            self.topology = build_topology(self.mechanism, whole=True)
+            self._take(structure_of(self.mechanism, whole=True))
             try:
                 self._assemble(near)
             except SeveralPlacesError:
@@ -76,16 +74,69 @@ class System:
             except InputError:
                 raise explained(self.mechanism, error) from None
 
-    def _assemble(self, near: Mapping[str, NDArray[np.float64]] | None) -> None:
-        self.model = Model(self.topology)
-        self._place = Place(self.model, self.time, self._given())
+    def _take(self, structure: Structure) -> None:
+        self.structure, self.model = structure, structure.model
+        self.topology: Topology = topology_of(structure.topology, self.mechanism)
+        self.numbers = definition_vector(self.mechanism, self.model.inputs.parameters)
+
+    def _assemble(self, near: Mapping[str, Floats] | None) -> None:
+        given = self._given()
+        self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self.assembly: Assembly = assemble(self._place, near)
-            self.state: NDArray[np.float64] = self._settled(self.assembly)
+            self.state: Floats = self._settled(self.assembly)
             self._require_places()
             require_consistent(self)
             if near is None:
                 self._require_loads()
+
+    @cached_property
+    def parameters(self) -> Floats:
+        """The parameter array of the equations, in this way of assembly, shape (p,)."""
+        return assembled(self.model.inputs, self.numbers, self.assembly)
+
+    @cached_property
+    def margin_scale(self) -> Floats:
+        """Sizes of the margins of all blocks, shape (blocks,)."""
+        return self.evaluate(self.model.margin_scales)[:, 0]
+
+    def turned(self, state: Floats, turns: Mapping[int, float]) -> System:
+        """The same with other whole turns: in the state, and of torsional springs."""
+        return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
+
+    def bound(
+        self,
+        mechanism: Mechanism,
+        numbers: Floats,
+        assembly: Assembly,
+        state: Floats,
+        margin_scale: Floats,
+    ) -> System:
+        """The system of another mechanism of this structure, whose assembly is known.
+
+        Parameters
+        ----------
+        mechanism, numbers
+            The mechanism, and its parameters for any way of assembly, shape (p,).
+        assembly, state, margin_scale
+            As a system of its own would have them.
+        """
+        return self._with(
+            mechanism=mechanism,
+            topology=topology_of(self.structure.topology, mechanism),
+            numbers=numbers,
+            assembly=assembly,
+            state=state,
+            margin_scale=margin_scale,
+            _place=Place(self.model, mechanism, numbers, self.time, state),
+        )
+
+    def _with(self, **changed: object) -> System:
+        found = copy.copy(self)
+        for derived in ("parameters", "margin_scale", "jacobian"):
+            vars(found).pop(derived, None)
+        vars(found).update(changed)
+        return found
 
     def _require_places(self) -> None:
         """Make sure that all points are somewhere."""
@@ -104,36 +155,36 @@ class System:
         if found:
             raise self.mechanism.error(dict.fromkeys(found))  # both axes of a force say the same
 
-    def _given(self) -> NDArray[np.float64]:
+    @property
+    def layout(self) -> Layout:
+        """What stands where in its state."""
+        return Layout.of(self.topology)
+
+    def _given(self) -> Floats:
         """Free coordinates and their rates as they are given; zero for those carried along."""
         initial = [self.mechanism.initial[name] for name in self.topology.free]
         carried = [0.0] * len(self.topology.carried)
         positions, speeds = [i.position for i in initial], [i.speed for i in initial]
         return np.array([*positions, *carried, *speeds, *carried])
 
-    def _settled(self, assembly: Assembly) -> NDArray[np.float64]:
+    def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""
         state = self._place.state(assembly)
-        count, carried = len(self.topology.coordinates), len(self.topology.carried)
-        if carried:
-            values = self._place.values(self.model.settled, assembly)
-            state[count - carried : count] = values[:carried]
-            state[2 * count - carried :] = values[carried:]
+        if self.topology.carried:
+            rows = self.layout.carried_rows
+            state[rows] = self._place.values(self.model.settled, assembly)
         return state
 
-    def at(self, time: float, state: NDArray[np.float64], flipped: Collection[int] = ()) -> System:
-        """The same mechanism at another time and state, with some blocks in their other mode."""
-        found = copy.copy(self)
-        found.time, found.state = time, state
+    def at(self, time: float, state: Floats, flipped: Collection[int] = ()) -> System:
+        """The same at another time and in another state, with some blocks in their other mode."""
         sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
-        found.assembly = replace(self.assembly, sides=sides)
-        return found
+        return self._with(time=time, state=state, assembly=replace(self.assembly, sides=sides))
 
     def modes(self) -> list[Assembly]:
         """All assembly modes at the initial values of drives and free coordinates."""
         return all_modes(self._place)
 
-    def in_mode(self, assembly: Assembly) -> dict[str, NDArray[np.float64]]:
+    def in_mode(self, assembly: Assembly) -> dict[str, Floats]:
         """Point → position in an assembly mode at the initial state, shape (2,)."""
         joints = self.model.positions.joints
         nodes = [node for place in joints.values() for node in (place.x, place.y)]
@@ -143,11 +194,11 @@ class System:
     def evaluate(
         self,
         nodes: Sequence[Scalar],
-        time: NDArray[np.float64] | float | None = None,
-        state: NDArray[np.float64] | None = None,
-        acceleration: NDArray[np.float64] | None = None,
+        time: Floats | float | None = None,
+        state: Floats | None = None,
+        acceleration: Floats | None = None,
         flipped: Mapping[int, NDArray[np.bool_]] | None = None,
-    ) -> NDArray[np.float64]:
+    ) -> Floats:
         """Values of nodes of the model, shape (nodes, times).
 
         Parameters
@@ -169,24 +220,23 @@ class System:
             state = self.state[:, None]
         count = len(self.topology.coordinates)
         accelerations = np.zeros((count, 1)) if acceleration is None else acceleration
-        parameters: NDArray[np.float64] = parameter_values(self.model, self.assembly)
+        parameters = self.parameters
         if flipped:
             parameters = np.repeat(parameters[:, None], len(times), axis=1)
-            paths = list(self.model.inputs.parameters)
             for block, where in flipped.items():
-                parameters[paths.index(("side", block)), where] *= -1.0
+                parameters[self.model.inputs.parameters["side", block], where] *= -1.0
         values = Evaluator(nodes)(t=times[None], y=state, a=accelerations, p=parameters)
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
             row[:] = value
         return result
 
-    def places(self) -> dict[str, NDArray[np.float64]]:
+    def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""
         return self.in_mode(self.assembly)
 
     @property
-    def axes(self) -> dict[str, NDArray[np.float64]]:
+    def axes(self) -> dict[str, Floats]:
         """Slider → unit vector of its axis at the initial state."""
         sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
         units = [self.model.positions.unit(name) for name in sliders]
@@ -194,7 +244,7 @@ class System:
         return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 
     @cached_property
-    def jacobian(self) -> NDArray[np.float64]:
+    def jacobian(self) -> Floats:
         """The closure Jacobian at the initial state, columns scaled to unit length."""
         return closure_jacobian(self.topology, self.places(), self.axes)
 
@@ -210,27 +260,16 @@ class System:
 def choose_free(mechanism: Mechanism) -> Mechanism:
     """Add the free coordinates that the definition does not name.
 
-    Clearances are always free. Beyond them, ground-connected bars are taken whose position at
-    t = 0 follows from the `assembly` section; among all possible choices the one with the
-    best-conditioned closure, at rest.
+    Among all `possible_choices` the one with the best-conditioned closure, at rest.
 
     Raises
     ------
     InputError
         If there are choices but none of them can be assembled: what the first one lacks.
     """
-    graph = topology_graph(mechanism)
-    known = len(mechanism.prescribed) + len(mechanism.initial)
-    needed = gruebler_mobility(mechanism) - known
-    if needed <= 0 or unreachable_bodies(graph):
-        return mechanism
-    candidates = [c for body in mechanism.bodies.values() if (c := _candidate(mechanism, body))]
     best: tuple[float, Mechanism] | None = None
     refusal: InputError | None = None
-    for choice in islice(combinations(candidates, needed), MOST_CHOICES):
-        completed = mechanism
-        for component in choice:
-            completed = completed.with_component(component)
+    for completed in possible_choices(mechanism):
         try:
             system = System(completed)
         except InputError as error:
@@ -242,25 +281,3 @@ def choose_free(mechanism: Mechanism) -> Mechanism:
     if best is None and refusal is not None:
         raise refusal
     return mechanism if best is None else best[1]
-
-
-def _candidate(mechanism: Mechanism, body: Body) -> FreeAngle | None:
-    """The angle of a bar on the ground, if the place of another of its joints is known.
-
-    A point that a clearance displaces is as good as at its joint.
-    """
-    followers = (relation.body for relation in mechanism.relations)
-    taken = body.name in {*mechanism.prescribed, *mechanism.initial, *followers}
-    pins = [joint for joint in body.points if joint in mechanism.ground]
-    links = (link for link in mechanism.bodies.values() if link.kind == "clearance")
-    beside = {displaced: joint for joint, displaced in (link.points for link in links)}
-    hints = [(j, mechanism.hints.get(beside.get(j, j))) for j in body.points if j not in pins]
-    places = [(j, hint.position) for j, hint in hints if hint is not None and hint.position]
-    if taken or not body.rotates or not pins or not places or body.name == GROUND:
-        return None
-    joint, place = places[0]
-    origin = [value.value for value in mechanism.ground[pins[0]]]
-    pin, point = ([value.value for value in body.points[j]] for j in (pins[0], joint))
-    direction = np.arctan2(place[1] - origin[1], place[0] - origin[0])
-    own = np.arctan2(point[1] - pin[1], point[0] - pin[0])
-    return FreeAngle(name=body.name, angle=float(direction - own))

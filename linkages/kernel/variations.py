@@ -5,33 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from linkages.kernel.differentiation import derivative_along
+from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar, section
 
 
 @section("variational equations")
-def variations(model: Model, count: int) -> list[Scalar]:
+def variations(model: Model, layout: Layout) -> list[Scalar]:
     """Second derivatives of tangents: the equations of motion, linearised in a direction.
 
     Parameters
     ----------
     model
-        Its last ``count·n`` coordinates are the components of the tangents.
-    count
-        Number of tangents.
+        Its coordinates are those of the layout.
+    layout
+        Where the components of the tangents stand.
 
     Returns
     -------
     For each tangent n nodes.
     """
-    if not count:
+    if not layout.tangents:
         return []
-    inputs, n = model.inputs, len(model.topology.free)
-    first = inputs.coordinates - count * n
+    inputs, n = model.inputs, len(layout.free)
     directions: list[Mapping[int, Scalar]] = []
-    for k in range(count):
-        places = {inputs.coordinate(i): inputs.coordinate(first + k * n + i) for i in range(n)}
-        speeds = {inputs.rate(i): inputs.rate(first + k * n + i) for i in range(n)}
+    for column in layout.tangent_rows[:n].T.tolist():
+        places = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(column)}
+        speeds = {inputs.rate(i): inputs.rate(row) for i, row in enumerate(column)}
         directions.append({node.index: moved for node, moved in (places | speeds).items()})
     rows = derivative_along(model.free_accelerations, directions)
-    return [rows[i][k] for k in range(count) for i in range(n)]
+    return [rows[i][k] for k in range(layout.tangents) for i in range(n)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any
 
 Path = tuple[str | int, ...]
@@ -27,6 +28,7 @@ def dotted(path: Path) -> str:
     return text
 
 
+@lru_cache(maxsize=4096)
 def split(text: str) -> Path | None:
     """Split a dotted path into steps; None where it is not one.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,8 @@ from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.flows import watched_function
 from linkages.solution.motion import Motion, Piece
+from linkages.solution.plan import Plan
 from linkages.solvers.events import Event
 
 Floats = NDArray[np.float64]
@@ -40,12 +40,15 @@ class Guard:
         Number of crossings at which the motion ends; 0: it does not.
     counts
         Which crossings count, of those of a piece; all if None.
+    key
+        Equal for guards with the same nodes, which are printed once for a structure.
     """
 
     nodes: Callable[[Model], tuple[Scalar, Scalar]]
     direction: int = 0
     wanted: int = 0
     counts: Callable[[Piece], NDArray[np.bool_]] | None = None
+    key: Hashable = None
 
 
 class Watched:
@@ -76,12 +79,12 @@ class Watched:
         """The states at the crossings."""
         return Motion(pieces=tuple(self._pieces)).part(last=self._guard.wanted or None)
 
-    def event(self, system: System, flipped: tuple[int, ...]) -> Event:
+    def event(self, plan: Plan, system: System, flipped: tuple[int, ...]) -> Event:
         """What the next integration of a system is to watch."""
         wanted = self._guard.wanted
         room = self._wider * (wanted - self._count if wanted else AT_ONCE)
         return Event(
-            function=watched_function(system, self._guard.nodes, flipped),
+            function=plan.watch(system, self._guard.nodes, self._guard.key, flipped),
             direction=self._guard.direction,
             terminal=room,
             capacity=room,

@@ -18,7 +18,6 @@ from linkages.kernel.layout import Layout
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.determined import is_determined
-from linkages.solution.flows import Flows
 from linkages.solution.guards import Guard, Watched
 from linkages.solution.motion import (
     COULD_PASS,
@@ -31,6 +30,7 @@ from linkages.solution.motion import (
     passed_text,
 )
 from linkages.solution.passage import Crossing, Passage
+from linkages.solution.plan import Plan
 from linkages.solution.renormalising import Renormalised
 from linkages.solution.switching import better_system, movable, passes, tangent_map
 from linkages.solution.undefined import loads_at_stop
@@ -108,7 +108,8 @@ class March:
         """
         self.system = system
         self.layout = Layout.of(system.topology, *self._extra)
-        self._flows = Flows(system, *self._extra)
+        work, columns, counting = self._extra
+        self._plan = Plan.of(system, work=work, tangents=columns, counting=counting)
         self.flipped: tuple[int, ...] = ()
         self.time = system.time
         self._vector = self.layout.packed(system.state, self._work, tangents)
@@ -188,7 +189,7 @@ class March:
         nodes = [*model.margins, *model.margin_rates]
         state = self.state[:, None]
         values = self.system.evaluate(nodes, self.time, state, flipped=flipped)[:, 0]
-        relative = np.abs(values[:blocks]) / self._flows.margin_scale
+        relative = np.abs(values[:blocks]) / self.system.margin_scale
         with np.errstate(invalid="ignore"):  # in a change point rates are infinite
             growing = values[:blocks] * values[blocks:] * self._direction > 0
         if stopped is not None:
@@ -269,13 +270,13 @@ class March:
         used = self.cost["steps"] + self.cost["rejected"]
         tangents = self._renormalised
         return integrate(
-            self._flows.flow(self.flipped, self._least),
+            self._plan.bind(self.system, self.flipped, self._least),
             self._vector,
             self._times[self._taken :],
             start=self.time,
             **self.run.after(used).integration | {"atol": self._atol()},
             angles=self._angles,
-            events=[watched.event(self.system, self.flipped) for watched in self._watched],
+            events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
             tangents=None if tangents is None else tangents.plan(self.layout),
             watch=self._progress(watch),
         )
@@ -369,7 +370,7 @@ class March:
 
     def _pass_through(self) -> bool:
         """Step across the change point ahead, if it is one."""
-        crossing = Crossing(self._flows.flow(self.flipped), self._direction)
+        crossing = Crossing(self._plan.bind(self.system, self.flipped), self._direction)
         ahead = crossing.ahead(self.time, self._vector)
         if ahead is None:
             return False
@@ -378,7 +379,7 @@ class March:
         if not all(("side", block) in self.system.model.inputs.parameters for block in blocks):
             return False
         passage = crossing.across(
-            self._flows.flow(beyond),
+            self._plan.bind(self.system, beyond),
             self.time,
             self._vector,
             left,

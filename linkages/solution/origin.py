@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
 from linkages.components.mechanism import Mechanism
-from linkages.reading.writing import as_yaml
 
 DEFINITION = "definition"
 
@@ -30,11 +28,8 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     ``version``; ``options`` as JSON; and ``definition``, YAML text in which all values are put in,
     those that were changed in Python as well.
     """
-    definition = mechanism.definition
-    name = {"name": mechanism.name}  # first, and not that of whatever file this is read from
-    content = name | definition.content | name
     return {
         "version": f"linkages {version('linkages')}",
         "options": json.dumps(options, default=str, ensure_ascii=False),
-        DEFINITION: as_yaml(replace(definition, content=content)),
+        DEFINITION: mechanism.to_yaml(),
     }

@@ -12,7 +12,6 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,10 +63,9 @@ def better_system(
     if best is None or here.distance(best) < BETTER * present:
         return None
     try:
-        found = System(here.mechanism(best), time, near=here.places)
+        found = here.wound(System(here.mechanism(best), time, near=here.places))
     except InputError:
         return None
-    here.wind(found)
     return found if here.is_place_of(found) else None
 
 
@@ -134,13 +132,13 @@ class _Configuration:
         self._rates = dict(zip(own, found[3].tolist(), strict=True))
         self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
 
-    def wind(self, other: System) -> None:
-        """Give another system the whole turns of this one, where springs and gears count them."""
-        topology = other.topology
+    def wound(self, other: System) -> System:
+        """Another system with the whole turns of this one, where springs and gears count them."""
+        topology, state = other.topology, other.state.copy()
         for index, name in enumerate(topology.coordinates):
             if name in topology.carried:
-                other.state[index] = self._coordinates[name]
-        other.assembly = replace(other.assembly, turns=self._system.assembly.turns)
+                state[index] = self._coordinates[name]
+        return other.turned(state, self._system.assembly.turns)
 
     def is_place_of(self, other: System) -> bool:
         """Whether all points of another system are where they are here."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+from functools import lru_cache
 
 from linkages.reading.wording import shown
 from linkages.spec.arithmetic import NumberError, leading_number
@@ -45,25 +46,29 @@ def parse_quantity(
     QuantityError
         The value is no finite number, is out of bounds, or has a unit of something else.
     """
-    expected, found = dimension.expected(bound), shown(value)
+
+    def refused(why: str = "") -> QuantityError:
+        return QuantityError(dimension.expected(bound), f"{shown(value)}{why}")
+
     try:
         if isinstance(value, str):
             number = _from_text(value, dimension)
         elif isinstance(value, numbers.Real) and not isinstance(value, bool):
             number = float(value)
         else:
-            raise QuantityError(expected, found)
+            raise refused()
         if not math.isfinite(number):
             raise NumberError("not a finite number")
     except OverflowError:
-        raise QuantityError(expected, f"{found}: too large for a number") from None
+        raise refused(": too large for a number") from None
     except (NumberError, UnitError) as fault:
-        raise QuantityError(expected, f"{found}: {fault}") from None
+        raise refused(f": {fault}") from None
     if not bound.holds(number):
-        raise QuantityError(expected, found)
+        raise refused()
     return number
 
 
+@lru_cache(maxsize=4096)  # a sweep reads the same entries again and again
 def _from_text(text: str, dimension: Dimension) -> float:
     # Printed formulas carry U+2212; it means nothing else.
     number, unit_text = leading_number(text.replace("−", "-").strip())

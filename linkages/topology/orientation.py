@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Relation
+from linkages.components.terms import Parameter, Relation
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,9 @@ def slaves(mechanism: Mechanism) -> dict[str, Relation]:
     return {relation.body: relation for relation in mechanism.relations}
 
 
-def is_unit(value: float) -> bool:
+def is_unit(ratio: Parameter) -> bool:
     """Whether a ratio is structure: a body that turns with another as if fixed to it."""
-    return value == 1.0
+    return ratio.value == 1.0 and not ratio.kept
 
 
 def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[str, Orientation]:
@@ -65,7 +65,7 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
     def combined(relation: Relation) -> Orientation:
         others = [orientation(other) for other, _ in relation.parts]
         masters = tuple(dict.fromkeys(m for other in others for m in other.masters))
-        unit = all(is_unit(ratio.value) for _, ratio in relation.parts)
+        unit = all(is_unit(ratio) for _, ratio in relation.parts)
         rigid = unit and len(others) <= 1 and all(other.rigid for other in others)
         return Orientation(masters, rigid)
 
@@ -76,6 +76,6 @@ def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a gear depends on it."""
     found = {name for load in mechanism.loads for name in load.turned}
     for relation in mechanism.relations:
-        if not all(is_unit(ratio.value) for _, ratio in relation.parts):
+        if not all(is_unit(ratio) for _, ratio in relation.parts):
             found |= {relation.body, *(name for name, _ in relation.parts)}
     return found

@@ -35,7 +35,7 @@ from linkages import (
 from linkages.benchmark.calls import seconds_per_evaluation
 from linkages.kernel.counting import report_kernel
 from linkages.kernel.system import System
-from linkages.solution.flows import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 
 ROUNDS = 31
 LINKS = (2, 4, 8, 16, 32, 64, 100, 150, 200)
@@ -84,7 +84,7 @@ def measure(links: int) -> Figures:
     begin = time.process_time()
     system = System(chain(links))
     analysed = time.process_time()
-    source = kernel_source(system)
+    source = kernel_source(system.topology)
     program = source.program
     printed = time.process_time()
     flow = build_flow(system)

@@ -12,7 +12,7 @@ import pytest
 import linkages
 from linkages.kernel.counting import report_kernel
 from linkages.kernel.system import System
-from linkages.solution.flows import build_flow, kernel_source
+from linkages.solution.plan import build_flow, kernel_source
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -22,7 +22,7 @@ KEPT = Path(__file__).parents[2] / "docs" / "_static" / "chains.json"
 
 
 def operations(links):
-    source = kernel_source(System(chain(links)))
+    source = kernel_source(System(chain(links)).topology)
     return sum(
         sum(part.values()) for part in report_kernel(source.model, source.program).counts.values()
     )

@@ -16,8 +16,8 @@ from linkages.benchmark.calls import derivative
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.flows import build_flow, kernel_source
 from linkages.solution.march import integrated_motion
+from linkages.solution.plan import build_flow, kernel_source
 from linkages.solution.simulate import simulate
 from linkages.solvers.integration import integrate
 from linkages.topology.topology import build_topology
@@ -64,7 +64,7 @@ def test_topology(timed, press):
 
 
 def test_model_and_program(timed, system):
-    program = timed(lambda: kernel_source(system).program)
+    program = timed(lambda: kernel_source(system.topology).program)
     assert "def rates" in program.text
 
 

@@ -18,8 +18,8 @@ from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import parse_range, together
 from linkages.components.definition import from_document
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.derivatives import compile_jacobian
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.compiled import bind_kernel
+from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
@@ -189,9 +189,7 @@ def test_sum_of_exponents_is_the_mean_divergence():
     system = System(mechanism)
     exponents = exponents_of(mechanism, periods=40)
     model = system.model
-    jacobian = compile_jacobian(
-        model, model.free_accelerations, parameter_values(model, system.assembly)
-    )
+    jacobian = bind_kernel(write_jacobian(model, model.free_accelerations), system.parameters)
 
     class Kernel:
         clock, rates = jacobian.clock, jacobian.rates

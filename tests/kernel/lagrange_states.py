@@ -7,7 +7,8 @@ import numpy as np
 
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.model import Model
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.modes import assembled
+from linkages.kernel.parameters import definition_vector
 from linkages.kernel.system import System, choose_free
 from linkages.topology.blocks import ITERATED
 from linkages.topology.topology import build_topology
@@ -148,7 +149,9 @@ class Kernel:
     def _numbers(self, rng):
         """Numbers of the file, with random sides, and random drives of bars."""
         bodies = self.topology.mechanism.bodies
-        parameters = {path: np.full(STATES, v) for path, v in self.model.inputs.parameters.items()}
+        paths = self.model.inputs.parameters
+        numbers = definition_vector(self.topology.mechanism, paths)
+        parameters = {p: np.full(STATES, v) for p, v in zip(paths, numbers, strict=True)}
         for path in parameters:
             if path[0] == "side":
                 parameters[path] = rng.choice([-1.0, 1.0], STATES)
@@ -175,9 +178,9 @@ class Kernel:
 
     @cached_property
     def _assembled(self):
-        """The state at t = 0 and all assembly modes."""
+        """The system at t = 0 and all assembly modes."""
         system = System(self.topology.mechanism)
-        return system.state, system.modes()
+        return system, system.modes()
 
     def _walked(self, rng):
         """Positions of all assembly modes at t = 0, moved by random steps.
@@ -186,11 +189,12 @@ class Kernel:
         is not made.
         """
         topology, paths = self.topology, list(self.model.inputs.parameters)
-        start, modes = self._assembled
+        system, modes = self._assembled
+        start, inputs = system.state, self.model.inputs
         modes = rng.permutation(np.array(modes, dtype=object))
         modes = [modes[i % len(modes)] for i in range(STATES)]
         count = len(topology.coordinates)
-        parameters = np.array([parameter_values(self.model, mode) for mode in modes]).T
+        parameters = np.array([assembled(inputs, system.numbers, mode) for mode in modes]).T
         positions = np.repeat(start[:count, None], STATES, axis=1)
         for i, name in enumerate(topology.coordinates):
             if name in topology.iterated:

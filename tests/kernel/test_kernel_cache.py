@@ -189,13 +189,12 @@ SCRIPT = """
 import ctypes, json, sys
 import numpy as np
 from linkages.components.definition import load
-from linkages.kernel.compiled import compile_kernel
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.compiled import bind_kernel
 from linkages.kernel.program import write_program
 from linkages.kernel.system import System
 of = System(load(sys.argv[1]))
 program = write_program(of.model, of.model.free_accelerations)
-kernel = compile_kernel(program, parameter_values(of.model, of.assembly))
+kernel = bind_kernel(program, of.parameters)
 pointer = lambda a: a.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 timed, out = np.zeros(max(1, kernel.timed)), np.zeros(2)
 assert kernel.module.clock.ctypes(0.0, pointer(kernel.parameters), pointer(timed)) == 0

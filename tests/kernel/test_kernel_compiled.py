@@ -7,8 +7,7 @@ import pytest
 from linkage_models import program, system
 
 from linkages.kernel.cache import ENVIRONMENT_VARIABLE, cache_folder
-from linkages.kernel.compiled import compile_kernel
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.compiled import bind_kernel
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 
@@ -29,7 +28,7 @@ class Compiled:
     def __init__(self, of):
         self.of = of
         self.written = program(of)
-        self.kernel = compile_kernel(self.written, parameter_values(of.model, of.assembly))
+        self.kernel = bind_kernel(self.written, of.parameters)
         self.size = len(of.topology.free) + 2 * len(of.topology.solved_blocks)
 
     def __call__(self, time, state):

@@ -8,14 +8,13 @@ import pytest
 import sympy
 from linkage_models import LOOPED, program, system
 
+from linkages.kernel.compiled import bind_kernel
 from linkages.kernel.derivatives import (
-    compile_jacobian,
     derivative,
     jacobian_nodes,
     write_jacobian,
 )
 from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import Level, ScalarGraph, reachable
 
 POINTER = ctypes.POINTER(ctypes.c_double)
@@ -93,7 +92,7 @@ def moving(name):
     model, n = of.model, of.model.inputs.coordinates
     accelerations = model.free_accelerations
     state = np.array(of.state) + np.concatenate([np.full(n, 0.01), np.linspace(1.0, 2.0, n)])
-    return model, accelerations, parameter_values(model, of.assembly), state
+    return model, accelerations, of.parameters, state
 
 
 FREE = [name for name in LOOPED if system(name).topology.free]
@@ -126,7 +125,7 @@ def test_jacobian_follows_central_differences(name):
 def test_compiled_jacobian_is_the_evaluated_one(name):
     model, accelerations, parameters, state = moving(name)
     entries = [entry for row in jacobian_nodes(model, accelerations) for entry in row]
-    kernel = compile_jacobian(model, accelerations, parameters)
+    kernel = bind_kernel(write_jacobian(model, accelerations), parameters)
     timed, out = np.zeros(max(1, kernel.timed)), np.zeros(len(entries) + 2 * len(model.margins))
 
     def address(values):

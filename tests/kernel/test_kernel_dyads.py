@@ -11,7 +11,6 @@ from linkages.components.definition import from_document
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.model import Model
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.kernel.system import System
 from linkages.kernel.vectors import Vector
@@ -311,7 +310,7 @@ def motion_of(of):
     turning_rates = [model.accelerations.bodies[n] for n in names]
     groups = [joints, speeds, accelerations, turning, turning_rates]
     evaluator = Evaluator([node for group in groups for node in group])
-    parameters = parameter_values(model, of.assembly)
+    parameters = of.parameters
     ends = np.cumsum([len(group) for group in groups])[:-1]
 
     def at(t, coordinates, rates, second):

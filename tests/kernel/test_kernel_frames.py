@@ -164,8 +164,8 @@ def test_right_angles_are_structure(of, frames, quarters):
 
 
 def test_other_angles_are_parameters(of, frames):
-    direction = frames.direction(Parameter(("another", "angle"), 0.4))
+    path, *others = of.model.inputs.parameters
+    direction = frames.direction(Parameter(path, 0.4))
     assert direction.x.level == direction.y.level == Level.PARAMETERS
-    value = np.array([*of.model.inputs.parameters.values()])
-    x, y = Evaluator([direction.x, direction.y])(p=value)
+    x, y = Evaluator([direction.x, direction.y])(p=np.array([0.4, *map(float, range(len(others)))]))
     assert complex(x, y) == pytest.approx(np.exp(0.4j), abs=1e-16)

@@ -7,11 +7,10 @@ from kernel_motion import call, carried_along, difference
 from linkage_models import refusal, system_of, values
 from scipy.optimize import fsolve
 
-from linkages.kernel.compiled import compile_kernel
-from linkages.kernel.derivatives import compile_jacobian, jacobian_nodes
+from linkages.kernel.compiled import bind_kernel
+from linkages.kernel.derivatives import jacobian_nodes, write_jacobian
 from linkages.kernel.dyads import LinkAndSlider
 from linkages.kernel.iterated import Iterated
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.program import write_program
 
 MODELS = {"plate on three legs": TRIAD, "with a slider": WITH_SLIDER}
@@ -150,7 +149,7 @@ def test_compiled_equals_evaluated(text, change):
     of, accelerations, program = kernels(change(text))
     model = of.model
     roots = [*accelerations, *model.margins, *model.margin_rates, *model.settled]
-    kernel = compile_kernel(program, parameter_values(model, of.assembly))
+    kernel = bind_kernel(program, of.parameters)
     for time in (0.0, 0.05):
         state = of.state + 0.01
         clock, rates, found = call(kernel, time, state, len(roots))
@@ -163,7 +162,7 @@ def test_compiled_equals_evaluated(text, change):
 def test_what_cannot_be_assembled_is_a_status():
     """The number of the block, if the crank pulls the plate out of reach or starts too far off."""
     of, _, program = kernels(free(TRIAD.replace("length: 0.05", "length: 0.3")))
-    kernel = compile_kernel(program, parameter_values(of.model, of.assembly))
+    kernel = bind_kernel(program, of.parameters)
     size = len(of.state) // 2
     assert call(kernel, 0.0, of.state, size)[:2] == (0, 0)
     away, nan = of.state.copy(), of.state.copy()
@@ -187,7 +186,7 @@ def test_a_printed_kernel_says_what_it_writes():
 def test_a_correction_that_turns_a_body_far_is_no_position(name, side):
     """Beyond half a radian it need not be the same mode any more, although it converges."""
     of, _, program = kernels(free(TRIAD))
-    kernel = compile_kernel(program, parameter_values(of.model, of.assembly))
+    kernel = bind_kernel(program, of.parameters)
     size, place = len(of.state) // 2, of.topology.coordinates.index(name)
     for turned, status in ((0.49, 0), (0.51, 1)):
         away = of.state.copy()
@@ -200,7 +199,7 @@ def test_exact_jacobians_of_a_free_crank(text):
     """Evaluated and compiled, against differences of the accelerations."""
     of, accelerations, _ = kernels(free(text))
     model = of.model
-    parameters = parameter_values(model, of.assembly)
+    parameters = of.parameters
     state = of.state.copy()
     n = len(state) // 2
     state[n] += 2.0
@@ -220,7 +219,7 @@ def test_exact_jacobians_of_a_free_crank(text):
     # positions follow from the crank alone: what is carried along has no influence
     carried = [k for k in range(2 * n) if k not in (0, n)]
     assert np.abs(exact[:, carried]).max() <= 1e-9 * scale
-    kernel = compile_jacobian(model, accelerations, parameters)
+    kernel = bind_kernel(write_jacobian(model, accelerations), parameters)
     clock, rates, found = call(kernel, 0.0, state, exact.size)
     assert (clock, rates) == (0, 0)
     assert found == pytest.approx(exact.ravel(), abs=1e-11 * scale)

@@ -11,7 +11,7 @@ from linkage_models import system_of
 
 from linkages.components.laws.law import function_of
 from linkages.kernel.laws import law_values
-from linkages.solution.flows import kernel_source
+from linkages.solution.plan import kernel_source
 from linkages.spec.formulas import formula
 from linkages.spec.grammar import NumberError
 
@@ -66,7 +66,7 @@ def _names(tree, context):
 
 
 def printed(law):
-    return kernel_source(system_of(LOADED.replace("LAW", law))).program.text
+    return kernel_source(system_of(LOADED.replace("LAW", law)).topology).program.text
 
 
 @pytest.mark.parametrize("law", ["t", "-t", "max(t, t)", "min(-t, -t)", "t/1"])

@@ -14,6 +14,7 @@ from linkages.components.terms import Parameter
 from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.laws import law_of, law_values, table_numbers, value_of
+from linkages.kernel.parameters import numbers_in
 from linkages.kernel.scalars import Level, ScalarGraph
 
 TIMES = np.array([0.05, 0.4, 1.3, 2.2])
@@ -144,10 +145,16 @@ def test_linear_tables(periodic, held):
     assert found == pytest.approx(expected, abs=1e-13)
 
 
+def nodes_of(function):
+    """The nodes of a function of time, and its numbers."""
+    given = dict(numbers_in(function))
+    return law_of(function, Inputs(ScalarGraph(), 0, given)), np.array(list(given.values()))
+
+
 @pytest.mark.parametrize("held", [False, True])
 def test_monotone_tables_are_those_of_scipy(held):
-    law = law_of(Table((), KNOTS, LEVELS, False, "pchip", held), inputs := Inputs(ScalarGraph(), 0))
-    numbers = np.array(list(inputs.parameters.values()))
+    table = Table((), KNOTS, LEVELS, False, "pchip", held)
+    law, numbers = nodes_of(table)
     found = Evaluator([law.value, law.rate, law.acceleration])(t=WHERE[None], p=numbers)
     exact = PchipInterpolator(KNOTS, LEVELS)
     inner, steady = np.clip(WHERE, KNOTS[0], KNOTS[-1]), np.zeros(len(WHERE))
@@ -191,10 +198,8 @@ def test_a_periodic_monotone_table_has_no_corner_at_its_seam():
     one, other = (Table((), *points, True, "pchip") for points in ((times, values), moved))
     where = np.linspace(-3.0, 5.0, 401)
     assert law_values(one, where) == pytest.approx(law_values(other, where), abs=1e-13)
-    inputs = Inputs(ScalarGraph(), 0)
-    rate = law_of(one, inputs).rate
-    numbers = np.array(list(inputs.parameters.values()))
-    (slopes,) = Evaluator([rate])(t=np.array([[2.0 - 1e-9, 2.0 + 1e-9]]), p=numbers)
+    law, numbers = nodes_of(one)
+    (slopes,) = Evaluator([law.rate])(t=np.array([[2.0 - 1e-9, 2.0 + 1e-9]]), p=numbers)
     # the second derivative, below 20, moves it by less than 4e-8
     assert slopes[0] == pytest.approx(slopes[1], abs=1e-7)
 
@@ -216,13 +221,13 @@ def test_a_rise_begins_and_ends_at_rest(profile):
 
 
 def test_numbers_of_formulas_are_structure_and_those_of_drives_are_not():
-    graph = ScalarGraph()
-    inputs = Inputs(graph, 0)
+    path = ("drives", "rod", "speed")
+    inputs = Inputs(ScalarGraph(), 0, [path])
     fixed = value_of(Number(Parameter((), 2.5)), inputs)
     assert fixed.constant == 2.5
-    given = value_of(Number(Parameter(("drives", "rod", "speed"), 2.5)), inputs)
+    given = value_of(Number(Parameter(path, 2.5)), inputs)
     assert given.level == Level.PARAMETERS
-    assert inputs.parameters == {("drives", "rod", "speed"): 2.5}
+    assert given.arguments == ("p", 0)
 
 
 def test_a_law_that_is_none():

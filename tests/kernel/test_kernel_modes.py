@@ -6,7 +6,7 @@ from kernel_motion import places_at
 from linkage_models import refusal, system, system_of
 
 from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.modes import Assembly, parameter_values
+from linkages.kernel.modes import Assembly, assembled
 from linkages.kernel.outputs import VARIABLES
 
 FOUR_BAR = """
@@ -37,7 +37,7 @@ def closure(of, mode):
     state = of.state.copy()
     for name, value in mode.values.items():
         state[of.topology.coordinates.index(name)] = value
-    parameters = parameter_values(of.model, mode)
+    parameters = assembled(of.model.inputs, of.numbers, mode)
     values = Evaluator(nodes)(t=np.array([of.time]), y=state, p=parameters)
     return max((abs(float(np.squeeze(value))) for value in values), default=0.0)
 
@@ -151,7 +151,10 @@ def test_parameters_of_an_assembly():
     of = system("ninebar")
     paths = list(of.model.inputs.parameters)
     one, other = of.modes()[0], of.modes()[-1]
-    first, second = parameter_values(of.model, one), parameter_values(of.model, other)
+    first, second = (
+        assembled(of.model.inputs, of.numbers, one),
+        assembled(of.model.inputs, of.numbers, other),
+    )
     changed = {paths[i] for i in np.flatnonzero(first != second)}
     assert changed == {("side", 0), ("side", 1), ("side", 2)}
     assert np.array_equal(np.abs(first), np.abs(second))

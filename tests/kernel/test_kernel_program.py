@@ -7,7 +7,8 @@ import sys
 import pytest
 from linkage_models import FOLDER, NAMES, program, system, system_of, text_of
 
-from linkages.kernel.program import GENERATOR_VERSION
+from linkages.kernel.model import Model
+from linkages.kernel.program import GENERATOR_VERSION, write_program
 from linkages.kernel.scalars import Level, reachable
 
 FREE_FOUR_BAR = """
@@ -99,10 +100,11 @@ SCRIPT = """
 import hashlib, sys
 from pathlib import Path
 from linkages.components.definition import load
+from linkages.kernel.model import Model
 from linkages.kernel.program import write_program
 from linkages.kernel.system import System
 for file in sorted(Path(sys.argv[1]).glob("*.yaml")):
-    model = System(load(file)).model
+    model = Model(System(load(file)).topology)
     text = write_program(model, model.free_accelerations).text
     print(file.stem, hashlib.sha256(text.encode()).hexdigest())
 """
@@ -204,9 +206,8 @@ def test_every_operation_is_done_once(name):
 
 @pytest.mark.parametrize("name", ["ninebar", "clearance", "doublependulum"])
 def test_nothing_is_computed_that_is_not_needed(name):
-    of = system(name)
-    written = program(of)
-    model = of.model
+    model = Model(system(name).topology)
+    written = write_program(model, model.free_accelerations)
     wanted = [*model.free_accelerations, *model.margins, *model.margin_rates]
     wanted += [reach.radicand for reach in model.reaches]
     needed = {n.index for n in reachable(wanted) if n.operands}
@@ -234,10 +235,11 @@ def test_sizes(name):
 
 def test_a_label_stands_for_every_parameter():
     of = system("ninebar")
-    written = program(of).text
-    for index, line in enumerate(of.model.inputs.describe()):
-        assert f"    p[{index}] {line}\n" in written
+    head, *functions = program(of).text.split("@cfunc")
     described = of.model.inputs.describe()
+    used = {int(index) for index in re.findall(r"\bp\[(\d+)\]", "".join(functions))}
+    for index, line in enumerate(described):
+        assert (f"    p[{index}] {line}\n" in head) == (index in used)
     assert len(set(described)) == len(described)
     assert "clearances.#0.size" in described
 

@@ -7,8 +7,7 @@ from linkage_models import refusal, system_of, values
 
 import linkages
 from linkages.components.definition import from_document
-from linkages.kernel.compiled import compile_kernel
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.compiled import bind_kernel
 from linkages.kernel.program import write_program
 from linkages.reading.document import parse
 
@@ -98,7 +97,7 @@ def test_a_free_parallelogram_is_a_pendulum(text):
         torque = -9.81 * height
     assert found[0] == pytest.approx(torque / (crank + coupler), rel=1e-12)
     program = write_program(of.model, accelerations)
-    kernel = compile_kernel(program, parameter_values(of.model, of.assembly))
+    kernel = bind_kernel(program, of.parameters)
     clock, rates, out = call(kernel, 0.0, of.state, len(found))
     assert (clock, rates) == (0, 0)
     assert out == pytest.approx(found, rel=1e-11, abs=1e-10)

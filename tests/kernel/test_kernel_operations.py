@@ -15,11 +15,10 @@ from linkage_models import program, system_of, values
 from linkages.benchmark.peers import expressions
 from linkages.equations import derive, render
 from linkages.errors import ComputationError
-from linkages.kernel.compiled import compile_kernel
+from linkages.kernel.compiled import bind_kernel
 from linkages.kernel.counting import report_kernel
 from linkages.kernel.differentiation import derivative
 from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.operations import COMPOSITE, ELEMENTARY, OTHERS, Elementary, formula_functions
 from linkages.spec.formulas import formula
@@ -157,7 +156,7 @@ def test_equations_and_their_printed_module_have_it():
 def test_kernels_compile_it():
     """A rod of inertia ml²/3 = 1 about its end obeys q̈ = 4 asinh(t)."""
     of = system_of(FREE)
-    kernel = compile_kernel(program(of), parameter_values(of.model, of.assembly))
+    kernel = bind_kernel(program(of), of.parameters)
     timed, out = np.zeros(kernel.timed), np.zeros(1)
     y = np.array([0.3, 1.0, 0.0])
     pointers = [

@@ -10,7 +10,6 @@ import pytest
 from group_models import TRIAD
 from linkage_models import program, system, system_of
 
-from linkages.kernel.modes import parameter_values
 from linkages.kernel.printing import Python
 from linkages.kernel.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
 from linkages.kernel.statements import Assign, Check, Entry, Heading, Iterate, Store
@@ -79,7 +78,7 @@ def test_statements_as_c_give_the_bits_of_python(of, tmp_path):
     results = []
     for language in (python, library):
         p = np.zeros(sum(written.parameters))
-        p[: written.parameters[0]] = parameter_values(of.model, of.assembly)
+        p[: written.parameters[0]] = of.parameters
         timed, out = np.zeros(written.timed), np.zeros(written.routines[2].arguments["out"])
         for time in (0.0, 0.1, 1.3):
             arrays = {"y": state, "p": p, "timed": timed, "out": out, "t": time}
@@ -173,7 +172,7 @@ def test_statements_carried_out_for_many_states(text):
     y = np.zeros((3 * n, count))
     y[: 2 * n] = of.state[:, None] + spread * random.normal(size=(2 * n, count))
     p = np.zeros((sum(written.parameters), 1))
-    p[: written.parameters[0], 0] = parameter_values(of.model, of.assembly)
+    p[: written.parameters[0], 0] = of.parameters
     sizes = written.routines[2].arguments
     arrays = {"y": y, "p": p, "t": np.zeros((1, 1)), "timed": np.zeros((written.timed, 1))}
     arrays["out"] = np.zeros((sizes["out"], count))

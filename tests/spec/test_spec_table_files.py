@@ -29,7 +29,7 @@ def law(tmp_path):
         (tmp_path / "gas.csv").write_bytes(data)
         file = tmp_path / "engine.yaml"
         file.write_text(DEFINITION.replace("TABLE", table))
-        return linkages.load(file, **more).loads[0].torque
+        return linkages.load(file, **more).loads[0].law
 
     return loaded
 
@@ -60,7 +60,7 @@ def test_another_file_by_set_and_none_afterwards(law, tmp_path):
     (tmp_path / "gas.csv").unlink()
     again = from_document(pickle.loads(pickle.dumps(mechanism)).document)
     assert again.loads == mechanism.loads
-    assert again.loads[0].torque.values == (1, 3, 2.5)
+    assert again.loads[0].law.values == (1, 3, 2.5)
 
 
 def test_a_text_has_no_folder():

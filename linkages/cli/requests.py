@@ -177,5 +177,13 @@ def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
     InputError
         Lists all that are no assignments.
     """
-    found = [overrides("--initial", NEXT.split(text)) for text in texts]
-    return found or [{}]
+    states: list[dict[str, object]] = []
+    problems: list[Problem] = []
+    for text in texts:
+        try:
+            states.append(overrides("--initial", NEXT.split(text)))
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError("--initial", problems)
+    return states or [{}]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from linkages.components.bar import Bar
     from linkages.components.clearance import Clearance
     from linkages.components.damper import GuideDamper, LineDamper
-    from linkages.components.definition import load
+    from linkages.components.definition import load, loads
     from linkages.components.drive import Drive, SliderDrive
     from linkages.components.free import FreeAngle, FreePosition
     from linkages.components.gear import Gear
@@ -84,6 +84,7 @@ _HOMES = {
     "chaos_map": "linkages.chaos.maps",
     "charts": "linkages.plots",
     "load": "linkages.components.definition",
+    "loads": "linkages.components.definition",
     "lyapunov": "linkages.chaos.lyapunov",
     "poincare": "linkages.chaos.section",
     "simulate": "linkages.solution.simulate",
@@ -129,6 +130,7 @@ __all__ = [
     "chaos_map",
     "charts",
     "load",
+    "loads",
     "lyapunov",
     "poincare",
     "simulate",

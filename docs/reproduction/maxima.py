@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 import linkages
 from linkages.chaos.sweep import Executor, sweep
-from linkages.chaos.varied import varied
 from linkages.plots.curves import turning_points
 from reproduction.reported import ANGLE, CRANKS, OUTPUTS, PRINTED, REPORTED
 
@@ -93,9 +92,8 @@ def grid(cranks: float, clearance: float) -> list[Start]:
 def from_start(mechanism: linkages.Mechanism, start: Start) -> linkages.Mechanism:
     """The same mechanism from other angles."""
     paths = (*CRANKS, ANGLE)
-    return varied(
-        mechanism,
-        {path: f"{angle:g} deg" for path, angle in zip(paths, start, strict=True)},
+    return mechanism.with_values(
+        {path: f"{angle:g} deg" for path, angle in zip(paths, start, strict=True)}
     )
 
 

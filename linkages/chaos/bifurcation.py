@@ -16,7 +16,7 @@ from linkages.chaos.diagram import Value, diagram
 from linkages.chaos.lyapunov import run_exponents
 from linkages.chaos.section import how, require_section, section_settings
 from linkages.chaos.sweep import STEPS_PER_PERIOD, Executor, Outcome, Progress, sweep
-from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible, varied
+from linkages.chaos.varied import Axis, Vary, axis_of, coordinates, first_possible
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
@@ -52,7 +52,7 @@ class _Request:
     max_steps: int | None
 
     def at(self, index: int, overrides: Mapping[str, object]) -> Mechanism:
-        return varied(self.mechanism, {**self.axis.at(index), **overrides})
+        return self.mechanism.with_values({**self.axis.at(index), **overrides})
 
     def system(self, point: Point) -> System:
         """The mechanism at a value, assembled."""

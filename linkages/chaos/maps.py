@@ -25,7 +25,6 @@ from linkages.chaos.varied import (
     coordinates,
     first_possible,
     require_different,
-    varied,
 )
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
@@ -61,7 +60,7 @@ class _Request:
     def at(self, point: tuple[int, int]) -> Mechanism:
         """The mechanism at a column and a row."""
         column, row = point
-        return varied(self.mechanism, {**self.x.at(column), **self.y.at(row)})
+        return self.mechanism.with_values({**self.x.at(column), **self.y.at(row)})
 
     @property
     def tangents(self) -> int:

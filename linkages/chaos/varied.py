@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.definition import from_document
 from linkages.components.mechanism import Mechanism
 from linkages.components.units import unit_at
 from linkages.errors import InputError
-from linkages.reading.overrides import apply
 from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number
 
@@ -179,22 +177,3 @@ def first_possible(
     if refusal is None:
         raise ValueError("a sweep needs at least one point")
     raise refusal
-
-
-def varied(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:
-    """The mechanism with other values at some paths of its definition.
-
-    A mechanism that was made or changed in Python has the definition that a file would need, so
-    that everything else about it stays as it is.
-
-    Raises
-    ------
-    InputError
-        If a path names nothing.
-    """
-    found = from_document(apply(mechanism.definition, overrides))
-    if mechanism.definition is mechanism.document:
-        return found
-    places = {component.path: place for place, component in enumerate(mechanism.components)}
-    ordered = sorted(found.components, key=lambda entry: places.get(entry.path, len(places)))
-    return replace(found, components=tuple(ordered), name=mechanism.name)

@@ -11,7 +11,7 @@ from linkages.benchmark.work_precision import Point
 from linkages.cli.loading import mechanism_from
 from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, table
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 
 
 def run_bench(

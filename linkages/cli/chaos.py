@@ -20,7 +20,7 @@ from linkages.cli.terminal import (
     progress,
     table,
 )
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 
 if TYPE_CHECKING:
     from linkages.chaos.findings import ChaosReport

@@ -17,7 +17,7 @@ SUFFIXES = (".yaml", ".yml")
 
 def run_new(name: str, template: Template, force: bool, json: bool) -> int:
     """Write a definition file and its schema; returns the exit code."""
-    from linkages.solution.files import replaced
+    from linkages.reading.replacing import replaced
 
     path = _path(name)
     schema = path.parent / FILE_NAME

@@ -23,7 +23,8 @@ from typing import Any
 from linkages import interrupts
 from linkages.components.mechanism import Mechanism
 from linkages.errors import LinkagesError
-from linkages.solution.files import prefix, remove_leftovers, replaced, stamp
+from linkages.reading.replacing import prefix, remove_leftovers, replaced
+from linkages.solution.files import stamp
 from linkages.solution.origin import origin_of
 
 LOGGER = logging.getLogger(__name__)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkages.solution.files import replaced, save_netcdf
+from linkages.reading.replacing import replaced
+from linkages.solution.files import save_netcdf
 
 __all__ = ["free_columns", "save_figures", "save_netcdf", "save_table"]
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path as FilePath
 
 from linkages.components.clearance import Clearance
 from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.friction import resolved
+from linkages.components.gathered import read_components
 from linkages.components.listed import numbered
+from linkages.components.registry import SECTIONS
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.terms import (
     ZERO,
@@ -35,19 +39,25 @@ from linkages.components.torsional_damper import ClearanceDamper
 from linkages.components.written import document_of
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
+from linkages.reading.overrides import apply
+from linkages.reading.replacing import replaced
+from linkages.reading.writing import as_yaml
 
 Place = tuple[Parameter, Parameter]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Mechanism:
     """A planar linkage, from a definition file or built in Python.
+
+    Two mechanisms are equal if they have the same name and components, wherever they come from.
 
     Parameters
     ----------
     components
-        Bars, joints, sliders, … in the order that reports and results keep. The indices of loads,
-        springs and whatever else has no name are closed up where some are missing.
+        Bars, joints, sliders, …; kept section by section as in a definition file, and within a
+        section in the order given, which reports and results keep. The indices of loads, springs
+        and whatever else has no name are closed up where some are missing.
     name
         For titles.
     source
@@ -65,7 +75,7 @@ class Mechanism:
 
     components: tuple[Component, ...]
     name: str = "mechanism"
-    source: str = "mechanism"
+    source: str = field(default="mechanism", compare=False)
     document: Document | None = field(default=None, repr=False, compare=False)
     defined: tuple[Component, ...] = field(default=(), repr=False, compare=False)
 
@@ -74,7 +84,13 @@ class Mechanism:
         found = findings(self.components, Declared(self.components))
         if found:
             raise self.error(found)
-        object.__setattr__(self, "components", numbered(self.components))
+        ordered = sorted(numbered(self.components), key=_place)
+        object.__setattr__(self, "components", tuple(ordered))
+
+    def __repr__(self) -> str:
+        counts = Counter(component.section for component in self.components)
+        parts = [repr(self.name), *(f"{section}={count}" for section, count in counts.items())]
+        return f"Mechanism({', '.join(parts)})"
 
     @cached_property
     def definition(self) -> Document:
@@ -85,6 +101,35 @@ class Mechanism:
         if self.document is not None and self.components == self.defined:
             return self.document
         return document_of(self.components, self.source, self.document, self.defined)
+
+    def to_yaml(self) -> str:
+        """The definition as YAML text, from which `linkages.loads` makes an equal mechanism.
+
+        Texts such as ``0.3*cos(60 deg)`` stand as they were read, and numbers with all digits;
+        what was changed in Python stands as it is now. Comments are not kept, and tables that were
+        read from files stand in the text itself.
+
+        Examples
+        --------
+        >>> import linkages
+        >>> mechanism = linkages.load("slider-crank")
+        >>> linkages.loads(mechanism.to_yaml()) == mechanism
+        True
+        """
+        definition = self.definition
+        name = {"name": self.name}  # first, and not that of whatever file this is read from
+        return as_yaml(replace(definition, content=name | definition.content | name))
+
+    def save(self, path: str | FilePath) -> FilePath:
+        """Write `to_yaml` to a file, and return its path.
+
+        The file appears whole or not at all; one of that name is replaced when the new one is
+        complete.
+        """
+        file = FilePath(path)
+        with replaced(file) as temporary:
+            temporary.write_text(self.to_yaml(), encoding="utf-8")
+        return file
 
     def problem(self, path: Path, message: str) -> Problem:
         """A problem at a place of the definition, with its line where there is a file."""
@@ -197,6 +242,36 @@ class Mechanism:
         own = (c for c in self.components if isinstance(c, SimulationDefaults))
         return next(own, SimulationDefaults())
 
+    def with_values(self, values: Mapping[str, object]) -> Mechanism:
+        """The same mechanism with other values at some paths of its definition.
+
+        Parameters
+        ----------
+        values
+            Dotted path → value. Numbers (NumPy's as well) are SI; texts are read as they would be
+            in a definition file, with units and arithmetic; quantities of pint carry their unit;
+            lists, mappings and arrays are taken as they are. A path may lead to a whole entry, or
+            to one that does not exist yet.
+
+        Raises
+        ------
+        InputError
+            With every path that leads nowhere and every value that cannot be used.
+
+        Examples
+        --------
+        >>> import linkages
+        >>> mechanism = linkages.load("slider-crank")
+        >>> fast = mechanism.with_values({"bars.rod.length": 0.32, "drives.crank.speed": "900 rpm"})
+        >>> fast == linkages.loads(fast.to_yaml())
+        True
+        """
+        document, components = read_components(apply(self.definition, values))
+        name = str(document.content["name"]) if "name" in values else self.name
+        return replace(
+            self, components=components, defined=components, name=name, document=document
+        )
+
     def with_component(self, component: Component) -> Mechanism:
         """The same mechanism with one more component."""
         return replace(self, components=(*self.components, component))
@@ -230,3 +305,11 @@ class Mechanism:
         gone = (Clearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
+
+
+def _place(component: Component) -> tuple[int, int]:
+    """Where a component stands in a definition: its section, then its index in lists."""
+    sections = list(SECTIONS)
+    section = component.section
+    place = sections.index(section) if section in sections else len(sections)
+    return place, getattr(component, "index", 0)

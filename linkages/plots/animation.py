@@ -14,7 +14,7 @@ from linkages.plots.film import FPS, Film, film_of
 from linkages.plots.gif import FASTEST, GifFile, palette_of
 from linkages.plots.stage import Stage
 from linkages.plots.video import VideoFile, find_ffmpeg
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 from linkages.solution.solution import Solution
 
 if TYPE_CHECKING:

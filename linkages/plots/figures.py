@@ -12,7 +12,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.plots import drawing, phase, traces
 from linkages.plots.style import style
 from linkages.plots.time_figures import force_figure, load_figure, time_figure, torque_figure
-from linkages.solution.files import replaced
+from linkages.reading.replacing import replaced
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -51,6 +51,9 @@ def apply(document: Document, overrides: Mapping[str, object]) -> Document:
     InputError
         Lists every assignment whose path leads nowhere or whose value cannot be used.
     """
+    if not isinstance(overrides, Mapping):
+        expected = 'expected a mapping of paths to values, such as {"clearances.r1.size": 1e-4}'
+        raise TypeError(f"{expected}, found {overrides!r}")
     problems = []
     assigned = [split(str(text)) or () for text in overrides]
     for text, value in overrides.items():

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
 from linkages.components.mechanism import Mechanism
-from linkages.reading.writing import as_yaml
 
 DEFINITION = "definition"
 
@@ -32,11 +31,8 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     """
     said = {name: value for name, value in options.items() if value is not None}
     how = {**asdict(mechanism.simulation), **said}
-    definition = mechanism.definition
-    name = {"name": mechanism.name}  # first, and not that of whatever file this is read from
-    content = name | definition.content | name
     return {
         "version": f"linkages {version('linkages')}",
         "options": json.dumps(how, default=str, ensure_ascii=False),
-        DEFINITION: as_yaml(replace(definition, content=content)),
+        DEFINITION: mechanism.to_yaml(),
     }

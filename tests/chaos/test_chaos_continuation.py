@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.varied import varied
 from linkages.components.definition import from_document
 from linkages.reading.document import parse
 
@@ -59,7 +58,7 @@ simulate: {end: 1, rtol: 1e-9}
 
 def mechanism(text, **changes):
     document = parse(text, "m.yaml")
-    return varied(from_document(document), changes)
+    return from_document(document).with_values(changes)
 
 
 def run_on(text, path, value, **section):

@@ -11,8 +11,8 @@ import xarray as xr
 
 from linkages.reading.document import read
 from linkages.reading.locate import shipped
+from linkages.reading.replacing import HOST, remove_leftovers, replaced
 from linkages.reading.writing import as_yaml
-from linkages.solution.files import HOST, remove_leftovers, replaced
 
 CRANK = """\
 joints: {O: [0, 0]}

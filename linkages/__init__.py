@@ -40,11 +40,19 @@ if TYPE_CHECKING:
     from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
     from linkages.plots import charts
     from linkages.plots.animation import animate
+    from linkages.solution.opened import Opened, open  # noqa: A004
+    from linkages.solution.propagator import Propagator
+    from linkages.solution.rhs import Equations, compile  # noqa: A004
     from linkages.solution.simulate import simulate
     from linkages.solution.solution import IncompleteError, Solution
 
 # Names are imported when they are first used: `import linkages` and `--help` stay fast.
 _HOMES = {
+    "open": "linkages.solution.opened",
+    "compile": "linkages.solution.rhs",
+    "Propagator": "linkages.solution.propagator",
+    "Opened": "linkages.solution.opened",
+    "Equations": "linkages.solution.rhs",
     "AssemblyHint": "linkages.components.assembly",
     "Bar": "linkages.components.bar",
     "BarSpring": "linkages.components.torsional_spring",
@@ -100,6 +108,7 @@ __all__ = [
     "ComputationError",
     "DamperBetweenBars",
     "Drive",
+    "Equations",
     "FreeAngle",
     "FreePosition",
     "Gear",
@@ -115,7 +124,9 @@ __all__ = [
     "LineDamper",
     "LinkagesError",
     "Mechanism",
+    "Opened",
     "Plate",
+    "Propagator",
     "SimulationDefaults",
     "Slider",
     "SliderDrive",
@@ -129,9 +140,11 @@ __all__ = [
     "bifurcation",
     "chaos_map",
     "charts",
+    "compile",
     "load",
     "loads",
     "lyapunov",
+    "open",
     "poincare",
     "simulate",
 ]

@@ -9,19 +9,16 @@ import numpy as np
 from linkages.chaos.contact import Contact
 from linkages.chaos.contact_log import ContactLog, check_interval
 from linkages.chaos.stops import stop_text
-from linkages.chaos.surface import Surface
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.solution.flows import Flows, watched
 from linkages.solution.motion import Motion, Piece, Settings
+from linkages.solution.surface import DIRECTIONS, Surface
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.integrate import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
-
-DIRECTIONS = {"up": 1, "down": -1, "both": 0}
-"""How a section is crossed → sign of the rate there; 0 for either."""
 
 
 class NeverCrossedError(ComputationError):
@@ -117,8 +114,4 @@ def _met(system: System, surface: Surface, trajectory: Trajectory) -> Piece:
         turns=found.turns.T.astype(float),
         acceleration=np.zeros(found.turns.T.shape),
     )
-    if not surface.turns:
-        return piece
-    node = surface.series.node(system.model)
-    (angle,) = system.evaluate([node], piece.time, piece.state)
-    return piece.part(np.cos(angle - surface.level) > 0)
+    return piece.part(surface.reached(system, piece.time, piece.state))

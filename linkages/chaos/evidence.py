@@ -16,7 +16,6 @@ from linkages.chaos.free_states import PAIRS, free_names, labelled_states, wrapp
 from linkages.chaos.rotation import Rotation, classify_angle, refined
 from linkages.chaos.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.stretch import Evidence
-from linkages.chaos.surface import parse_section
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -26,6 +25,7 @@ from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Settings, compute_motion
 from linkages.solution.simulate import passes
 from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.surface import parse_section
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,13 +17,13 @@ from linkages.chaos.contact_log import (
 from linkages.chaos.crossed import DIRECTIONS, crossed
 from linkages.chaos.free_states import free_values, labelled_states, require_free
 from linkages.chaos.strobe import strobe
-from linkages.chaos.surface import SECTION, parse_section
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.solution.arguments import whole_number
 from linkages.solution.motion import Motion, Settings
+from linkages.solution.surface import SECTION, parse_section
 from linkages.solvers.integrate import MAX_STEPS
 from linkages.solvers.methods import FIXED_STEP_METHODS
 

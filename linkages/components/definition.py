@@ -31,8 +31,8 @@ def load(file: str | FilePath, set: Mapping[str, object] | None = None) -> Mecha
     Examples
     --------
     >>> import linkages
-    >>> linkages.load("slider-crank", set={"bars.rod.length": "350 mm"})
-    Mechanism('Slider-crank', gravity=1, joints=1, bars=2, sliders=1, drives=1, assembly=1, loads=1, simulate=1)
+    >>> linkages.load("pendulum", set={"bars.rod.length": "350 mm"})
+    Mechanism('Pendulum', gravity=1, joints=1, bars=1, free=1, simulate=1)
     """
     if not isinstance(file, str | FilePath):
         raise TypeError(f"file must be a path or a name, found {file!r}")

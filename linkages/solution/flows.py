@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.compiled import CompiledKernel, compile_kernel
 from linkages.kernel.model import Model
-from linkages.kernel.modes import parameter_values
+from linkages.kernel.modes import Assembly, parameter_values
 from linkages.kernel.program import Program, write_functions_of, write_program
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
@@ -114,10 +114,7 @@ class Flows:
         """
         model, topology = self._source.model, self.system.topology
         program = self._source.program  # asks the model for all parameters before they are counted
-        parameters = parameter_values(model, self.system.assembly)
-        paths = list(model.inputs.parameters)
-        for block in flipped:
-            parameters[paths.index(("side", block))] *= -1.0
+        parameters = _numbers(model, self.system.assembly, flipped)
         kernel = compile_kernel(program, parameters)
 
         def linearise() -> Companion:
@@ -144,7 +141,12 @@ class Flows:
         )
 
 
-def watched(system: System, function: Callable[[Model], tuple[Scalar, Scalar]]) -> Companion:
+def watched(
+    system: System,
+    function: Callable[[Model], tuple[Scalar, Scalar]],
+    more: int = 0,
+    flipped: Collection[int] = (),
+) -> Companion:
     """A function of position and velocity, compiled for an event in the flow of a system.
 
     Parameters
@@ -153,11 +155,25 @@ def watched(system: System, function: Callable[[Model], tuple[Scalar, Scalar]]) 
         A system with integrated coordinates.
     function
         The model → the function and its rate, which may depend on accelerations.
+    more
+        Number of further coordinates that the flow integrates: work, tangents.
+    flipped
+        Blocks that are in another mode than at the start.
     """
-    model = Model(system.topology)
+    model = Model(system.topology, more)
     nodes = function(model)
     program = write_functions_of(model, nodes, "a function of position and velocity, its rate")
-    return _companion(compile_kernel(program, parameter_values(model, system.assembly)))
+    return _companion(compile_kernel(program, _numbers(model, system.assembly, flipped)))
+
+
+def _numbers(model: Model, assembly: Assembly, flipped: Collection[int]) -> NDArray[np.float64]:
+    """Parameters of a model whose program is printed, with some blocks in their other mode."""
+    parameters = parameter_values(model, assembly)
+    paths = list(model.inputs.parameters)
+    for block in flipped:
+        if ("side", block) in paths:  # what is watched may not depend on it
+            parameters[paths.index(("side", block))] *= -1.0
+    return parameters
 
 
 def _companion(kernel: CompiledKernel) -> Companion:

@@ -89,6 +89,7 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     times = motion.time
     settings = replace(settings, max_steps=_MORE_STEPS * settings.max_steps)
+    settings = replace(settings, events=())
     if settings.step is not None:
         return replace(settings, times=times, step=settings.step / 2, work=False, watch=None)
     if settings.rtol <= LEAST_RTOL:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.dyads import LEAST_MARGIN
 from linkages.kernel.system import System
+from linkages.solution.crossings import crossed_piece, passed_piece, solver_events
 from linkages.solution.determined import is_determined
 from linkages.solution.flows import Flows
 from linkages.solution.motion import (
@@ -52,7 +53,9 @@ class _Run:
 
     def __init__(self, system: System, settings: Settings) -> None:
         self._settings = settings
-        self._direction = 1.0 if settings.times[-1] >= 0 else -1.0
+        self._direction = 1.0 if settings.times[-1] >= system.time else -1.0
+        self._start = system.time
+        self._crossed: dict[str, list[Piece]] = {event.name: [] for event in settings.events}
         self._pieces: list[Piece] = []
         self._notes: list[str] = []
         self._cost = {"steps": 0, "rejected": 0, "evaluations": 0}
@@ -142,6 +145,7 @@ class _Run:
             method=self._method,
             reason=self._reason,
             notes=tuple(self._notes),
+            crossed={name: tuple(pieces) for name, pieces in self._crossed.items()},
         )
 
     def _integrate(self) -> Trajectory:
@@ -159,6 +163,7 @@ class _Run:
             max_steps=max(1, settings.max_steps - self._cost["steps"] - self._cost["rejected"]),
             angles=self._angles,
             watch=self._watch(),
+            events=solver_events(self._system, settings.events, int(settings.work), self._flipped),
         )
         for key in self._cost:
             self._cost[key] += getattr(trajectory, key)
@@ -178,6 +183,9 @@ class _Run:
             )
         )
         self._taken += len(trajectory.time)
+        for event, met in zip(settings.events, trajectory.crossings, strict=True):
+            piece = crossed_piece(event, met, self._pieces[-1], self._turns)
+            self._crossed[event.name].append(piece)
         return trajectory
 
     def _counted(self, rows: Floats) -> dict[str, Floats]:
@@ -197,7 +205,8 @@ class _Run:
         watch, times = self._settings.watch, self._settings.times
         if watch is None:
             return None
-        done = abs(self._time / times[-1]) if times[-1] else 0.0
+        span = times[-1] - self._start
+        done = float((self._time - self._start) / span) if span else 0.0
         return lambda fraction: watch(done + (1.0 - done) * fraction)
 
     def _went_on(self, trajectory: Trajectory) -> bool:
@@ -260,6 +269,8 @@ class _Run:
             return False
         self._pieces.append(piece)
         self._taken += len(piece.wanted)
+        for event in self._settings.events:
+            self._crossed[event.name].append(passed_piece(event, piece))
         self._cost["steps"] += 1
         self._cost["evaluations"] += passage.evaluations
         if not determined:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from linkages.components.terms import axis_label
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
 from linkages.topology.blocks import ITERATED
+
+if TYPE_CHECKING:
+    from linkages.solution.surface import Watched
 
 Floats = NDArray[np.float64]
 Watch = Callable[[float], None]
@@ -30,7 +34,7 @@ class Settings:
     Parameters
     ----------
     times
-        Sample times in seconds, shape (samples,), from 0 on.
+        Sample times in seconds, shape (samples,), away from where the motion starts.
     method, rtol, atol, step, max_steps
         As `linkages.solvers.integrate.integrate` takes them.
     passing
@@ -42,6 +46,8 @@ class Settings:
         exchanged they are counted anyway.
     watch
         Called now and then with the fraction of simulated time done.
+    events
+        Crossings to look for.
     """
 
     times: Floats
@@ -54,6 +60,7 @@ class Settings:
     work: bool = False
     counting: bool = False
     watch: Watch | None = None
+    events: tuple[Watched, ...] = ()
 
     @property
     def way_on(self) -> str:
@@ -174,6 +181,8 @@ class Motion:
         integrated.
     notes
         What happened on the way: change points passed, coordinates changed.
+    crossed
+        Event → its crossings, piece by piece.
     """
 
     pieces: tuple[Piece, ...]
@@ -184,6 +193,7 @@ class Motion:
     method: str = ""
     reason: str = ""
     notes: tuple[str, ...] = ()
+    crossed: Mapping[str, tuple[Piece, ...]] = field(default_factory=dict)
 
     @property
     def time(self) -> Floats:

@@ -19,9 +19,11 @@ _ERRORS = {
     )
 }
 
+REACTION = "joint_reaction"
+
 DERIVED: dict[str, Variable] = {
     **_ERRORS,
-    "joint_reaction": Variable(("joint", "axis"), "N", "joint reaction", lambda _: []),
+    REACTION: Variable(("joint", "axis"), "N", "joint reaction", lambda _: []),
     "energy_residual": Variable(
         (), "J", "energy gained beyond the work of drives and loads", lambda _: []
     ),

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.reading.wording import TOO_LARGE
 from linkages.solution.arguments import real_number, whole_number
 from linkages.solution.assumptions import assumptions
+from linkages.solution.crossings import labelled_events
 from linkages.solution.doubts import doubts
 from linkages.solution.evaluation import ANGLES, evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.requests import DERIVED, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.soundness import sound_part
+from linkages.solution.starting import State, asked_for, own_times, started
+from linkages.solution.surface import parse_events
 from linkages.solution.switching import movable
 from linkages.solvers.choice import AUTO
 from linkages.solvers.integrate import LEAST_RTOL, MAX_STEPS
@@ -40,6 +44,9 @@ def simulate(
     *,
     end: float | None = None,
     samples: int | None = None,
+    times: ArrayLike | None = None,
+    state: State | None = None,
+    events: Mapping[str, str] | None = None,
     method: str | None = None,
     rtol: float | None = None,
     atol: float | None = None,
@@ -62,6 +69,18 @@ def simulate(
         Simulated time in seconds; negative to go back in time.
     samples
         Number of equally spaced output times, both ends included.
+    times : (m,)
+        Sample times in seconds instead of these, increasing or decreasing; they may begin later
+        than the motion, which starts at t = 0 if no `state` is given.
+    state
+        Where the motion starts instead of where the definition says: free coordinate → value and
+        rate, such as ``{"crank": (0.1, 2.0)}``, or all integrated coordinates and then their rates,
+        shape (2n,), as `linkages.compile` has them. It is the state at the first of `times`, else
+        at t = 0, in the assembly mode of the definition.
+    events
+        Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
+        A value other than 0 stands behind it: ``"crank.angle=90 deg"``. The crossings are in
+        `Solution.events`; a zero at the start is none.
     method
         A solver of `linkages.solvers.methods.METHODS`, such as ``"dop853"`` (adaptive, order 8)
         or ``"rk4"`` (fixed step, order 4), or ``"auto"``, which picks one by the tolerance. Not
@@ -96,7 +115,10 @@ def simulate(
     Interrupted
         After Ctrl-C, whatever `throw` says; its `solution` has the samples so far.
     """
-    system = System(mechanism)
+    given = None if times is None else own_times(times, from_zero=state is None)
+    if given is not None and not (end is None and samples is None):
+        raise ValueError("end and samples do not go with times, which say both")
+    system = started(mechanism, state, 0.0 if given is None else float(given[0]))
     names = requested(system, outputs)
     settings = _settings(
         mechanism,
@@ -112,6 +134,9 @@ def simulate(
     )
     counting = any(name in ANGLES for name in names)
     settings = replace(settings, passing=passes(system, change_points), counting=counting)
+    settings = replace(settings, events=parse_events(system, events or {}))
+    if given is not None:
+        settings = replace(settings, times=given)
     _require_inertia(system)
     notes = [*assumptions(system), *doubts(mechanism)]
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
@@ -134,6 +159,8 @@ def simulate(
         motion=motion,
         settings=settings,
         notes=tuple(notes),
+        events=labelled_events(motion.crossed, names),
+        asked=asked_for(times=given, state=state, events=events),
     )
     if interrupted:
         raise Interrupted(interrupted, time=motion.stop_time, solution=solution)
@@ -272,7 +299,9 @@ def _add_derived(
         energy = parts["kinetic_energy"] + parts["potential_energy"]
         work = motion.work
         assert work is not None
-        values["energy_residual"] = energy - energy[:1] - work
+        # the first sample may be taken later than the motion starts
+        nodes = [node for name in energies for node in VARIABLES[name].nodes(system.model)]
+        values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
     if "joint_reaction" in names:
         from linkages.solution.reactions import joint_reactions
 
@@ -300,7 +329,10 @@ def _add_errors(
     except InputError as error:
         notes.append(f"no errors against the ideal mechanism: {error}")
         return
-    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None)
+    if ideal.topology.free and system.time:
+        notes.append("no errors against the ideal mechanism: its motion starts at t = 0")
+        return
+    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None, events=())
     followed = compute_motion(ideal, plain)
     if followed.interrupted:
         raise KeyboardInterrupt

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,6 +49,11 @@ class Solution:
         How it was computed.
     notes
         What could not be computed, or was assumed.
+    events
+        Event that was asked for → dataset of its crossings, ordered in time: the outputs of `data`
+        at each. Angles that are not integrated lie within one turn there.
+    asked
+        Arguments `times`, `state` and `events` of `linkages.simulate`, where they were given.
     """
 
     data: xr.Dataset
@@ -55,6 +62,8 @@ class Solution:
     motion: Motion
     settings: Settings
     notes: tuple[str, ...] = ()
+    events: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    asked: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def completed(self) -> bool:
@@ -94,21 +103,27 @@ class Solution:
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``simulate.nc`` (NetCDF 4) and ``simulate.csv``; returns their paths.
 
-        The former says where it comes from, see `linkages.solution.origin.origin_of`.
+        The former says how it was computed, from what and by which version, so that
+        `linkages.open` can compute it again. Events, if any were asked for, are in ``events.csv``,
+        a crossing per row.
         """
-        from linkages.solution.files import save_dataset
+        from linkages.solution.files import save_dataset, save_events
         from linkages.solution.origin import origin_of
 
-        origin = origin_of(self.mechanism, self.options)
-        return save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+        notes = json.dumps(self.notes, ensure_ascii=False)
+        origin = {**origin_of(self.mechanism, self.options), "notes": notes}
+        paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+        times = {name: data["time"].to_numpy() for name, data in self.events.items()}
+        return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths
 
     @property
     def options(self) -> dict[str, Any]:
         """How it was computed, as arguments of `linkages.simulate`."""
         settings = self.settings
+        sampled = {"end": float(settings.times[-1]), "samples": len(settings.times)}
         return {
-            "end": float(settings.times[-1]),
-            "samples": len(settings.times),
+            **({} if "times" in self.asked else sampled),
+            **self.asked,
             "method": self.motion.method or settings.method,
             "rtol": settings.rtol,
             "atol": settings.atol,

@@ -12,7 +12,6 @@ from linkages.chaos.contact import contact_check
 from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.report import chaos
-from linkages.chaos.surface import parse_section
 from linkages.chaos.sweep import Threads, sweep
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import parse_range, together
@@ -22,6 +21,7 @@ from linkages.kernel.derivatives import compile_jacobian
 from linkages.kernel.modes import parameter_values
 from linkages.kernel.system import System
 from linkages.reading.document import parse
+from linkages.solution.surface import parse_section
 from linkages.solvers.foreign import caller
 
 # The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.

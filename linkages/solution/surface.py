@@ -1,9 +1,13 @@
-"""Surfaces at which geometric sections are taken, and their names."""
+"""Where a quantity has a value: surfaces of sections and events, and their names."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
@@ -55,6 +59,72 @@ class Surface:
             return difference, rate
         return model.graph.sin(difference), model.graph.cos(difference) * rate
 
+    def reached(
+        self,
+        system: System,
+        time: NDArray[np.float64],
+        state: NDArray[np.float64],
+        flipped: Mapping[int, NDArray[np.bool_]] | None = None,
+    ) -> NDArray[np.bool_]:
+        """Which zeros of `nodes` lie on it, shape (m,); those of an angle half a turn away do not.
+
+        Parameters
+        ----------
+        system
+            The mechanism.
+        time, state
+            Times and states of the zeros, shape (m,) and (2n, m).
+        flipped
+            Block → where it is in its other assembly mode, shape (m,).
+        """
+        if not self.turns or not len(time):
+            return np.ones(len(time), dtype=bool)
+        node = self.series.node(system.model)
+        (angle,) = system.evaluate([node], time, state, flipped=flipped)
+        return np.asarray(np.cos(angle - self.level) > 0)
+
+
+DIRECTIONS = {"up": 1, "down": -1, "both": 0}
+"""How a surface is crossed → sign of the rate there; 0 for either."""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """An event: a surface, crossed in a direction.
+
+    Parameters
+    ----------
+    name
+        As it was asked for.
+    surface, sign
+        What is crossed, and the sign of the rate there; 0 for either.
+    """
+
+    name: str
+    surface: Surface
+    sign: int
+
+
+def parse_events(system: System, events: Mapping[str, str]) -> tuple[Watched, ...]:
+    """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no mapping, no series of the mechanism, or no direction.
+    """
+    if not isinstance(events, Mapping):
+        expected = 'events must be a mapping such as {"piston.velocity": "up"}'
+        raise TypeError(f"{expected}, found {events!r}")
+    for name, direction in events.items():
+        if direction not in DIRECTIONS:
+            raise ValueError(f"event {name!r}: expected up, down or both, found {direction!r}")
+    texts = {name: name if "=" in name else f"{name}=0" for name in events}
+    return tuple(
+        Watched(name, _surface(system, texts[name], "event"), DIRECTIONS[direction])
+        for name, direction in events.items()
+    )
+
 
 def parse_section(system: System, text: str) -> Surface:
     """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"B.y position=0.1"``.
@@ -64,6 +134,10 @@ def parse_section(system: System, text: str) -> Surface:
     ValueError
         If it names nothing of the mechanism; the message says what is expected.
     """
+    return _surface(system, text, "section")
+
+
+def _surface(system: System, text: str, what: str) -> Surface:
     from linkages.spec import dimensions
     from linkages.spec.conversion import QuantityError, parse_quantity
 
@@ -75,7 +149,7 @@ def parse_section(system: System, text: str) -> Surface:
     }
     match = re.fullmatch(r"\s*(.+?\.[^.=]+?)\s*=\s*(.+?)\s*", text)
     if match is None:
-        raise ValueError(f"expected a section such as {SECTION!r}, found {text!r}")
+        raise ValueError(f"expected a {what} such as {SECTION!r}, found {text!r}")
     name, level = match.groups()
     known = {
         other: series
@@ -86,4 +160,4 @@ def parse_section(system: System, text: str) -> Surface:
         series = find_series(known, name)
         return Surface(series, parse_quantity(level, measured[VARIABLES[series.variable].units]))
     except (QuantityError, ValueError) as error:
-        raise ValueError(f"section {text!r}: {error}") from None
+        raise ValueError(f"{what} {text!r}: {error}") from None

@@ -16,8 +16,8 @@ from linkages.cli.loading import mechanism_from, require_folder
 from linkages.cli.published import published
 from linkages.cli.terminal import console, number, print_json, print_notes, progress, table
 from linkages.errors import InputError, Interrupted, Problem
+from linkages.kernel.outputs import VARIABLES
 from linkages.solution.horizon import Horizon, cost_factor
-from linkages.solution.requests import ALL
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solvers.choice import AUTO
@@ -177,7 +177,7 @@ def shown_maxima(
     if asked is None:
         chosen: Sequence[str] = summary
     elif asked == "all":
-        chosen = list(dict.fromkeys([*summary, *ALL]))
+        chosen = list(dict.fromkeys([*summary, *VARIABLES]))
     else:
         chosen = [asked] if isinstance(asked, str) else asked
     rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]

@@ -26,6 +26,7 @@ class BarTorque(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "bar"
 
     index: int
     bar: Name
@@ -57,6 +58,7 @@ class TorqueBetweenBars(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "bars"
 
     index: int
     bars: tuple[Name, Name]

@@ -35,6 +35,7 @@ class JointDamper(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "joint"
 
     index: int
     joint: Name
@@ -75,6 +76,7 @@ class DamperBetweenBars(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "bars"
 
     index: int
     bars: tuple[Name, Name]
@@ -110,6 +112,7 @@ class ClearanceDamper(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "clearance"
 
     index: int
     clearance: Name

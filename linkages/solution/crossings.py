@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_nodes, evaluate_variables
 from linkages.solution.flows import watched
 from linkages.solution.motion import Motion, Piece
 from linkages.solution.reactions import joint_reactions
-from linkages.solution.requests import DERIVED, REACTION
+from linkages.solution.requests import REACTION
 from linkages.solution.solution import labelled
 from linkages.solution.surface import Watched
 from linkages.solvers.events import Crossings, Event
@@ -178,7 +179,7 @@ def labelled_events(
     names
         Outputs; those that compare a motion with its past, or with another one, are left out.
     """
-    plain = [name for name in names if name not in DERIVED]
+    plain = [name for name in names if not VARIABLES[name].whole]
     found = {}
     for event, pieces in crossed.items():
         motion = Motion(pieces=tuple(_accelerated(piece) for piece in pieces))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, compute_motion
@@ -118,26 +118,18 @@ def _relative(
     return (np.abs(own - better) / scale).max(axis=0)
 
 
-_STATES = {
-    "bar": ("bar_angle", "bar_speed"),
-    "plate": ("bar_angle", "bar_speed"),
-    "clearance": ("clearance_angle", "clearance_speed"),
-    "slider": ("slider_position", "slider_velocity"),
-}
-
-
 def _full(system: System, motion: Motion) -> NDArray[np.float64]:
     """Free coordinates with their turns, then rates, shape (2n, samples).
 
     They are those of the start, whatever others have taken their place on the way.
     """
-    free = [(name, system.mechanism.bodies[name].kind) for name in system.topology.free]
-    outputs = list(dict.fromkeys(output for _, kind in free for output in _STATES[kind]))
-    values = evaluate_variables(motion, outputs)
+    bodies = system.mechanism.bodies
+    coordinates = {name: coordinate_of(bodies[name].kind) for name in system.topology.free}
+    rates = {name: VARIABLES[output].rate for name, output in coordinates.items()}
+    values = evaluate_variables(motion, list({*coordinates.values(), *rates.values()}))
     rows = []
-    for order in (0, 1):
-        for name, kind in free:
-            output = _STATES[kind][order]
+    for outputs in (coordinates, rates):
+        for name, output in outputs.items():
             index = labels(system.model, VARIABLES[output].dims[0]).index(name)
             rows.append(values[output][:, index])
     return np.array(rows)

@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Problem
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.flows import Flows
 from linkages.solution.motion import Motion, Piece, block_failure
 from linkages.solution.reactions import joint_reactions
-from linkages.solution.requests import DERIVED, REACTION, requested
+from linkages.solution.requests import REACTION, requested
 from linkages.solution.solution import labelled
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.many import evaluate_states
@@ -192,7 +193,7 @@ class Equations:
             For states that cannot be assembled.
         """
         wanted = requested(self.system, names)
-        unfit = [name for name in wanted if name in DERIVED and name != REACTION]
+        unfit = [name for name in wanted if VARIABLES[name].whole and name != REACTION]
         if unfit:
             raise ValueError(f"{unfit[0]} follows from a whole motion; `linkages.simulate` has it")
         time, rows, _ = self._rows(times, states)

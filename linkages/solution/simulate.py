@@ -19,9 +19,9 @@ from linkages.solution.arguments import real_number, whole_number
 from linkages.solution.assumptions import assumptions
 from linkages.solution.crossings import labelled_events
 from linkages.solution.doubts import doubts
-from linkages.solution.evaluation import ANGLES, evaluate_variables
+from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
-from linkages.solution.requests import DERIVED, requested
+from linkages.solution.requests import REACTION, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.soundness import sound_part
 from linkages.solution.starting import State, asked_for, own_times, started
@@ -35,8 +35,6 @@ MAX_SAMPLES = 10_000_000
 """More would not fit into memory as tables."""
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
-
-_ERROR = "_error"
 
 
 def simulate(
@@ -132,7 +130,7 @@ def simulate(
         "energy_residual" in names,
         watch,
     )
-    counting = any(name in ANGLES for name in names)
+    counting = any(VARIABLES[name].angle for name in names)
     settings = replace(settings, passing=passes(system, change_points), counting=counting)
     settings = replace(settings, events=parse_events(system, events or {}))
     if given is not None:
@@ -141,7 +139,7 @@ def simulate(
     notes = [*assumptions(system), *doubts(mechanism)]
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
         motion = compute_motion(system, settings)
-        plain = [name for name in names if name not in DERIVED]
+        plain = [name for name in names if not VARIABLES[name].whole]
         notes += motion.notes
         interrupted = str(motion.failure) if motion.interrupted else ""
         try:
@@ -290,7 +288,7 @@ def _add_derived(
     notes: list[str],
 ) -> None:
     """Outputs that need more than the motion at one time."""
-    errors = [name for name in names if name in DERIVED and name.endswith(_ERROR)]
+    errors = [name for name in names if VARIABLES[name].compared]
     if errors:
         _add_errors(system, settings, motion, errors, values, notes)
     if "energy_residual" in names:
@@ -300,12 +298,12 @@ def _add_derived(
         work = motion.work
         assert work is not None
         # the first sample may be taken later than the motion starts
-        nodes = [node for name in energies for node in VARIABLES[name].nodes(system.model)]
+        nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
-    if "joint_reaction" in names:
+    if REACTION in names:
         from linkages.solution.reactions import joint_reactions
 
-        values["joint_reaction"] = joint_reactions(motion)
+        values[REACTION] = joint_reactions(motion)
         if system.topology.redundant:
             joints = system.topology.redundant_places
             notes.append(
@@ -323,7 +321,7 @@ def _add_errors(
     notes: list[str],
 ) -> None:
     """Differences of slider motions against the same mechanism without clearances."""
-    wanted = [name.removesuffix(_ERROR) for name in errors]
+    wanted = [VARIABLES[name].compared for name in errors]
     try:
         ideal = System(system.mechanism.ideal())
     except InputError as error:

@@ -14,20 +14,15 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
-from linkages.solution.peaks import is_smooth, largest
-from linkages.solution.requests import ALL
+from linkages.solution.peaks import largest
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.solution.horizon import Horizon
-
-
-MAGNITUDES = ("joint_velocity", "joint_acceleration", "joint_reaction")
-"""Vectors of which the magnitude has a largest value worth a row."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +151,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     variables = {}
     dims: dict[str, None] = {}
     for name, array in values.items():
-        entry = ALL[name]
+        entry = VARIABLES[name]
         dims |= dict.fromkeys(entry.dims)
         units, long_name = entry.described(system.model)
         attrs = {"units": units, "long_name": long_name}
@@ -177,9 +172,9 @@ def _least_scale(data: xr.Dataset, name: str) -> float:
 
     A steady motion has accelerations that are round-off alone.
     """
-    before, found, _ = name.partition("_acceleration")
-    speed = next((s for s in (f"{before}_speed", f"{before}_velocity") if s in data), None)
-    if not found or speed is None or data.sizes["time"] < 2:
+    speeds = {VARIABLES[str(other)].rate: str(other) for other in data.data_vars}
+    speed = speeds.get(VARIABLES[name].compared or name)
+    if data.sizes["time"] < 2 or speed not in {found.rate for found in VARIABLES.values()}:
         return 0.0
     spacing = abs(float(data["time"][1] - data["time"][0]))
     return float(np.nanmax(np.abs(data[speed].to_numpy()), initial=0.0)) / spacing
@@ -193,7 +188,8 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     if not array.sizes["time"]:
         return []
     values, dims = array.to_numpy(), array.dims[1:]
-    if array.name in MAGNITUDES:
+    variable = VARIABLES[str(array.name)]
+    if variable.magnitude:
         values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
     if len(dims) > 1:
         return []
@@ -201,7 +197,9 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
-    smooth = is_smooth(str(array.name))
+    # peaks are located by polynomials through equally spaced samples
+    steps = np.diff(time)
+    smooth = variable.smooth and bool(np.ptp(steps) <= 1e-6 * np.abs(steps).max(initial=0.0))
     scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):

@@ -13,17 +13,9 @@ from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
-from linkages.solution.evaluation import ANGLES
 from linkages.solution.series import Series, find_series, system_series
 
 SECTION = "slider9.velocity=0"
-RATES = {
-    "angle": "speed",
-    "speed": "acceleration",
-    "position": "velocity",
-    "velocity": "acceleration",
-}
-"""Quantities in which sections are taken, and what their rates are called."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +36,12 @@ class Surface:
     @property
     def turns(self) -> bool:
         """Whether it is an angle, which has a value again after every turn."""
-        return self.series.variable in ANGLES
+        return self.series.angle
 
     @property
     def rate(self) -> Series:
         """The rate of the series."""
-        kind, _, quantity = self.series.variable.rpartition("_")
-        return replace(self.series, variable=f"{kind}_{RATES[quantity]}")
+        return replace(self.series, variable=VARIABLES[self.series.variable].rate)
 
     def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
         """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
@@ -141,6 +132,7 @@ def _surface(system: System, text: str, what: str) -> Surface:
     from linkages.spec import dimensions
     from linkages.spec.conversion import QuantityError, parse_quantity
 
+    # accelerations have a rate, too, but a section is a function of position and velocity
     measured = {
         "rad": dimensions.ANGLE,
         "rad/s": dimensions.ANGULAR_SPEED,
@@ -154,7 +146,9 @@ def _surface(system: System, text: str, what: str) -> Surface:
     known = {
         other: series
         for other, series in system_series(system).items()
-        if series.variable.rpartition("_")[2] in RATES and "dyad" not in series.place
+        if series.variable in VARIABLES
+        and VARIABLES[series.variable].rate
+        and VARIABLES[series.variable].units in measured
     }
     try:
         series = find_series(known, name)

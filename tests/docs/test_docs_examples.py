@@ -52,7 +52,7 @@ def test_outputs_agree_up_to_round_off_and_ellipsis(shown, found, agrees):
 
 
 def test_every_output_stands_on_its_page():
-    from linkages.solution.requests import ALL, DEFAULT
+    from linkages.kernel.outputs import VARIABLES
 
     text = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if line.startswith("| `")]
@@ -64,7 +64,7 @@ def test_every_output_stands_on_its_page():
             name: (given[-1] if len(given) == 1 else given[place], bool(mark.strip()))
             for place, name in enumerate(listed)
         }
-    assert found == {name: (entry.units, name in DEFAULT) for name, entry in ALL.items()}
+    assert found == {name: (entry.units, entry.default) for name, entry in VARIABLES.items()}
 
 
 def test_every_figure_stands_on_the_page_of_outputs():

@@ -160,7 +160,7 @@ class Piece:
         return np.asarray(BarycentricInterpolator(self.time, rows, axis=-1)(self.samples))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Motion:
     """What was reached of a motion, piece by piece.
 
@@ -194,6 +194,10 @@ class Motion:
     reason: str = ""
     notes: tuple[str, ...] = ()
     crossed: Mapping[str, tuple[Piece, ...]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        ended = "" if self.failure is None else f", stopped at t = {self.stop_time:g} s"
+        return f"Motion({len(self.time)} samples in {len(self.pieces)} pieces{ended})"
 
     @property
     def time(self) -> Floats:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from linkages.solution.horizon import Horizon
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Solution:
     """Results of a simulation.
 
@@ -59,6 +60,21 @@ class Solution:
     notes: tuple[str, ...] = ()
     events: Mapping[str, xr.Dataset] = field(default_factory=dict)
     asked: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Solution({self.mechanism.name!r}, {self.summary})"
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: how it was computed, largest values, notes."""
+        return str(import_module("linkages.plots.notebook").solution_html(self))  # stands above
+
+    @property
+    def summary(self) -> str:
+        """Samples, time and number of outputs, in words."""
+        time, count = self.data["time"].to_numpy(), len(self.data.data_vars)
+        span = f"t = {time[0]:g} s to {time[-1]:g} s" if len(time) else "no time"
+        whole = "" if self.completed else f", stopped at t = {self.motion.stop_time:g} s"
+        return f"{len(time)} samples from {span}, {count} outputs{whole}"
 
     @property
     def completed(self) -> bool:

@@ -43,6 +43,7 @@ from linkages.errors import LinkagesError as LinkagesError
 from linkages.plots import charts as charts
 from linkages.plots.animation import animate as animate
 from linkages.registering import register as register
+from linkages.registering import unregister as unregister
 from linkages.solution.opened import Opened as Opened
 from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.propagator import Propagator as Propagator

@@ -22,7 +22,7 @@ def register(thing: Any, name: str = "") -> None:
     Raises
     ------
     TypeError, ValueError
-        For what is neither, and for a name that is taken.
+        For what is neither, and for a name that is taken by a package.
 
     Notes
     -----
@@ -33,3 +33,17 @@ def register(thing: Any, name: str = "") -> None:
         outputs.register(name, thing)
     else:
         registry.register(thing)
+
+
+def unregister(name: str) -> None:
+    """Take away what was registered in this process: an output, or a component by its class's name.
+
+    Raises
+    ------
+    KeyError
+        If nothing of that name was.
+    """
+    try:
+        outputs.unregister(name)
+    except KeyError:
+        registry.unregister(name)

@@ -82,6 +82,8 @@ def components() -> dict[str, type[Component]]:
 def register(model: type[Component]) -> None:
     """Add a component to those that definitions may have.
 
+    One of the same name that was registered before is replaced.
+
     Raises
     ------
     TypeError, ValueError
@@ -89,14 +91,24 @@ def register(model: type[Component]) -> None:
     """
     if not (isclass(model) and issubclass(model, Component) and hasattr(model, "section")):
         raise TypeError(f"expected a component with a section, found {model!r}")
-    _REGISTERED.append(model)
+    before = list(_REGISTERED)
+    _REGISTERED[:] = [*(old for old in before if old.__name__ != model.__name__), model]
     _known.cache_clear()
     try:
         _known()
     except ValueError:
-        _REGISTERED.remove(model)
+        _REGISTERED[:] = before
         _known.cache_clear()
         raise
+
+
+def unregister(name: str) -> None:
+    """Take away a component that was registered; KeyError if none of that name was."""
+    kept = [model for model in _REGISTERED if model.__name__ != name]
+    if len(kept) == len(_REGISTERED):
+        raise KeyError(name)
+    _REGISTERED[:] = kept
+    _known.cache_clear()
 
 
 @cache

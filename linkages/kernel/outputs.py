@@ -416,16 +416,22 @@ def _all() -> dict[str, Variable]:
 
 
 def register(name: str, variable: Variable) -> None:
-    """Add an output to those that can be asked for.
+    """Add an output to those that can be asked for; one that was registered before is replaced.
 
     Raises
     ------
     ValueError
-        If the name is none, or taken.
+        If the name is none, or taken by an output of a package.
     """
-    if not name.isidentifier() or name in _all():
+    if not name.isidentifier() or (name in _all() and name not in _REGISTERED):
         raise ValueError(f"expected a name for the output that is not taken, found {name!r}")
     _REGISTERED[name] = variable
+    _all.cache_clear()
+
+
+def unregister(name: str) -> None:
+    """Take away an output that was registered; KeyError if none of that name was."""
+    del _REGISTERED[name]
     _all.cache_clear()
 
 

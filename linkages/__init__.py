@@ -41,11 +41,13 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(_HOMES[name]), name)
         globals()[name] = value
         return value
-    if name[:1].isupper():  # a component that is registered, or not in the list yet
+    if not name.startswith("_"):  # what was registered, or is not in the list
+        from linkages.analyses import analyses
         from linkages.components.registry import components
 
-        if name in components():
-            return components()[name]
+        found: dict[str, Any] = {**components(), **analyses()}
+        if name in found:
+            return found[name]
     raise AttributeError(f"module 'linkages' has no attribute {name!r}")
 
 

@@ -90,13 +90,17 @@ class Opened:
         return function(self.mechanism, **given)
 
     def _function(self) -> Callable[..., Any]:
-        if self.analysis not in ANALYSES:
-            known = listed(sorted(ANALYSES))
-            again = f"; it was computed by `{self.command}`" if self.command else ""
-            message = f"{self.analysis!r} is not computed again; expected one of {known}{again}"
-            raise InputError(str(self.file), [Problem(message=message)])
-        module, name = ANALYSES[self.analysis].split(":")
-        return getattr(import_module(module), name)
+        if self.analysis in ANALYSES:
+            module, name = ANALYSES[self.analysis].split(":")
+            return getattr(import_module(module), name)
+        found = import_module("linkages.analyses").analyses()  # stand above
+        others = {name.replace("_", "-"): analysis for name, analysis in found.items()}
+        if self.analysis in others:
+            return others[self.analysis]
+        known = listed(sorted([*ANALYSES, *others]))
+        again = f"; it was computed by `{self.command}`" if self.command else ""
+        message = f"{self.analysis!r} is not computed again; expected one of {known}{again}"
+        raise InputError(str(self.file), [Problem(message=message)])
 
 
 ANALYSES = {

@@ -246,7 +246,7 @@ class Equations:
         >>> end.tangents.shape
         (2, 2)
         >>> len(end.crossings["rod.speed"].time)
-        4
+        3
         """
         from linkages.solution.propagator import Propagator
 
@@ -314,7 +314,7 @@ def compile(mechanism: Mechanism) -> Equations:  # noqa: A001
     >>> from scipy.integrate import solve_ivp
     >>> rhs = linkages.compile(linkages.load("pendulum"))
     >>> rhs.names
-    ('arm.angle', 'arm.speed')
+    ('rod.angle', 'rod.speed')
     >>> own = solve_ivp(rhs, (0.0, 2.0), rhs.state, method="Radau", jac=rhs.jacobian, rtol=1e-9)
     >>> rhs.outputs(["joint_position"], own.t, own.y).joint_position.dims
     ('time', 'joint', 'axis')

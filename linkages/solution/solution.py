@@ -214,8 +214,9 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
     # peaks are located by polynomials through equally spaced samples
-    steps = np.diff(time)
-    smooth = variable.smooth and bool(np.ptp(steps) <= 1e-6 * np.abs(steps).max(initial=0.0))
+    steps = np.abs(np.diff(time))
+    even = steps.max(initial=0.0) - steps.min(initial=np.inf) <= 1e-6 * steps.max(initial=0.0)
+    smooth = variable.smooth and bool(even)
     scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):

@@ -28,6 +28,17 @@ def test_samples_are_those_of_the_same_motion_whenever_they_are_taken(name):
         assert float(abs(own[residual]).max()) <= 1e-6 * max(scale, 1e-3)
 
 
+def test_peaks_are_not_interpolated_between_uneven_samples():
+    times = [0.0, 0.2, 0.3, 0.7, 0.72]
+    solution = linkages.simulate(linkages.load("pendulum"), times=times, outputs=["bar_speed"])
+    (row,) = solution.maxima
+    values = solution.data.bar_speed.to_numpy()[:, 0]
+    assert abs(row["value"]) == abs(values).max()
+    assert row["time"] == times[int(abs(values).argmax())]
+    single = linkages.simulate(linkages.load("pendulum"), times=[0.3], outputs=["bar_speed"])
+    assert single.maxima[0]["value"] == pytest.approx(values[2], abs=1e-9)
+
+
 def test_times_may_go_back():
     mechanism = linkages.load("pendulum")
     there = linkages.simulate(mechanism, times=[-0.5, -1.0, -2.0]).data.bar_angle.to_numpy()

@@ -91,18 +91,24 @@ def _fields(_app, what, _name, found, _options, signature, returns):
 
 
 def _keys(_app, page, source):
-    """Put the tables of keys into their page: they come from the classes that read the files."""
+    """Put the tables of keys and the list of components into their pages: found by themselves."""
     if page == "schema":
         from schema_tables import tables
 
         source[0] = source[0].replace("<!-- tables of keys -->", tables())
+    if page == "api":
+        from linkages.components.registry import components
+
+        listed = "\n\n".join(f".. autoclass:: linkages.{name}" for name in components())
+        marker = ".. all components of the package: conf.py puts them here"
+        source[0] = source[0].replace(marker, listed)
 
 
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("source-read", _keys)
-    # the tables may have changed although their page has not
-    app.connect("env-get-outdated", lambda *_: ["schema"])
+    # both may have changed although their pages have not
+    app.connect("env-get-outdated", lambda *_: ["api", "schema"])
     app.add_html_math_renderer(
         "local_mathml",
         inline_renderers=(lambda writer, node: _formula(writer, node, False), None),

@@ -25,7 +25,6 @@ from linkages.kernel.system import System
 from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.plan import build_flow, kernel_source
 from linkages.solution.reactions import joint_reactions
-from linkages.solution.requests import DEFAULT
 
 ROUNDS = 101
 LIGHT = {
@@ -48,8 +47,8 @@ REQUESTS: dict[str, Sequence[str]] = {
     "`drive_effort`": ["drive_effort"],
     "`closure_residual`": ["closure_residual"],
     "`kinetic_energy`, `potential_energy`": ["kinetic_energy", "potential_energy"],
-    "default": [name for name in DEFAULT if name in VARIABLES],
-    "all": list(VARIABLES),
+    "default": [n for n, found in VARIABLES.items() if found.default and not found.whole],
+    "all": [n for n, found in VARIABLES.items() if not found.whole],
 }
 
 
@@ -123,7 +122,7 @@ def _seconds(action) -> float:
 def _count(system: System, name: str) -> int:
     """Operations that depend on time or state."""
     nodes = [
-        node for variable in REQUESTS[name] for node in VARIABLES[variable].nodes(system.model)
+        node for variable in REQUESTS[name] for node in VARIABLES[variable].evaluated(system.model)
     ]
     return sum(bool(n.operands) and n.level != Level.PARAMETERS for n in reachable(nodes))
 

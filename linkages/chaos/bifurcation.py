@@ -162,8 +162,9 @@ def bifurcation(
     mechanism
         From a file or made in Python.
     vary
-        Dotted path of its definition → values in SI; several paths vary together. Or a range as on
-        the command line, which may have a unit: ``"clearances.r1.size=0.01mm:0.5mm:200"``.
+        Dotted path of its definition → values: numbers in SI, texts with one unit, such as
+        ``["0.1 mm", "0.2 mm"]``, or a quantity of pint; several paths vary together. Or a range as
+        on the command line: ``"clearances.r1.size=0.01mm:0.5mm:200"``, or several.
     initial
         Overrides of the definition, one for each initial state that is tried at every value, such
         as ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.

@@ -5,21 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.chaos.contact import Contact
 from linkages.chaos.contact_log import ContactLog, check_interval
-from linkages.chaos.surface import Surface, parse_section
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.guards import Guard
 from linkages.solution.march import March
-from linkages.solution.motion import Motion, Piece, Watch
-
-DIRECTIONS = {"up": 1, "down": -1, "both": 0}
-"""How a section is crossed → sign of the rate there; 0 for either."""
+from linkages.solution.motion import Motion, Watch
+from linkages.solution.surface import DIRECTIONS, parse_section
 
 
 class NeverCrossedError(ComputationError):
@@ -47,15 +41,10 @@ def crossed(
     interval = check_interval(system, end)
     log = None if interval is None else ContactLog(interval)
     looks = 1 if log is None else log.looks(end - system.time)
-    guard = Guard(
-        nodes=surface.nodes,
-        direction=DIRECTIONS[options.direction],
-        wanted=options.periods + skip,
-        counts=(lambda piece: _there(surface, piece)) if surface.turns else None,
-    )
+    guard = surface.guard(DIRECTIONS[options.direction], wanted=options.periods + skip)
     times = np.linspace(system.time, end, looks + 1)[1:]
     followed = March(system, options).advance(times, guards=[guard], watch=watch)
-    (met,) = followed.crossings
+    (met,) = followed.crossings.values()
     count = len(met.time)
     motion = replace(followed, pieces=met.part(skip).pieces)
     if motion.failure is None and count <= skip:
@@ -71,9 +60,3 @@ def crossed(
     log.restart(since=motion.time[0])
     log.note(followed)
     return Met(motion, log.contacts, log.interval)
-
-
-def _there(surface: Surface, piece: Piece) -> NDArray[np.bool_]:
-    """Which crossings of an angle are not half a turn away."""
-    (angle,) = evaluate_nodes(piece, [surface.series.node(piece.system.model)])
-    return np.asarray(np.cos(angle - surface.level) > 0)

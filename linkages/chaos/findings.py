@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from linkages.chaos.closed_curves import ClosedCurves
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ChaosReport:
     """A verdict and what it rests on.
 
@@ -85,6 +86,14 @@ class ChaosReport:
     force: xr.DataArray | None = None
     notes: tuple[str, ...] = field(default=())
     certificate: tuple[Invariant, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"ChaosReport({self.name!r}: {self.verdict})"
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: the verdict and its reasons."""
+        reasons = "".join(f"<li>{escape(reason)}</li>" for reason in self.reasons)
+        return f"<h4>{escape(self.name)}: {escape(self.verdict)}</h4>\n<ul>{reasons}</ul>"
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data for JSON."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.system import System
-from linkages.solution.evaluation import ANGLES, evaluate_variables
+from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion
 
 if TYPE_CHECKING:
@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 PAIRS = {
-    "clearance": ("clearance_angle", "clearance_speed"),
-    "bar": ("bar_angle", "bar_speed"),
-    "slider": ("slider_position", "slider_velocity"),
+    kind: (value := coordinate_of(kind), VARIABLES[value].rate)
+    for kind in ("clearance", "bar", "slider")
 }
 """Kind of free coordinate → outputs of its value and its rate."""
 
@@ -70,7 +69,7 @@ def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, 
         dim = VARIABLES[output].dims[0]
         columns = [labels(system.model, dim).index(name) for name in names[dim]]
         array = values[output][:, columns]
-        found[output] = wrapped(array) if wrap and output in ANGLES else array
+        found[output] = wrapped(array) if wrap and VARIABLES[output].angle else array
     return found
 
 

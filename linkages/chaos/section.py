@@ -16,7 +16,6 @@ from linkages.chaos.contact_log import (
 from linkages.chaos.crossed import crossed
 from linkages.chaos.free_states import free_values, labelled_states, require_free
 from linkages.chaos.strobe import strobe
-from linkages.chaos.surface import SECTION, parse_section
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.components.mechanism import Mechanism
 from linkages.errors import Interrupted
@@ -25,6 +24,7 @@ from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes
 from linkages.solution.motion import Motion, Watch
 from linkages.solution.options import options_of
+from linkages.solution.surface import SECTION, parse_section
 
 if TYPE_CHECKING:
     import xarray as xr

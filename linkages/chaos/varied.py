@@ -57,17 +57,21 @@ class Axis:
         }
 
 
-def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
-    """An axis from paths and numbers in SI.
+def axis(vary: Mapping[str, Sequence[Any] | NDArray[np.float64]]) -> Axis:
+    """An axis from paths and their values: numbers in SI, texts with a unit, or a pint quantity.
 
     Raises
     ------
     ValueError
-        If there is nothing to vary, or the numbers do not go together.
+        If there is nothing to vary, or the values do not go together.
     """
     if not vary:
         raise ValueError(f"nothing is varied; expected a path and its values, such as {RANGE}")
-    arrays = [np.atleast_1d(np.asarray(values, dtype=float)) for values in vary.values()]
+    measured = [_measured(path, values) for path, values in vary.items()]
+    arrays, units = [array for array, _ in measured], {unit for _, unit in measured}
+    if len(units) > 1:
+        found = " and ".join(sorted(repr(unit) for unit in units))
+        raise ValueError(f"paths that vary together need the same unit, found {found}")
     sizes = {array.shape for array in arrays}
     if len(sizes) > 1 or arrays[0].ndim != 1:
         raise ValueError(f"paths that vary together need equally many values, found {sizes}")
@@ -75,11 +79,30 @@ def axis(vary: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> Axis:
         raise ValueError(f"a range needs at least two values, found {len(arrays[0])}")
     if not all(np.isfinite(array).all() for array in arrays):
         raise ValueError("the values of a range must be finite")
-    return Axis(tuple(vary), np.stack(arrays))
+    return Axis(tuple(vary), np.stack(arrays), units.pop())
 
 
-Vary: TypeAlias = Mapping[str, Sequence[float] | NDArray[np.float64]] | Axis | str
-"""What is varied: dotted path → values in SI, a range such as `RANGE`, or an axis."""
+def _measured(path: str, values: Any) -> tuple[NDArray[np.float64], str]:
+    """Numbers, and the unit that all of them are in; none is SI."""
+    if hasattr(values, "magnitude") and hasattr(values, "units"):
+        unit = f"{values.units:C}".removesuffix("dimensionless")
+        return np.atleast_1d(np.asarray(values.magnitude, dtype=float)), unit
+    try:
+        if not any(isinstance(value, str) for value in values):
+            return np.atleast_1d(np.asarray(values, dtype=float)), ""
+        pairs = [leading_number(str(value)) for value in values]
+    except (TypeError, ValueError, NumberError) as error:
+        raise ValueError(f"{path}: expected numbers, or texts with a unit; {error}") from None
+    units = {unit for _, unit in pairs}
+    if len(units) > 1:
+        found = ", ".join(sorted(repr(unit) for unit in units))
+        raise ValueError(f"{path}: its values need the same unit, found {found}")
+    return np.array([number for number, _ in pairs]), units.pop()
+
+
+Vary: TypeAlias = Mapping[str, Sequence[Any] | NDArray[np.float64]] | Axis | str | Sequence[str]
+"""What is varied: dotted path → values in SI or with units, one or several ranges such as `RANGE`,
+or an axis."""
 
 
 def axis_of(vary: Vary) -> Axis:
@@ -90,6 +113,8 @@ def axis_of(vary: Vary) -> Axis:
         return parse_range(vary)
     if isinstance(vary, Mapping):
         return axis(vary)
+    if isinstance(vary, list | tuple) and vary and all(isinstance(text, str) for text in vary):
+        return together([parse_range(text) for text in vary])
     raise TypeError(
         f"expected a mapping of paths to values, or a range such as {RANGE!r}, found {vary!r}"
     )

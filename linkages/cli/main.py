@@ -16,9 +16,11 @@ from typing import Annotated, NoReturn
 import typer
 
 from linkages.cli import analyses, definitions
+from linkages.cli.found import WithFound
 
 app = typer.Typer(
     name="linkages",
+    cls=WithFound,
     help="Dynamics of planar linkages: one YAML file in, motion, forces and figures out.",
     no_args_is_help=True,
     add_completion=True,

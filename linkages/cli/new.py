@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from linkages.cli.loading import require_folder
 from linkages.cli.options import Template
 from linkages.cli.schema import schema_text
 from linkages.cli.terminal import console, print_json
+from linkages.components.registry import SECTIONS
 from linkages.components.schema import FILE_NAME, TITLE
 from linkages.errors import InputError, Problem
 
@@ -23,7 +25,7 @@ def run_new(name: str, template: Template, force: bool, json: bool) -> int:
     schema = path.parent / FILE_NAME
     _require_writable(path, schema, force)
     for file, text in (
-        (path, (TEMPLATES / f"{template}.yaml").read_text(encoding="utf-8")),
+        (path, _filled(TEMPLATES / f"{template}.yaml")),
         (schema, schema_text() + "\n"),
     ):
         with replaced(file) as temporary:
@@ -33,6 +35,17 @@ def run_new(name: str, template: Template, force: bool, json: bool) -> int:
     else:
         _say_what_next(path, schema)
     return 0
+
+
+def _filled(template: Path) -> str:
+    """A template; one that comments sections out gets those that it does not know yet."""
+    text = template.read_text(encoding="utf-8")
+    if "# free:" not in text:
+        return text
+    missing = {key: s for key, s in SECTIONS.items() if not re.search(f"^(# )?{key}:", text, re.M)}
+    forms = {"mapping": "# {}:\n#   {}\n", "list": "# {}:\n#   - {}\n", "value": "# {}: {}\n"}
+    more = [forms[section.form].format(key, section.example) for key, section in missing.items()]
+    return "\n".join([text, *more])
 
 
 def _path(name: str) -> Path:

@@ -15,8 +15,8 @@ from rich.markup import escape
 from linkages.cli.requests import Request
 from linkages.cli.simulated import as_far_as_possible, how_far
 from linkages.cli.terminal import number, print_notes, table
+from linkages.kernel.outputs import VARIABLES
 from linkages.solution.horizon import Horizon, cost_factor
-from linkages.solution.requests import ALL
 from linkages.solution.solution import Solution
 from linkages.solvers.choice import AUTO
 
@@ -160,7 +160,7 @@ def shown_maxima(
     if asked is None:
         chosen: Sequence[str] = summary
     elif asked == "all":
-        chosen = list(dict.fromkeys([*summary, *ALL]))
+        chosen = list(dict.fromkeys([*summary, *VARIABLES]))
     else:
         chosen = [asked] if isinstance(asked, str) else asked
     rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar, dataclass_transform
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, dataclass_transform
 
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
@@ -49,14 +50,55 @@ def component(cls: type) -> Any:
     return make(cls)
 
 
+@dataclass(frozen=True)
+class Section:
+    """How a section of the definition file is read.
+
+    Parameters
+    ----------
+    form
+        ``"mapping"`` of names to entries, ``"list"`` of entries, or a single ``"value"``.
+    example
+        What an entry looks like, for messages.
+    field
+        The field that takes an entry which is not a mapping of keys (a position, a vector).
+    """
+
+    form: Literal["mapping", "list", "value"]
+    example: str
+    field: str | None = None
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Fields of a component that do not stand in its entry."""
+        return {"mapping": ("name",), "list": ("index",), "value": ()}[self.form]
+
+
 class Component:
     """Contributes terms; never integrates, draws, parses or prints.
 
     A subclass sets `section`, its place in the definition file, and overrides `terms` and,
-    where it names other components, `references`.
+    where it names other components, `references`. It is found by itself where it stands in
+    `linkages.components`; others are registered by `linkages.register` or an entry point of the
+    group ``linkages.components``.
+
+    Attributes
+    ----------
+    section
+        The section of the definition file.
+    told_by
+        The key that tells its entries from those of other components of the section; empty for the
+        one whose entries have none of these keys.
+    names_slider
+        Whether it is meant by an entry that bears the name of a slider, where keys do not tell.
+    opens
+        How its section is read, if that is a new one.
     """
 
     section: ClassVar[str]
+    told_by: ClassVar[str] = ""
+    names_slider: ClassVar[bool] = False
+    opens: ClassVar[Section | None] = None
 
     @property
     def path(self) -> Path:

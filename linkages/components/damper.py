@@ -61,6 +61,7 @@ class GuideDamper(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "slider"
 
     index: int
     slider: Name

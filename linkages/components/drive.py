@@ -69,6 +69,8 @@ class SliderDrive(Component):
     """
 
     section: ClassVar[str] = "drives"
+    told_by: ClassVar[str] = "position"
+    names_slider: ClassVar[bool] = True
 
     name: Name
     position: Length | None = None

@@ -50,6 +50,7 @@ class FreePosition(Component):
     """
 
     section: ClassVar[str] = "free"
+    told_by: ClassVar[str] = "position"
 
     name: Name
     position: Length

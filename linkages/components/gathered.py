@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 
 from linkages.components.component import Component
 from linkages.components.consistency import Declared, findings
-from linkages.components.registry import SECTIONS, Section
+from linkages.components.registry import SECTIONS, Known
 from linkages.components.terms import Path
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
@@ -98,7 +98,7 @@ class _Gathered:
     def add(self, path: Path, message: str) -> None:
         self.problems.append(self.document.problem(path, message))
 
-    def section(self, key: str, section: Section) -> None:
+    def section(self, key: str, section: Known) -> None:
         for path, raw, given in self.entries(key, section):
             entry = raw if section.field is None else {section.field: raw}
             model = section.choose(entry)
@@ -118,7 +118,7 @@ class _Gathered:
         taken = set(bars) if isinstance(bars, dict) else set()
         return set(sliders) - taken if isinstance(sliders, dict) else set()
 
-    def entries(self, key: str, section: Section) -> Iterator[tuple[Path, Any, dict[str, Any]]]:
+    def entries(self, key: str, section: Known) -> Iterator[tuple[Path, Any, dict[str, Any]]]:
         content = self.document.content[key]
         if section.form == "value":
             yield (key,), content, {}

@@ -58,6 +58,7 @@ class JointForce(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "joint"
 
     index: int
     joint: Name

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from importlib import import_module
 from itertools import chain
 from pathlib import Path as FilePath
 
@@ -95,6 +96,10 @@ class Mechanism:
         counts = Counter(component.section for component in self.components)
         parts = [repr(self.name), *(f"{section}={count}" for section, count in counts.items())]
         return f"Mechanism({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: a drawing, mobility and components."""
+        return str(import_module("linkages.plots.notebook").mechanism_html(self))  # stands above
 
     @cached_property
     def definition(self) -> Document:

@@ -29,6 +29,7 @@ class Plate(Component):
     """
 
     section: ClassVar[str] = "bars"
+    told_by: ClassVar[str] = "points"
 
     name: Name
     points: dict[Name, Point]

@@ -1,138 +1,138 @@
-"""Which component stands in which section of a definition file: one line each."""
+"""Sections of a definition file, and the components that stand in them: found by themselves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Iterator, Mapping
+from functools import cache
+from inspect import isclass
+from typing import Any
 
-from linkages.components.assembly import AssemblyHint
-from linkages.components.bar import Bar
-from linkages.components.clearance import Clearance
-from linkages.components.component import Component
-from linkages.components.damper import GuideDamper, LineDamper
-from linkages.components.drive import Drive, SliderDrive
-from linkages.components.free import FreeAngle, FreePosition
-from linkages.components.gear import Gear
-from linkages.components.gravity import UniformGravity
-from linkages.components.ground import GroundJoint
-from linkages.components.load import JointForce, SliderForce
-from linkages.components.mass import JointMass
-from linkages.components.plate import Plate
-from linkages.components.simulation import SimulationDefaults
-from linkages.components.slider import Slider
-from linkages.components.spring import JointSpring
-from linkages.components.torque import BarTorque, TorqueBetweenBars
-from linkages.components.torsional_damper import (
-    ClearanceDamper,
-    DamperBetweenBars,
-    JointDamper,
-)
-from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
-from linkages.components.weld import Weld
+from linkages.components.component import Component, Section
+from linkages.discovery import modules_of, plugged
+
+GROUP = "linkages.components"
+"""Entry points that name components, and the folder of those of this package."""
+
+_SECTIONS: dict[str, Section] = {
+    "gravity": Section("value", "[9.81, 0]", field="acceleration"),
+    "joints": Section("mapping", "O: [0, 0]", field="position"),
+    "bars": Section("mapping", "crank: {joints: [O, A], length: 0.3}"),
+    "sliders": Section("mapping", "piston: {joint: B, through: O}"),
+    "clearances": Section("mapping", "r1: {joint: A, bar: rod, size: 0.1 mm}"),
+    "masses": Section("mapping", "A: 2 kg", field="mass"),
+    "welds": Section("mapping", "A: {bars: [crank, rod], angle: 30 deg}"),
+    "gears": Section("list", "{bars: [crank, rod], ratio: -2}"),
+    "drives": Section("mapping", "crank: {angle: 0, speed: 60 rpm}"),
+    "free": Section("mapping", "crank: {angle: 0.1, speed: 0}"),
+    "assembly": Section("mapping", "B: left", field="where"),
+    "loads": Section("list", "{slider: piston, force: -100}"),
+    "springs": Section("list", "{between: [O, B], stiffness: 4530, length: 0.08}"),
+    "dampers": Section("list", "{joint: A, damping: 0.1}"),
+    "simulate": Section("value", "{end: 2, samples: 2001}"),
+}
+"""In the order in which components are kept; whatever opens another one comes behind."""
+
+_REGISTERED: list[type[Component]] = []
 
 
-@dataclass(frozen=True)
-class Section:
-    """How a section of the definition file is read.
+class Known:
+    """A section, and the components that its entries may be.
 
     Parameters
     ----------
-    form
-        ``"mapping"`` of names to entries, ``"list"`` of entries, or a single ``"value"``.
-    choose
-        Entry as found → the component class that describes it.
-    field
-        The field that takes an entry which is not a mapping of keys (a position, a vector).
-    example
-        What an entry looks like, for messages.
-    for_sliders
-        The component of an entry that bears the name of a slider, where keys do not tell.
+    section
+        How it is read.
+    models
+        Its components: the one that no key tells first.
     """
 
-    form: Literal["mapping", "list", "value"]
-    choose: Callable[[Any], type[Component]]
-    example: str
-    field: str | None = None
-    for_sliders: type[Component] | None = None
+    def __init__(self, section: Section, models: tuple[type[Component], ...]) -> None:
+        self.form, self.example, self.field = section.form, section.example, section.field
+        self.given, self.models = section.given, models
+        self.for_sliders = next((model for model in models if model.names_slider), None)
 
-    @property
-    def given(self) -> tuple[str, ...]:
-        """Fields of a component that do not stand in its entry."""
-        return {"mapping": ("name",), "list": ("index",), "value": ()}[self.form]
-
-    @property
-    def models(self) -> tuple[type[Component], ...]:
-        """All components that an entry may be."""
-        choose = self.choose
-        return choose.models if isinstance(choose, _ByKey) else (choose(None),)
+    def choose(self, entry: object) -> type[Component]:
+        """The component that describes an entry: the first of which it has the key."""
+        keys = entry if isinstance(entry, dict) else ()
+        told = (model for model in self.models if model.told_by and model.told_by in keys)
+        return next(told, self.models[0])
 
 
-def _has(key: str, raw: object) -> bool:
-    return isinstance(raw, dict) and key in raw
+class _Sections(Mapping[str, Known]):
+    """All sections by their names; components are looked for when they are first asked for."""
+
+    def __getitem__(self, name: str) -> Known:
+        return _known()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_known())
+
+    def __len__(self) -> int:
+        return len(_known())
 
 
-class _ByKey:
-    """Chooses the component of the first key that an entry has."""
-
-    def __init__(self, otherwise: type[Component], *choices: tuple[str, type[Component]]) -> None:
-        self.otherwise = otherwise
-        self.choices = choices
-
-    def __call__(self, raw: object) -> type[Component]:
-        return next((model for key, model in self.choices if _has(key, raw)), self.otherwise)
-
-    @property
-    def models(self) -> tuple[type[Component], ...]:
-        return (self.otherwise, *(model for _, model in self.choices))
+SECTIONS: Mapping[str, Known] = _Sections()
 
 
-SECTIONS: dict[str, Section] = {
-    "gravity": Section("value", lambda _: UniformGravity, "[9.81, 0]", field="acceleration"),
-    "joints": Section("mapping", lambda _: GroundJoint, "O: [0, 0]", field="position"),
-    "bars": Section(
-        "mapping", _ByKey(Bar, ("points", Plate)), "crank: {joints: [O, A], length: 0.3}"
-    ),
-    "sliders": Section("mapping", lambda _: Slider, "piston: {joint: B, through: O}"),
-    "clearances": Section("mapping", lambda _: Clearance, "r1: {joint: A, bar: rod, size: 0.1 mm}"),
-    "masses": Section("mapping", lambda _: JointMass, "A: 2 kg", field="mass"),
-    "welds": Section("mapping", lambda _: Weld, "A: {bars: [crank, rod], angle: 30 deg}"),
-    "gears": Section("list", lambda _: Gear, "{bars: [crank, rod], ratio: -2}"),
-    "drives": Section(
-        "mapping",
-        _ByKey(Drive, ("position", SliderDrive)),
-        "crank: {angle: 0, speed: 60 rpm}",
-        for_sliders=SliderDrive,
-    ),
-    "free": Section(
-        "mapping", _ByKey(FreeAngle, ("position", FreePosition)), "crank: {angle: 0.1, speed: 0}"
-    ),
-    "assembly": Section("mapping", lambda _: AssemblyHint, "B: left", field="where"),
-    "loads": Section(
-        "list",
-        _ByKey(
-            SliderForce,
-            ("joint", JointForce),
-            ("bars", TorqueBetweenBars),
-            ("bar", BarTorque),
-        ),
-        "{slider: piston, force: -100}",
-    ),
-    "springs": Section(
-        "list",
-        _ByKey(JointSpring, ("between_bars", SpringBetweenBars), ("bar", BarSpring)),
-        "{between: [O, B], stiffness: 4530, length: 0.08}",
-    ),
-    "dampers": Section(
-        "list",
-        _ByKey(
-            LineDamper,
-            ("joint", JointDamper),
-            ("bars", DamperBetweenBars),
-            ("slider", GuideDamper),
-            ("clearance", ClearanceDamper),
-        ),
-        "{joint: A, damping: 0.1}",
-    ),
-    "simulate": Section("value", lambda _: SimulationDefaults, "{end: 2, samples: 2001}"),
-}
+def components() -> dict[str, type[Component]]:
+    """All components by the names of their classes."""
+    return {model.__name__: model for known in _known().values() for model in known.models}
+
+
+def register(model: type[Component]) -> None:
+    """Add a component to those that definitions may have.
+
+    One of the same name that was registered before is replaced.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is none, or does not go together with those of its section.
+    """
+    if not (isclass(model) and issubclass(model, Component) and hasattr(model, "section")):
+        raise TypeError(f"expected a component with a section, found {model!r}")
+    before = list(_REGISTERED)
+    _REGISTERED[:] = [*(old for old in before if old.__name__ != model.__name__), model]
+    _known.cache_clear()
+    try:
+        _known()
+    except ValueError:
+        _REGISTERED[:] = before
+        _known.cache_clear()
+        raise
+
+
+def unregister(name: str) -> None:
+    """Take away a component that was registered; KeyError if none of that name was."""
+    kept = [model for model in _REGISTERED if model.__name__ != name]
+    if len(kept) == len(_REGISTERED):
+        raise KeyError(name)
+    _REGISTERED[:] = kept
+    _known.cache_clear()
+
+
+@cache
+def _known() -> dict[str, Known]:
+    found: list[Any] = []
+    for module in modules_of(GROUP):
+        own = (value for value in vars(module).values() if isclass(value))
+        found += [value for value in own if value.__module__ == module.__name__]
+    models = [m for m in found if issubclass(m, Component) and "section" in vars(m)]
+    models += [model for _, model in plugged(GROUP)] + _REGISTERED
+    opened = {m.section: m.opens for m in models if m.opens is not None}
+    return {
+        name: Known(section, _models(name, [m for m in models if m.section == name]))
+        for name, section in {**_SECTIONS, **opened}.items()
+    }
+
+
+def _models(section: str, models: list[type[Component]]) -> tuple[type[Component], ...]:
+    """Those of a section, the one that no key tells first."""
+    keys = [model.told_by for model in models]
+    if keys.count("") != 1 or len(set(keys)) < len(keys):
+        names = ", ".join(f"{model.__name__} ({model.told_by!r})" for model in models)
+        raise ValueError(
+            f"section {section!r}: expected one component that no key tells, and another key for "
+            f"each of the others; found {names}"
+        )
+    return tuple(sorted(models, key=lambda model: model.told_by != ""))

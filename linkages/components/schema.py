@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from linkages.components.component import Component
-from linkages.components.registry import SECTIONS, Section
+from linkages.components.registry import SECTIONS, Known
 from linkages.spec.docstrings import summary
 from linkages.spec.json_schema import any_of, mapping_schema, model_schema, or_nothing, value_schema
 from linkages.spec.quantities import Name
@@ -43,7 +43,7 @@ def _without(model: type[Component]) -> tuple[str, ...]:
     return SECTIONS[model.section].given
 
 
-def _section(section: Section) -> Schema:
+def _section(section: Known) -> Schema:
     entry = _entry(section)
     if section.form == "mapping":
         found = or_nothing(mapping_schema(value_schema(Name), entry))
@@ -57,7 +57,7 @@ def _section(section: Section) -> Schema:
     return {**found, "description": f"{summaries} {form} {example}"}
 
 
-def _entry(section: Section) -> Schema:
+def _entry(section: Known) -> Schema:
     """An entry: a mapping that a component describes, or the one field that is written alone."""
     if section.field is None:
         return any_of([{"$ref": f"#/definitions/{m.__name__}"} for m in section.models])

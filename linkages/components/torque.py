@@ -28,6 +28,7 @@ class BarTorque(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "bar"
 
     index: int
     bar: Name
@@ -59,6 +60,7 @@ class TorqueBetweenBars(ListedComponent):
     """
 
     section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "bars"
 
     index: int
     bars: tuple[Name, Name]

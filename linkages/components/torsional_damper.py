@@ -29,6 +29,7 @@ class JointDamper(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "joint"
 
     index: int
     joint: Name
@@ -70,6 +71,7 @@ class DamperBetweenBars(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "bars"
 
     index: int
     bars: tuple[Name, Name]
@@ -104,6 +106,7 @@ class ClearanceDamper(ListedComponent):
     """
 
     section: ClassVar[str] = "dampers"
+    told_by: ClassVar[str] = "clearance"
 
     index: int
     clearance: Name

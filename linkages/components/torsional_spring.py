@@ -37,6 +37,7 @@ class BarSpring(_Torsional):
     """
 
     section: ClassVar[str] = "springs"
+    told_by: ClassVar[str] = "bar"
 
     index: int
     bar: Name
@@ -72,6 +73,7 @@ class SpringBetweenBars(_Torsional):
     """
 
     section: ClassVar[str] = "springs"
+    told_by: ClassVar[str] = "between_bars"
 
     index: int
     between_bars: tuple[Name, Name]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, get_args, get_origin
 
-from linkages.components.registry import SECTIONS, Section
+from linkages.components.registry import SECTIONS, Known
 from linkages.reading.document import Document
 from linkages.reading.paths import Path, split, value_at
 from linkages.spec.annotations import LISTS, alternatives, fields, infos_of, open_ended, rule_of
@@ -44,7 +44,7 @@ def _sliders(document: Document) -> list[Path]:
     return [(name,) for name in document.content.get("sliders") or ()]
 
 
-def _units(section: Section, model: Any, rest: Path) -> set[str]:
+def _units(section: Known, model: Any, rest: Path) -> set[str]:
     keys = fields(model)
     if section.field is not None and (not rest or rest[0] not in keys):
         return _of(keys[section.field], rest)

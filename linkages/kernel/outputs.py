@@ -1,20 +1,30 @@
-"""Output variables that follow from time, state and accelerations: one entry each.
+"""Output variables: one entry each, with all that is peculiar to it.
 
-A variable is a list of nodes of the model, so what is not asked for is not computed, and the same
-nodes serve NumPy (samples) and compiled code.
+A variable that follows from time, state and accelerations is a list of nodes of the model, so what
+is not asked for is not computed, and the same nodes serve NumPy (samples) and compiled code.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.discovery import modules_of, plugged
 from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.model import Model
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import Block, Step
 from linkages.topology.jacobian import ground_loop
+
+Floats = NDArray[np.float64]
+
+GROUP = "linkages.outputs"
+"""Entry points that name outputs, and the folder of those of this package."""
 
 AXES = ("x", "y")
 LOADS = ("force", "torque", "spring", "torsional_spring")
@@ -32,15 +42,66 @@ class Variable:
         For labels; of drives that all turn.
     nodes
         The model → one node per element, the last dimension running fastest.
+        None for an output that needs more than the motion at one time.
     pushed
         Units and long name where all drives push a slider, if they differ.
+    default
+        Whether it is computed unless others are asked for.
+    coordinate
+        Whether it is the coordinate of the bodies of its dimension, angle or displacement.
+    angle
+        Whether whole turns are counted in it.
+    rate
+        The output that is its derivative with respect to time, if there is one.
+    magnitude
+        Whether it is a vector whose magnitude has a largest value worth a row.
+    smooth
+        Whether polynomials through samples say what is between them: not for what may jump, and for
+        residuals, which are noise.
+    unbounded
+        Whether it may grow without bound towards a change point, or have a kink or a jump there, so
+        that it cannot be interpolated.
+    reciprocal
+        Whether it may be infinite, and its reciprocal is smooth.
+    reduced
+        What becomes of the values of its nodes, shape (nodes, times) before and (elements, times)
+        after; taken as they are if not given.
+    compared
+        The output that it compares with that of the same mechanism without clearances.
     """
 
     dims: tuple[str, ...]
     units: str
     long_name: str
-    nodes: Callable[[Model], list[Scalar]]
+    nodes: Callable[[Model], list[Scalar]] | None
     pushed: tuple[str, str] | None = None
+    default: bool = False
+    coordinate: bool = False
+    angle: bool = False
+    rate: str = ""
+    magnitude: bool = False
+    smooth: bool = True
+    unbounded: bool = False
+    reciprocal: bool = False
+    reduced: Callable[[Floats], Floats] | None = None
+    compared: str = ""
+
+    @property
+    def whole(self) -> bool:
+        """Whether it needs more than the motion at one time."""
+        return self.nodes is None
+
+    def evaluated(self, model: Model) -> list[Scalar]:
+        """Its nodes in a model, one per element.
+
+        Raises
+        ------
+        ValueError
+            If it needs more than the motion at one time.
+        """
+        if self.nodes is None:
+            raise ValueError(f"{self.long_name} follows from a whole motion")
+        return self.nodes(model)
 
     def described(self, model: Model) -> tuple[str, str]:
         """Units and long name that the variable has for a mechanism."""
@@ -196,49 +257,93 @@ def _closure(model: Model) -> list[Scalar]:
     return _components(residuals)
 
 
-VARIABLES: dict[str, Variable] = {
-    "bar_angle": Variable(("bar",), "rad", "angle", _angles("bar")),
-    "bar_speed": Variable(("bar",), "rad/s", "angular speed", _of_turning("bar", "velocities")),
+def _largest(rows: Floats) -> Floats:
+    return np.asarray(np.abs(rows).max(axis=0, initial=0.0)[None])
+
+
+_COMPARED = "against the ideal mechanism"
+
+_OWN: dict[str, Variable] = {
+    "bar_angle": Variable(
+        ("bar",), "rad", "angle", _angles("bar"),
+        default=True, coordinate=True, angle=True, rate="bar_speed",
+    ),
+    "bar_speed": Variable(
+        ("bar",), "rad/s", "angular speed", _of_turning("bar", "velocities"),
+        default=True, rate="bar_acceleration",
+    ),
     "bar_acceleration": Variable(
-        ("bar",), "rad/s^2", "angular acceleration", _of_turning("bar", "accelerations")
+        ("bar",), "rad/s^2", "angular acceleration", _of_turning("bar", "accelerations"),
+        default=True,
     ),
     "slider_position": Variable(
         ("slider",),
         "m",
         "displacement",
         lambda m: [m.positions.displacements[name] for name in labels(m, "slider")],
+        default=True, coordinate=True, rate="slider_velocity",
     ),
-    "slider_velocity": Variable(("slider",), "m/s", "velocity", _of_bodies("slider", "velocities")),
+    "slider_velocity": Variable(
+        ("slider",), "m/s", "velocity", _of_bodies("slider", "velocities"),
+        default=True, rate="slider_acceleration",
+    ),
     "slider_acceleration": Variable(
-        ("slider",), "m/s^2", "acceleration", _of_bodies("slider", "accelerations")
+        ("slider",), "m/s^2", "acceleration", _of_bodies("slider", "accelerations"), default=True
     ),
-    "clearance_angle": Variable(("clearance",), "rad", "clearance angle", _angles("clearance")),
+    "slider_position_error": Variable(
+        ("slider",), "m", f"displacement error {_COMPARED}", None,
+        default=True, compared="slider_position",
+    ),
+    "slider_velocity_error": Variable(
+        ("slider",), "m/s", f"velocity error {_COMPARED}", None,
+        default=True, compared="slider_velocity",
+    ),
+    "slider_acceleration_error": Variable(
+        ("slider",), "m/s^2", f"acceleration error {_COMPARED}", None,
+        default=True, compared="slider_acceleration",
+    ),
+    "clearance_angle": Variable(
+        ("clearance",), "rad", "clearance angle", _angles("clearance"),
+        default=True, coordinate=True, angle=True, rate="clearance_speed",
+    ),
     "clearance_speed": Variable(
-        ("clearance",), "rad/s", "clearance speed", _of_bodies("clearance", "velocities")
+        ("clearance",), "rad/s", "clearance speed", _of_bodies("clearance", "velocities"),
+        default=True, rate="clearance_acceleration",
     ),
     "clearance_acceleration": Variable(
         ("clearance",),
         "rad/s^2",
         "clearance acceleration",
         _of_bodies("clearance", "accelerations"),
+        default=True,
     ),
     "clearance_force": Variable(
-        ("clearance",), "N", "force along the clearance link", _clearance_forces
+        ("clearance",), "N", "force along the clearance link", _clearance_forces,
+        default=True, unbounded=True,
     ),
-    "joint_position": Variable(("joint", "axis"), "m", "joint position", _of_joints("positions")),
+    "joint_position": Variable(
+        ("joint", "axis"), "m", "joint position", _of_joints("positions"),
+        default=True, rate="joint_velocity",
+    ),
     "joint_velocity": Variable(
-        ("joint", "axis"), "m/s", "joint velocity", _of_joints("velocities")
+        ("joint", "axis"), "m/s", "joint velocity", _of_joints("velocities"),
+        default=True, rate="joint_acceleration", magnitude=True,
     ),
     "joint_acceleration": Variable(
-        ("joint", "axis"), "m/s^2", "joint acceleration", _of_joints("accelerations")
+        ("joint", "axis"), "m/s^2", "joint acceleration", _of_joints("accelerations"),
+        default=True, magnitude=True,
     ),
-    "transmission_angle": Variable(("dyad",), "rad", "transmission angle", _transmission_angles),
+    "transmission_angle": Variable(
+        ("dyad",), "rad", "transmission angle", _transmission_angles,
+        unbounded=True, reduced=np.abs,  # atan2(-0.0, -1.0) is -π
+    ),
     "mechanical_advantage": Variable(
         ("drive", "bar"),
         "1",
         "torque that a bar delivers per torque of a drive",
         _advantages("bar"),
         ("m", "torque that a bar delivers per force of a drive"),
+        reciprocal=True,
     ),
     "slider_mechanical_advantage": Variable(
         ("drive", "slider"),
@@ -246,10 +351,19 @@ VARIABLES: dict[str, Variable] = {
         "force that a slider delivers per torque of a drive",
         _advantages("slider"),
         ("1", "force that a slider delivers per force of a drive"),
+        reciprocal=True,
     ),
-    "drive_effort": Variable(("drive",), "N m", "driving torque", _efforts, ("N", "driving force")),
-    "load_force": Variable(("force",), "N", "force of a load", _of_loads("force")),
-    "load_torque": Variable(("torque",), "N m", "torque of a load", _of_loads("torque")),
+    "drive_effort": Variable(
+        ("drive",), "N m", "driving torque", _efforts, ("N", "driving force"), default=True
+    ),
+    "load_force": Variable(
+        ("force",), "N", "force of a load", _of_loads("force"),
+        default=True, smooth=False, unbounded=True,
+    ),
+    "load_torque": Variable(
+        ("torque",), "N m", "torque of a load", _of_loads("torque"),
+        default=True, smooth=False, unbounded=True,
+    ),
     "spring_force": Variable(("spring",), "N", "force of a spring or damper", _of_loads("spring")),
     "torsional_spring_torque": Variable(
         ("torsional_spring",),
@@ -261,5 +375,65 @@ VARIABLES: dict[str, Variable] = {
     "potential_energy": Variable((), "J", "potential energy", _potential_energy),
     "drive_power": Variable((), "W", "power of all drives", _drive_power),
     "load_power": Variable((), "W", "power of all loads", _load_power),
-    "closure_residual": Variable((), "m", "largest residual of the closure equations", _closure),
-}
+    "closure_residual": Variable(
+        (), "m", "largest residual of the closure equations", _closure,
+        default=True, smooth=False, reduced=_largest,
+    ),
+    "joint_reaction": Variable(
+        ("joint", "axis"), "N", "joint reaction", None, magnitude=True
+    ),
+    "energy_residual": Variable(
+        (), "J", "energy gained beyond the work of drives and loads", None, smooth=False
+    ),
+}  # fmt: skip
+
+_REGISTERED: dict[str, Variable] = {}
+
+
+class _Variables(Mapping[str, Variable]):
+    """All outputs; those that stand elsewhere are looked for when one is first asked for."""
+
+    def __getitem__(self, name: str) -> Variable:
+        return _all()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_all())
+
+    def __len__(self) -> int:
+        return len(_all())
+
+
+VARIABLES: Mapping[str, Variable] = _Variables()
+"""Name → output: those above, those of files in `linkages.outputs`, and those of other packages."""
+
+
+@cache
+def _all() -> dict[str, Variable]:
+    found = [entry for module in modules_of(GROUP) for entry in module.OUTPUTS.items()]
+    return {**_OWN, **dict(found), **dict(plugged(GROUP)), **_REGISTERED}
+
+
+def register(name: str, variable: Variable) -> None:
+    """Add an output to those that can be asked for; one that was registered before is replaced.
+
+    Raises
+    ------
+    ValueError
+        If the name is none, or taken by an output of a package.
+    """
+    if not name.isidentifier() or (name in _all() and name not in _REGISTERED):
+        raise ValueError(f"expected a name for the output that is not taken, found {name!r}")
+    _REGISTERED[name] = variable
+    _all.cache_clear()
+
+
+def unregister(name: str) -> None:
+    """Take away an output that was registered; KeyError if none of that name was."""
+    del _REGISTERED[name]
+    _all.cache_clear()
+
+
+def coordinate_of(kind: str) -> str:
+    """The output that is the coordinate of a kind of body: angle or displacement."""
+    dim = "bar" if kind == "plate" else kind
+    return next(n for n, found in VARIABLES.items() if found.coordinate and found.dims == (dim,))

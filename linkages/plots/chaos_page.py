@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from linkages.plots import contact, exponents, sections, spectra
+from linkages.plots import contact, exponents, notebook, sections, spectra
 from linkages.plots.style import style
 
 if TYPE_CHECKING:
@@ -137,15 +137,7 @@ def _items(texts: Sequence[str]) -> str:
 
 
 def _table(heading: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    def row(tag: str, cells: Sequence[str]) -> str:
-        marked = [
-            f"<{tag}{' class=n' if place else ''}>{escape(cell)}</{tag}>"
-            for place, cell in enumerate(cells)
-        ]
-        return f"<tr>{''.join(marked)}</tr>"
-
-    body = "\n".join([row("th", heads), *(row("td", cells) for cells in rows)])
-    return f"<h2>{escape(heading)}</h2>\n<table>\n{body}\n</table>"
+    return f"<h2>{escape(heading)}</h2>\n{notebook.table(heads, rows)}"
 
 
 def _caption(name: str, report: ChaosReport) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.angles import show_degrees
 from linkages.plots.prefixes import Scale, scale_of
 
@@ -66,7 +67,7 @@ def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
 
 def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
-    angle = output.variable.endswith("_angle")
+    angle = VARIABLES[output.variable].angle
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
     scale = scale_of(clear, str(data[output.variable].attrs.get("units", "")))
     if angle:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.film import Film
 from linkages.solution.resolved import resolved, turning_points
 
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from linkages.solution.solution import Solution
-
-ANGLES = {"clearance_angle": "clearance", "bar_angle": "bar"}
-PLACES = {"slider_position": "slider"}
 
 MOST = 0.25
 """Swings between two frames beyond which they can no longer be followed."""
@@ -47,7 +45,9 @@ def fastest(solution: Solution, film: Film) -> Pace | None:
     film
         Which part of it is shown.
     """
-    names = [name for name in {**ANGLES, **PLACES} if name in solution.data]
+    names = [
+        name for name, found in VARIABLES.items() if found.coordinate and name in solution.data
+    ]
     data = resolved(solution, names)
     first, last = sorted((film.start, film.start + film.frames * film.step))
     shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))
@@ -57,14 +57,14 @@ def fastest(solution: Solution, film: Film) -> Pace | None:
 
 
 def _paces(data: xr.Dataset, variable: str, frames: int, moved: set[str]) -> list[Pace]:
-    dimension = ANGLES.get(variable) or PLACES[variable]
+    (dimension,) = VARIABLES[variable].dims
     found = []
     for name in data[dimension].values:
         values = np.asarray(data[variable].sel({dimension: name}), dtype=float)
         if name not in moved or len(values) < 2:
             continue
         swings = turning_points(values) / 2
-        turns = abs(values[-1] - values[0]) / (2 * np.pi) if variable in ANGLES else 0.0
+        turns = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
         found.append(Pace(str(name), max(swings, turns) / frames, turns > swings))
     return found
 

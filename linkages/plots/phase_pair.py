@@ -14,7 +14,6 @@ from linkages.plots.phase import draw_curve
 from linkages.plots.phase_curve import wrapped
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import PALETTE, fitted, panels, styled
-from linkages.solution.evaluation import ANGLES
 from linkages.solution.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
@@ -63,14 +62,14 @@ def draw(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) ->
         ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
         ax.margins(x=0.0 if x.variable == TIME else None)
     else:
-        if wrap and x.variable in ANGLES:
+        if wrap and x.angle:
             across, up = wrapped(np.radians(across), up)
-        if wrap and y.variable in ANGLES:
+        if wrap and y.angle:
             up, across = wrapped(np.radians(up), across)
         draw_curve(ax, across, up)
-    if x.variable in ANGLES:
+    if x.angle:
         show_degrees(ax, across)
-    if y.variable in ANGLES:
+    if y.angle:
         show_degrees(ax, up, "y")
     ax.set_xlabel(label_x)
     ax.set_ylabel(label_y)
@@ -83,7 +82,7 @@ def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
     values = np.asarray(array, dtype=float)
     words = str(array.attrs.get("long_name", series.variable))
     label = " of ".join([words, *[".".join(series.place.values())][: bool(series.place)]])
-    if series.variable in ANGLES:
+    if series.angle:
         return np.degrees(values), f"{label} [°]"
     scale = scale_of(values, str(array.attrs.get("units", "")))
     return values * scale.factor, scale.label(label)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from linkages.components.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.curves import (
     Peak,
     annotate_peak,
@@ -25,7 +26,6 @@ from linkages.plots.curves import (
 )
 from linkages.plots.prefixes import Scale, scale_of
 from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
-from linkages.solution.peaks import is_smooth
 from linkages.solution.resolved import per_swing
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     values = np.asarray(array, dtype=float)
     names = _names(data, variable)
     scales = scale_of(time, "s"), scale_of(values, str(array.attrs.get("units", "")))
-    horizon, smooth = data.attrs.get("horizon"), is_smooth(variable)
+    horizon, smooth = data.attrs.get("horizon"), VARIABLES[variable].smooth
     peaks = [peak_of(time, column, horizon, smooth=smooth) for column in values.T]
     lines = []
     for index, (column, peak) in enumerate(zip(values.T, peaks, strict=True)):

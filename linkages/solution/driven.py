@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.system import System
 from linkages.solution.determined import is_determined
+from linkages.solution.guards import driven_piece, passed_piece
 from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
 from linkages.solution.motion import (
     COULD_PASS,
@@ -44,7 +45,20 @@ class _Undefined(NamedTuple):
 
 
 def driven_motion(system: System, settings: Settings) -> Motion:
-    """Follow a fully driven system along the sample times as far as it can go."""
+    """Follow a fully driven system from t = 0 along the sample times as far as it can go."""
+    if settings.times[0] == 0.0:
+        return _followed(system, settings)
+    # turns and work count from t = 0 on, whenever the first sample is taken
+    motion = _followed(system, replace(settings, times=np.append(0.0, settings.times)))
+    first = motion.pieces[0]
+    if first.samples is None:
+        first = first.part(slice(1, None))
+    else:
+        first = replace(first, samples=first.samples[1:])
+    return replace(motion, pieces=(first, *motion.pieces[1:]))
+
+
+def _followed(system: System, settings: Settings) -> Motion:
     undefined = _undefined(system, settings.times)
     end = float(settings.times[-1])
     if undefined is not None:
@@ -53,6 +67,7 @@ def driven_motion(system: System, settings: Settings) -> Motion:
     times = settings.times
     fastest = _fastest(system, float(times[-1]))
     pieces: list[Piece] = []
+    crossed: dict[str, list[Piece]] = {event.name: [] for event in settings.events}
     notes: list[str] = []
     flipped: tuple[int, ...] = ()
     begun = 0.0
@@ -68,11 +83,16 @@ def driven_motion(system: System, settings: Settings) -> Motion:
             passage = None
         reached = abs(times) >= abs(begun) if begun else np.ones(len(times), dtype=bool)
         if passage is not None:
+            before = begun
             begun = passage.crossing + math.copysign(passage.beside, times[-1])
             early = abs(passage.crossing) - passage.beside
             pieces.append(_piece(system, times[reached & (abs(times) < early)], flipped))
             inside = times[(abs(times) >= early) & (abs(times) < abs(begun))]
             pieces.append(_across(system, passage, flipped, inside))
+            span = before, math.copysign(early, times[-1])
+            for event in settings.events:
+                found = driven_piece(event, pieces[-2], *span, fastest)
+                crossed[event.name] += [found, passed_piece(event, pieces[-1])]
             if not determined:
                 notes.append(passed_text(system.model, passage.crossing, passage.blocks))
             flipped = tuple(sorted(set(flipped) ^ set(passage.blocks)))
@@ -83,6 +103,10 @@ def driven_motion(system: System, settings: Settings) -> Motion:
         if stop is not None:
             reached &= np.abs(times) < abs(stop.time)
         pieces.append(_piece(system, times[reached], flipped))
+        last = float(times[-1]) if stop is None else stop.time
+        for event in settings.events:
+            found = driven_piece(event, pieces[-1], begun, last, fastest)
+            crossed[event.name].append(found)
         break
     failure = None
     if stop is not None:
@@ -99,6 +123,7 @@ def driven_motion(system: System, settings: Settings) -> Motion:
         failure=failure,
         stop_time=end if stop is None else stop.time,
         notes=tuple(notes),
+        crossings={name: Motion(pieces=tuple(found)) for name, found in crossed.items()},
     )
 
 

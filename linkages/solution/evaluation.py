@@ -7,19 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES, Variable, labels
 from linkages.kernel.scalars import Scalar
 from linkages.solution.motion import Motion, Piece
 
 _CHUNK = 2048
 """Samples evaluated at once: small enough for intermediate values to stay in the cache."""
-
-ADVANTAGES = ("mechanical_advantage", "slider_mechanical_advantage")
-ANGLES = {"bar_angle": "bar", "clearance_angle": "clearance"}
-
-POLES = ("clearance_force", "transmission_angle", "load_force", "load_torque")
-"""Outputs that may grow without bound towards a change point, or have a kink or a jump there: they
-cannot be interpolated."""
 
 Values = dict[str, NDArray[np.float64]]
 
@@ -34,8 +27,8 @@ def evaluate_variables(motion: Motion, names: Sequence[str]) -> Values:
     names
         Entries of `linkages.kernel.outputs.VARIABLES`.
     """
-    smooth = [name for name in names if name not in POLES]
-    poles = [name for name in names if name in POLES]
+    smooth = [name for name in names if not VARIABLES[name].unbounded]
+    poles = [name for name in names if VARIABLES[name].unbounded]
     parts = [
         piece_variables(piece, smooth) | piece_variables(piece.direct(), poles)
         for piece in motion.pieces
@@ -55,25 +48,25 @@ def piece_variables(piece: Piece, names: Sequence[str]) -> Values:
     places: dict[str, slice] = {}
     for name in names:
         start = len(nodes)
-        nodes += VARIABLES[name].nodes(piece.system.model)
+        nodes += VARIABLES[name].evaluated(piece.system.model)
         places[name] = slice(start, len(nodes))
     values = evaluate_nodes(piece, nodes)
     found: Values = {}
     for name, place in places.items():
-        rows = values[place]
-        if name in ANGLES:
-            rows = _with_turns(piece, rows, ANGLES[name])
-        elif name == "closure_residual":
-            rows = np.abs(rows).max(axis=0, initial=0.0)[None]
-        elif name == "transmission_angle":
-            rows = np.abs(rows)  # atan2(-0.0, -1.0) is -π
-        found[name] = _interpolated(piece, rows, name)
+        rows, variable = values[place], VARIABLES[name]
+        if variable.angle:
+            rows = _with_turns(piece, rows, variable.dims[0])
+        if variable.reduced is not None:
+            rows = variable.reduced(rows)
+        found[name] = _interpolated(piece, rows, variable)
     return found
 
 
-def _interpolated(piece: Piece, rows: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+def _interpolated(
+    piece: Piece, rows: NDArray[np.float64], variable: Variable
+) -> NDArray[np.float64]:
     """Values at the wanted times; of what may be infinite, the reciprocal is smooth."""
-    if piece.samples is None or name not in ADVANTAGES:
+    if piece.samples is None or not variable.reciprocal:
         return piece.interpolated(rows)
     with np.errstate(divide="ignore"):
         return 1.0 / piece.interpolated(1.0 / rows)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.reading.replacing import replaced
 
@@ -35,6 +36,16 @@ def save_dataset(data: xr.Dataset, folder: Path, stem: str) -> list[Path]:
     with replaced(text) as temporary:
         _write_table(data, temporary)
     return [netcdf, text]
+
+
+def save_events(times: Mapping[str, NDArray[np.float64]], path: Path) -> Path:
+    """Write when events happen as CSV, in the order of time; all digits."""
+    rows = [(time, name) for name, found in times.items() for time in found.tolist()]
+    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("time (s)", "event"))
+        writer.writerows(sorted(rows))
+    return path
 
 
 def save_netcdf(data: xr.Dataset, path: Path) -> Path:

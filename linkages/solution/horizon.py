@@ -103,6 +103,7 @@ def horizon_between(system: System, run: RunOptions, motion: Motion, other: Moti
 
 def _tighter(settings: Settings, motion: Motion) -> Settings | None:
     run = settings.run
+    settings = replace(settings, events=())
     if run.step is not None:
         closer = replace(run, step=run.step / 2)
     elif run.rtol <= LEAST_RTOL:

@@ -57,7 +57,7 @@ Floats = NDArray[np.float64]
 def integrated_motion(system: System, settings: Settings) -> Motion:
     """Integrate a system that has free coordinates, or others that are carried along."""
     march = March(system, settings.run, work=settings.work, counting=settings.counting)
-    return march.advance(settings.times, watch=settings.watch)
+    return march.advance(settings.times, guards=settings.events, watch=settings.watch)
 
 
 class March:
@@ -131,6 +131,13 @@ class March:
     @tangents.setter
     def tangents(self, values: Floats) -> None:
         self._vector[self.layout.tangent_rows] = values
+
+    def tangents_of(self, free: tuple[str, ...]) -> Floats:
+        """The same in other free coordinates and their rates, shape (2n, k)."""
+        if free == self.layout.free:
+            return self.tangents
+        into = tangent_map(self.system, free, self.time, self.state, self.flipped)
+        return into @ self.tangents
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""
@@ -245,7 +252,7 @@ class March:
             method=trajectory.method,
             reason=trajectory.reason,
             notes=tuple(self._notes),
-            crossings=tuple(watched.motion for watched in self._watched),
+            crossings={watched.guard.name: watched.motion for watched in self._watched},
         )
 
     def _integrate(self, watch: Watch | None) -> Trajectory:
@@ -360,10 +367,7 @@ class March:
             f"at t = {self.time:.6g} s the free coordinate "
             f"{_exchange_words(movable(old), movable(better))}, which is better conditioned there"
         )
-        tangents = self.tangents
-        if self.layout.tangents:
-            free = better.topology.free
-            tangents = tangent_map(old, free, self.time, self.state, self.flipped) @ tangents
+        tangents = self.tangents_of(better.topology.free) if self.layout.tangents else self.tangents
         self._enter(better, self._present_angles(), tangents)
         self._least = self._thresholds()
         return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from linkages.kernel.model import Model
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.topology.blocks import ITERATED
+
+if TYPE_CHECKING:
+    from linkages.solution.guards import Guard
 
 Floats = NDArray[np.float64]
 Watch = Callable[[float], None]
@@ -30,7 +34,7 @@ class Settings:
     Parameters
     ----------
     times
-        Sample times in seconds, shape (samples,), from 0 on.
+        Sample times in seconds, shape (samples,), away from where the motion starts.
     run
         How it is integrated.
     work
@@ -40,6 +44,8 @@ class Settings:
         exchanged they are counted anyway.
     watch
         Called now and then with the fraction of simulated time done.
+    events
+        Crossings to look for.
     """
 
     times: Floats
@@ -47,6 +53,7 @@ class Settings:
     work: bool = False
     counting: bool = False
     watch: Watch | None = None
+    events: tuple[Guard, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,7 +148,7 @@ class Piece:
         return np.asarray(BarycentricInterpolator(self.time, rows, axis=-1)(self.samples))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Motion:
     """What was reached of a motion, piece by piece.
 
@@ -163,7 +170,7 @@ class Motion:
     notes
         What happened on the way: change points passed, coordinates changed.
     crossings
-        States at which each guard was crossed, without accelerations.
+        Name of a guard → states at which it was crossed, without accelerations.
     """
 
     pieces: tuple[Piece, ...]
@@ -174,7 +181,11 @@ class Motion:
     method: str = ""
     reason: str = ""
     notes: tuple[str, ...] = ()
-    crossings: tuple[Motion, ...] = ()
+    crossings: Mapping[str, Motion] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        ended = "" if self.failure is None else f", stopped at t = {self.stop_time:g} s"
+        return f"Motion({len(self.time)} samples in {len(self.pieces)} pieces{ended})"
 
     @property
     def time(self) -> Floats:

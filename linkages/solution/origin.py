@@ -25,11 +25,14 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
 
     Returns
     -------
-    ``version``; ``options`` as JSON; and ``definition``, YAML text in which all values are put in,
-    those that were changed in Python as well.
+    ``version``; ``options`` and, of these, the ``arguments`` that were given, as JSON; and
+    ``definition``, YAML text in which all values are put in, those that were changed in Python as
+    well.
     """
+    said = {name: value for name, value in options.items() if value is not None}
     return {
         "version": f"linkages {version('linkages')}",
         "options": json.dumps(options, default=str, ensure_ascii=False),
+        "arguments": json.dumps(said, default=str, ensure_ascii=False),
         DEFINITION: mechanism.to_yaml(),
     }

@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from linkages.solvers.collocation import cardinals
 
-STEPPING = ("load_force", "load_torque")
-"""Variables that may jump: no polynomial through their samples says what is between them."""
-
 ROUND_OFF = 1e-9
 """Part of the scale of a series below which its values are round-off, and have no peaks."""
 
@@ -40,11 +37,6 @@ class Peak(NamedTuple):
     value: float
     time: float
     missed: float
-
-
-def is_smooth(variable: str) -> bool:
-    """Whether polynomials may locate the peaks of a variable; residuals are noise."""
-    return variable not in STEPPING and not variable.endswith("residual")
 
 
 def largest(series: Floats, scale: float) -> Peak:

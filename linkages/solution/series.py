@@ -11,7 +11,7 @@ from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.reading.wording import listed, suggestion
-from linkages.solution.requests import ALL, available
+from linkages.solution.requests import available
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +37,11 @@ class Series:
     variable: str
     place: Mapping[str, str]
 
+    @property
+    def angle(self) -> bool:
+        """Whether it is an angle in which whole turns count."""
+        return self.variable != TIME and VARIABLES[self.variable].angle
+
     def of(self, data: xr.Dataset) -> xr.DataArray:
         """The series in a solution's data."""
         array = data[self.variable]
@@ -48,12 +53,12 @@ class Series:
         for dim, label in self.place.items():
             names = labels(model, dim)
             index = index * len(names) + names.index(label)
-        return VARIABLES[self.variable].nodes(model)[index]
+        return VARIABLES[self.variable].evaluated(model)[index]
 
 
 def system_series(system: System) -> dict[str, Series]:
     """Name → series, all that a mechanism has."""
-    dims = {name: ALL[name].dims for name in available(system)}
+    dims = {name: VARIABLES[name].dims for name in available(system)}
     return _series(dims, lambda dim: labels(system.model, dim))
 
 

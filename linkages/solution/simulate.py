@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE
 from linkages.solution.assumptions import assumptions
+from linkages.solution.crossings import labelled_events
 from linkages.solution.doubts import doubts
-from linkages.solution.evaluation import ANGLES, evaluate_variables
+from linkages.solution.evaluation import evaluate_variables
 from linkages.solution.motion import Motion, Settings, Watch, compute_motion
 from linkages.solution.options import options_of
-from linkages.solution.requests import DERIVED, requested
+from linkages.solution.requests import REACTION, requested
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.soundness import sound_part
+from linkages.solution.starting import State, asked_for, own_times, started
+from linkages.solution.surface import parse_events
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
-
-_ERROR = "_error"
 
 
 @takes(SimulationOptions)
 def simulate(
     mechanism: Mechanism,
     *,
+    times: ArrayLike | None = None,
+    state: State | None = None,
+    events: Mapping[str, str] | None = None,
     outputs: Iterable[str] | None = None,
     watch: Watch | None = None,
     throw: bool = True,
@@ -47,6 +52,18 @@ def simulate(
     ----------
     mechanism
         From `linkages.load`, or built in Python.
+    times : (m,)
+        Sample times in seconds instead of `end` and `samples`, increasing or decreasing; they may
+        begin later than the motion, which starts at t = 0 if no `state` is given.
+    state
+        Where the motion starts instead of where the definition says: free coordinate → value and
+        rate, such as ``{"crank": (0.1, 2.0)}``, or all integrated coordinates and then their rates,
+        shape (2n,), as `linkages.compile` has them. It is the state at the first of `times`, else
+        at t = 0, in the assembly mode of the definition.
+    events
+        Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
+        A value other than 0 stands behind it: ``"crank.angle=90 deg"``. The crossings are in
+        `Solution.events`; a zero at the start is none.
     outputs
         Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
         Only what is asked for is computed.
@@ -68,21 +85,25 @@ def simulate(
     Interrupted
         After Ctrl-C, whatever `throw` says; its `solution` has the samples so far.
     """
-    system = System(mechanism)
+    given = None if times is None else own_times(times, from_zero=state is None)
+    if given is not None and not (options.get("end") is None and options.get("samples") is None):
+        raise ValueError("end and samples do not go with times, which say both")
+    system = started(mechanism, state, 0.0 if given is None else float(given[0]))
     names = requested(system, outputs)
     run = options_of(SimulationOptions, mechanism, options)
     settings = Settings(
-        times=np.linspace(0.0, run.end, run.samples),
+        times=np.linspace(0.0, run.end, run.samples) if given is None else given,
         run=run,
         work="energy_residual" in names,
-        counting=any(name in ANGLES for name in names),
+        counting=any(VARIABLES[name].angle for name in names),
         watch=watch,
+        events=parse_events(system, events or {}),
     )
     _require_inertia(system)
     notes = [*assumptions(system), *doubts(mechanism)]
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
         motion = compute_motion(system, settings)
-        plain = [name for name in names if name not in DERIVED]
+        plain = [name for name in names if not VARIABLES[name].whole]
         notes += motion.notes
         interrupted = str(motion.failure) if motion.interrupted else ""
         try:
@@ -100,6 +121,8 @@ def simulate(
         motion=motion,
         settings=settings,
         notes=tuple(notes),
+        events=labelled_events(motion.crossings, names),
+        asked=asked_for(times=given, state=state, events=events),
     )
     if interrupted:
         raise Interrupted(interrupted, time=motion.stop_time, solution=solution)
@@ -147,7 +170,7 @@ def _add_derived(
     notes: list[str],
 ) -> None:
     """Outputs that need more than the motion at one time."""
-    errors = [name for name in names if name in DERIVED and name.endswith(_ERROR)]
+    errors = [name for name in names if VARIABLES[name].compared]
     if errors:
         _add_errors(system, settings, motion, errors, values, notes)
     if "energy_residual" in names:
@@ -156,11 +179,13 @@ def _add_derived(
         energy = parts["kinetic_energy"] + parts["potential_energy"]
         work = motion.work
         assert work is not None
-        values["energy_residual"] = energy - energy[:1] - work
-    if "joint_reaction" in names:
+        # the first sample may be taken later than the motion starts
+        nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
+        values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
+    if REACTION in names:
         from linkages.solution.reactions import joint_reactions
 
-        values["joint_reaction"] = joint_reactions(motion)
+        values[REACTION] = joint_reactions(motion)
         if system.topology.redundant:
             joints = system.topology.redundant_places
             notes.append(
@@ -178,13 +203,16 @@ def _add_errors(
     notes: list[str],
 ) -> None:
     """Differences of slider motions against the same mechanism without clearances."""
-    wanted = [name.removesuffix(_ERROR) for name in errors]
+    wanted = [VARIABLES[name].compared for name in errors]
     try:
         ideal = System(system.mechanism.ideal())
     except InputError as error:
         notes.append(f"no errors against the ideal mechanism: {error}")
         return
-    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None)
+    if ideal.topology.free and system.time:
+        notes.append("no errors against the ideal mechanism: its motion starts at t = 0")
+        return
+    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None, events=())
     followed = compute_motion(ideal, plain)
     if followed.interrupted:
         raise KeyboardInterrupt

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +15,10 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
-from linkages.solution.peaks import is_smooth, largest
-from linkages.solution.requests import ALL
+from linkages.solution.peaks import largest
 from linkages.solution.switching import passes
 
 if TYPE_CHECKING:
@@ -25,11 +27,7 @@ if TYPE_CHECKING:
     from linkages.solution.horizon import Horizon
 
 
-MAGNITUDES = ("joint_velocity", "joint_acceleration", "joint_reaction")
-"""Vectors of which the magnitude has a largest value worth a row."""
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Solution:
     """Results of a simulation.
 
@@ -48,6 +46,11 @@ class Solution:
         How it was computed.
     notes
         What could not be computed, or was assumed.
+    events
+        Event that was asked for → dataset of its crossings, ordered in time: the outputs of `data`
+        at each. Angles that are not integrated lie within one turn there.
+    asked
+        Arguments `times`, `state` and `events` of `linkages.simulate`, where they were given.
     """
 
     data: xr.Dataset
@@ -56,6 +59,23 @@ class Solution:
     motion: Motion
     settings: Settings
     notes: tuple[str, ...] = ()
+    events: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    asked: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Solution({self.mechanism.name!r}, {self.summary})"
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: how it was computed, largest values, notes."""
+        return str(import_module("linkages.plots.notebook").solution_html(self))  # stands above
+
+    @property
+    def summary(self) -> str:
+        """Samples, time and number of outputs, in words."""
+        time, count = self.data["time"].to_numpy(), len(self.data.data_vars)
+        span = f"t = {time[0]:g} s to {time[-1]:g} s" if len(time) else "no time"
+        whole = "" if self.completed else f", stopped at t = {self.motion.stop_time:g} s"
+        return f"{len(time)} samples from {span}, {count} outputs{whole}"
 
     @property
     def completed(self) -> bool:
@@ -95,21 +115,27 @@ class Solution:
     def save(self, folder: str | Path) -> list[Path]:
         """Write ``simulate.nc`` (NetCDF 4) and ``simulate.csv``; returns their paths.
 
-        The former says where it comes from, see `linkages.solution.origin.origin_of`.
+        The former says how it was computed, from what and by which version, so that
+        `linkages.open` can compute it again. Events, if any were asked for, are in ``events.csv``,
+        a crossing per row.
         """
-        from linkages.solution.files import save_dataset
+        from linkages.solution.files import save_dataset, save_events
         from linkages.solution.origin import origin_of
 
-        origin = origin_of(self.mechanism, self.options)
-        return save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+        notes = json.dumps(self.notes, ensure_ascii=False)
+        origin = {**origin_of(self.mechanism, self.options), "notes": notes}
+        paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
+        times = {name: data["time"].to_numpy() for name, data in self.events.items()}
+        return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths
 
     @property
     def options(self) -> dict[str, Any]:
         """How it was computed, as arguments of `linkages.simulate`."""
         settings = self.settings
+        sampled = {"end": float(settings.times[-1]), "samples": len(settings.times)}
         return {
-            "end": float(settings.times[-1]),
-            "samples": len(settings.times),
+            **({} if "times" in self.asked else sampled),
+            **self.asked,
             **settings.run.integration,
             "method": self.motion.method or settings.run.method,
             "change_points": "pass" if passes(self.system, settings.run) else "stop",
@@ -139,7 +165,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     variables = {}
     dims: dict[str, None] = {}
     for name, array in values.items():
-        entry = ALL[name]
+        entry = VARIABLES[name]
         dims |= dict.fromkeys(entry.dims)
         units, long_name = entry.described(system.model)
         attrs = {"units": units, "long_name": long_name}
@@ -160,9 +186,9 @@ def _least_scale(data: xr.Dataset, name: str) -> float:
 
     A steady motion has accelerations that are round-off alone.
     """
-    before, found, _ = name.partition("_acceleration")
-    speed = next((s for s in (f"{before}_speed", f"{before}_velocity") if s in data), None)
-    if not found or speed is None or data.sizes["time"] < 2:
+    speeds = {VARIABLES[str(other)].rate: str(other) for other in data.data_vars}
+    speed = speeds.get(VARIABLES[name].compared or name)
+    if data.sizes["time"] < 2 or speed not in {found.rate for found in VARIABLES.values()}:
         return 0.0
     spacing = abs(float(data["time"][1] - data["time"][0]))
     return float(np.nanmax(np.abs(data[speed].to_numpy()), initial=0.0)) / spacing
@@ -176,7 +202,8 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     if not array.sizes["time"]:
         return []
     values, dims = array.to_numpy(), array.dims[1:]
-    if array.name in MAGNITUDES:
+    variable = VARIABLES[str(array.name)]
+    if variable.magnitude:
         values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
     if len(dims) > 1:
         return []
@@ -184,7 +211,10 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
-    smooth = is_smooth(str(array.name))
+    # peaks are located by polynomials through equally spaced samples
+    steps = np.abs(np.diff(time))
+    even = steps.max(initial=0.0) - steps.min(initial=np.inf) <= 1e-6 * steps.max(initial=0.0)
+    smooth = variable.smooth and bool(even)
     scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):

@@ -8,12 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.reading.wording import TOO_LARGE
-from linkages.solution.evaluation import ADVANTAGES
 from linkages.solution.motion import Motion
-from linkages.solution.requests import ALL
 
 Values = dict[str, NDArray[np.float64]]
 
@@ -33,7 +31,7 @@ def sound_part(
     """
     first: tuple[int, str] | None = None
     for name, array in values.items():
-        sound = ~np.isnan(array) if name in ADVANTAGES else np.isfinite(array)
+        sound = ~np.isnan(array) if VARIABLES[name].reciprocal else np.isfinite(array)
         samples, *elements = np.nonzero(~sound)  # in the order of the samples
         if samples.size and (first is None or samples[0] < first[0]):
             first = int(samples[0]), _name(system, name, [int(index[0]) for index in elements])
@@ -50,7 +48,7 @@ def sound_part(
 
 def _name(system: System, name: str, index: Sequence[int]) -> str:
     """An output and the element that an index into its values belongs to."""
-    variable = ALL[name]
+    variable = VARIABLES[name]
     _, long_name = variable.described(system.model)
     places = zip(variable.dims, index, strict=True)
     words = [labels(system.model, dim)[i] for dim, i in places if dim != "axis"]

@@ -40,6 +40,8 @@ RECORD_WORDS = len(Record._fields)
 GO_ON = 2.0
 # A state on a level, as a run from a located crossing starts with, lies beyond it.
 SLACK = 1e-12
+# Two units in the last place: t + θh may be rounded once or twice, as the compiler fuses it or not.
+SAME_TIME = 4.5e-16
 
 
 @compiled
@@ -180,7 +182,7 @@ def forget_later(events: Events, time: float, forward: bool) -> None:
     for event in range(events.events):
         while 0 < found[event] <= first[event + 1] - first[event]:
             latest = times[first[event] + found[event] - 1]
-            if (latest > time) != forward or latest == time:
+            if (latest > time) != forward or abs(latest - time) <= SAME_TIME * abs(time):
                 break
             found[event] -= 1
 

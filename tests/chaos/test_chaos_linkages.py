@@ -12,7 +12,6 @@ from linkages.chaos.contact import contact_check
 from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.report import verdict
-from linkages.chaos.surface import parse_section
 from linkages.chaos.sweep import Threads, sweep
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.varied import parse_range, together
@@ -23,6 +22,7 @@ from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
+from linkages.solution.surface import parse_section
 from linkages.solvers.foreign import caller
 from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
 

@@ -6,7 +6,7 @@ import pytest
 
 import linkages
 from linkages.chaos.maps import chaos_map
-from linkages.chaos.varied import parse_range
+from linkages.chaos.varied import axis, axis_of, parse_range
 from linkages.components.definition import from_document
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError
@@ -186,3 +186,35 @@ def test_indices_close_up():
     ]  # fmt: skip
     changed = more.with_values({"dampers[1].damping": 3.0})
     assert [c.damping for c in changed.components if c.section == "dampers"] == [0.5, 3.0]
+
+
+def test_values_may_be_texts_or_quantities_with_a_unit():
+    import pint
+
+    texts = axis({"bars.arm.length": ["900 mm", "1000 mm"]})
+    assert (texts.values.tolist(), texts.unit) == ([[900.0, 1000.0]], "mm")
+    quantity = axis({"bars.arm.length": pint.Quantity([900.0, 1000.0], "mm")})
+    assert (quantity.values.tolist(), quantity.unit) == ([[900.0, 1000.0]], "millimeter")
+    several = axis_of(["bars.arm.length=1:2:3", "free.arm.speed=3:4:3"])
+    assert several.paths == ("bars.arm.length", "free.arm.speed")
+    plain, given = (
+        chaos_map(pendulum(), {"bars.arm.length": lengths}, {AMPLITUDE: [1.0, 1.2]}, periods=4)
+        for lengths in ([0.9, 1.0], ["900 mm", "1000 mm"])
+    )
+    assert given["bars.arm.length"].attrs["units"] == "mm"
+    # 900 mm is 0.9 m up to round-off
+    assert given.indicator.to_numpy() == pytest.approx(plain.indicator.to_numpy(), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ({"bars.arm.length": ["900 mm", "1 m"]}, "bars.arm.length: its values need the same unit"),
+        ({"bars.arm.length": ["long", "1 m"]}, "bars.arm.length: expected numbers, or texts"),
+        ({"bars.arm.length": 1.0}, "bars.arm.length: expected numbers, or texts"),
+        ({"a": ["1 mm", "2 mm"], "b": [1, 2]}, "that vary together need the same unit"),
+    ],
+)
+def test_values_that_do_not_go_together_are_named(vary, message):
+    with pytest.raises(ValueError, match=message):
+        axis_of(vary)

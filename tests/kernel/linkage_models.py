@@ -47,4 +47,4 @@ def program(of: System) -> Program:
 
 def values(of: System, name: str, time=0.0, state=None, acceleration=None) -> np.ndarray:
     """An output variable, shape (elements, times)."""
-    return of.evaluate(VARIABLES[name].nodes(of.model), time, state, acceleration)
+    return of.evaluate(VARIABLES[name].evaluated(of.model), time, state, acceleration)

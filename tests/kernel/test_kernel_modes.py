@@ -33,7 +33,7 @@ drives: {crank: {angle: 0, speed: 1}}
 
 def closure(of, mode):
     """Largest residual of the closure equations in an assembly mode."""
-    nodes = VARIABLES["closure_residual"].nodes(of.model)
+    nodes = VARIABLES["closure_residual"].evaluated(of.model)
     state = of.state.copy()
     for name, value in mode.values.items():
         state[of.topology.coordinates.index(name)] = value

@@ -30,7 +30,7 @@ def at_start(mechanism: linkages.Mechanism) -> Values:
     for name, variable in VARIABLES.items():
         elements = labels(system.model, variable.dims[0]) if variable.dims else ()
         if name in COMPARED and elements:
-            nodes = variable.nodes(system.model)
+            nodes = variable.evaluated(system.model)
             values = system.evaluate(nodes, acceleration=accelerations)[:, 0]
             shape = (len(elements), 2) if "axis" in variable.dims else (len(elements),)
             found[name] = dict(zip(elements, values.reshape(shape), strict=True))

@@ -10,12 +10,12 @@ import linkages
 from linkages.solution.solution import _maxima
 
 
-def row_of(values, name="x"):
+def row_of(values, name="kinetic_energy"):
     """The row of a series with samples 0.1 s apart."""
     array = xr.DataArray(
         values, dims="time", coords={"time": 0.1 * np.arange(len(values))}, name=name
     )
-    (row,) = _maxima(array.assign_attrs(units="", long_name="x"))
+    (row,) = _maxima(array.assign_attrs(units="", long_name="energy"))
     return row
 
 

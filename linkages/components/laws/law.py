@@ -11,11 +11,15 @@ from linkages.components.laws.rise import Rise
 from linkages.components.laws.run_up import RunUpLaw
 from linkages.components.laws.table import DriveTable, LoadTable
 from linkages.components.terms import Parameter, Path
+from linkages.discovery import plugged
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Dimension
 from linkages.spec.formulas import Call, Clock, Constant, Formula, Node
 from linkages.spec.laws import LawRule
 from linkages.spec.quantities import Angle, AngularSpeed, Force, Length, Speed, Torque
+
+GROUP = "linkages.laws"
+"""Entry points that name laws of other packages by the keys that tell them."""
 
 Law = float | Formula | NamedLaw
 
@@ -25,6 +29,7 @@ def _rule(dimension: Dimension, value: Any, rate: Any = None) -> LawRule:
     if rate is not None:
         named["run-up"] = RunUpLaw[value, rate]
     named["table"] = LoadTable[value] if rate is None else DriveTable[value]
+    named |= {name: law[value] for name, law in plugged(GROUP)}
     return LawRule(dimension, tuple(named.items()))
 
 

@@ -1,0 +1,59 @@
+"""Names of the package: the one list that editors, type checkers and `linkages` itself read."""
+
+from typing import Any
+
+from linkages.chaos.bifurcation import bifurcation as bifurcation
+from linkages.chaos.lyapunov import lyapunov as lyapunov
+from linkages.chaos.maps import chaos_map as chaos_map
+from linkages.chaos.report import verdict as verdict
+from linkages.chaos.section import poincare as poincare
+from linkages.components.assembly import AssemblyHint as AssemblyHint
+from linkages.components.bar import Bar as Bar
+from linkages.components.clearance import Clearance as Clearance
+from linkages.components.damper import GuideDamper as GuideDamper
+from linkages.components.damper import LineDamper as LineDamper
+from linkages.components.definition import load as load
+from linkages.components.definition import loads as loads
+from linkages.components.drive import Drive as Drive
+from linkages.components.drive import SliderDrive as SliderDrive
+from linkages.components.free import FreeAngle as FreeAngle
+from linkages.components.free import FreePosition as FreePosition
+from linkages.components.gear import Gear as Gear
+from linkages.components.gravity import UniformGravity as UniformGravity
+from linkages.components.ground import GroundJoint as GroundJoint
+from linkages.components.load import JointForce as JointForce
+from linkages.components.load import SliderForce as SliderForce
+from linkages.components.mass import JointMass as JointMass
+from linkages.components.mechanism import Mechanism as Mechanism
+from linkages.components.plate import Plate as Plate
+from linkages.components.simulation import SimulationDefaults as SimulationDefaults
+from linkages.components.slider import Slider as Slider
+from linkages.components.spring import JointSpring as JointSpring
+from linkages.components.torque import BarTorque as BarTorque
+from linkages.components.torque import TorqueBetweenBars as TorqueBetweenBars
+from linkages.components.torsional_damper import ClearanceDamper as ClearanceDamper
+from linkages.components.torsional_damper import DamperBetweenBars as DamperBetweenBars
+from linkages.components.torsional_damper import JointDamper as JointDamper
+from linkages.components.torsional_spring import BarSpring as BarSpring
+from linkages.components.torsional_spring import SpringBetweenBars as SpringBetweenBars
+from linkages.components.weld import Weld as Weld
+from linkages.errors import ComputationError as ComputationError
+from linkages.errors import InputError as InputError
+from linkages.errors import Interrupted as Interrupted
+from linkages.errors import LinkagesError as LinkagesError
+from linkages.plots import charts as charts
+from linkages.plots.animation import animate as animate
+from linkages.registering import register as register
+from linkages.registering import unregister as unregister
+from linkages.solution.opened import Opened as Opened
+from linkages.solution.opened import open as open  # noqa: A004
+from linkages.solution.propagator import Propagator as Propagator
+from linkages.solution.rhs import Equations as Equations
+from linkages.solution.rhs import compile as compile  # noqa: A004
+from linkages.solution.simulate import simulate as simulate
+from linkages.solution.solution import IncompleteError as IncompleteError
+from linkages.solution.solution import Solution as Solution
+
+__version__: str
+
+def __getattr__(name: str) -> Any: ...  # components that others register

@@ -1,0 +1,1 @@
+"""Outputs that stand in files of their own: found by themselves."""

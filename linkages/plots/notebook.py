@@ -1,0 +1,115 @@
+"""Mechanisms and solutions as notebooks show them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from io import StringIO
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError
+from linkages.kernel.system import System
+from linkages.plots import drawing
+from linkages.plots.pose import Pose
+from linkages.plots.style import style, styled
+from linkages.plots.view import picture
+from linkages.solution.solution import Solution
+
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table; all cells but the first of a row are numbers, set to the right."""
+
+    def row(tag: str, cells: Sequence[str]) -> str:
+        marked = [
+            f"<{tag}{' class=n' if place else ''}>{escape(cell)}</{tag}>"
+            for place, cell in enumerate(cells)
+        ]
+        return f"<tr>{''.join(marked)}</tr>"
+
+    body = "\n".join([row("th", heads), *(row("td", cells) for cells in rows)])
+    return f"<table>\n{body}\n</table>"
+
+
+def mechanism_html(mechanism: Mechanism) -> str:
+    """A drawing at t = 0, mobility and coordinates, and how many components there are of each kind.
+
+    Of one that cannot be assembled, what is wrong with it.
+    """
+    counts: dict[str, list[str]] = {}
+    for component in mechanism.components:
+        counts.setdefault(component.section, []).append(str(component.path[-1]))
+    rows = [[section, str(len(names)), ", ".join(names)] for section, names in counts.items()]
+    parts = [f"<h4>{escape(mechanism.name)}</h4>"]
+    try:
+        system = System(mechanism)
+    except InputError as error:
+        parts.append(f"<pre>{escape(str(error))}</pre>")
+    else:
+        topology = system.topology
+        moved = [
+            f"{word} {', '.join(names)}"
+            for word, names in (("driven", topology.driven), ("free", topology.free))
+            if names
+        ]
+        parts += [
+            _svg(_drawing(system)),
+            f"<p>mobility {topology.mobility}: {escape('; '.join(moved))}; "
+            f"{len(topology.dependent)} dependent coordinates in "
+            f"{len(topology.solved_blocks)} blocks</p>",
+        ]
+    return "\n".join([*parts, table(["section", "entries", "names"], rows)])
+
+
+@styled
+def _drawing(system: System) -> Figure:
+    """The mechanism at t = 0."""
+    places = system.places()
+    positions = {name: tuple(places[name].tolist()) for name in system.topology.joints}
+    variables = [name for name, body in system.mechanism.bodies.items() if body.rotates]
+    nodes = [system.model.positions.angle(name) for name in variables]
+    angles = dict(zip(variables, system.evaluate(nodes)[:, 0].tolist(), strict=True))
+    pose = Pose(system.mechanism, positions, angles)
+    result, ax = picture(drawing.reach(pose))
+    drawing.draw_pose(ax, pose)
+    return result
+
+
+def solution_html(solution: Solution) -> str:
+    """How it was computed, the largest value of each output, and notes."""
+    data, motion = solution.data, solution.motion
+    largest: dict[str, dict[str, Any]] = {}
+    for row in solution.maxima:
+        before = largest.setdefault(row["variable"], row)
+        if abs(row["value"]) > abs(before["value"]):
+            largest[row["variable"]] = row
+    rows = [
+        [f"{row['long_name']} {row['element']}", *(f"{row[key]:.6g}" for key in ("value", "time")),
+         row["units"]]
+        for row in largest.values()
+    ]  # fmt: skip
+    how = (
+        f"{motion.method}, rtol {solution.settings.run.rtol:g}"
+        if motion.method
+        else "no integration"
+    )
+    parts = [
+        f"<h4>{escape(solution.mechanism.name)}</h4>",
+        f"<p>{escape(solution.summary)}; {escape(how)}</p>",
+        table(["largest absolute value", "", "at t (s)", "unit"], rows),
+        f"<p>outputs: {', '.join(escape(str(name)) for name in data.data_vars)}</p>",
+    ]
+    notes = [*solution.notes, *motion.notes] if motion.failure is None else [*solution.notes]
+    failed = [] if motion.failure is None else [f"stopped {motion.failure}"]
+    listed = "".join(f"<li>{escape(note)}</li>" for note in dict.fromkeys([*failed, *notes]))
+    return "\n".join([*parts, f"<ul>{listed}</ul>" if listed else ""])
+
+
+def _svg(figure: Figure) -> str:
+    stream = StringIO()
+    with style():
+        figure.savefig(stream, format="svg", metadata={"Creator": None, "Date": None})
+    text = stream.getvalue()
+    return text[text.index("<svg") :]

@@ -1,0 +1,177 @@
+"""Results that were written to disk, read again, and computed again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from linkages.components.definition import loads
+from linkages.components.mechanism import Mechanism
+from linkages.errors import InputError, Problem
+from linkages.reading.wording import listed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ENDING = ".nc"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Opened:
+    """Results of an analysis, with everything that is needed to compute them again.
+
+    Parameters
+    ----------
+    file
+        The NetCDF file that they stand in.
+    data
+        What it has: labelled arrays in SI, with ``units`` and ``long_name``.
+    definition
+        Of the mechanism, as YAML text with all values put in.
+    options
+        How it was computed: the `simulate` section, and over it `arguments`.
+    arguments
+        What the analysis was given.
+    analysis
+        Its name, such as ``"simulate"``.
+    version
+        Of this package, when it was computed.
+    command
+        What was typed; empty where Python called.
+    notes
+        What could not be computed, or was assumed.
+    complete
+        Whether the analysis came to its end.
+    """
+
+    file: Path
+    data: xr.Dataset
+    definition: str
+    options: Mapping[str, Any]
+    arguments: Mapping[str, Any]
+    analysis: str
+    version: str
+    command: str
+    notes: tuple[str, ...]
+    complete: bool
+
+    def __repr__(self) -> str:
+        return f"Opened({str(self.file)!r}, {self.analysis} of {self.mechanism.name!r})"
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """The mechanism as it was computed."""
+        return loads(self.definition)
+
+    def compute(self) -> Any:
+        """Compute it again.
+
+        Returns
+        -------
+        What the function of that name returns, such as a `Solution` of `linkages.simulate`. With
+        the same version, on the same machine, its numbers are the same to the last bit.
+
+        Raises
+        ------
+        InputError
+            If the file is part of the results of another analysis, which has no function here.
+        """
+        function = self._function()
+        known = signature(function).parameters
+        given = {name: value for name, value in self.arguments.items() if name in known}
+        if not given.get("initial", True):
+            del given["initial"]  # the command line names no other states
+        return function(self.mechanism, **given)
+
+    def _function(self) -> Callable[..., Any]:
+        if self.analysis in ANALYSES:
+            module, name = ANALYSES[self.analysis].split(":")
+            return getattr(import_module(module), name)
+        found = import_module("linkages.analyses").analyses()  # stand above
+        others = {name.replace("_", "-"): analysis for name, analysis in found.items()}
+        if self.analysis in others:
+            return others[self.analysis]
+        known = listed(sorted([*ANALYSES, *others]))
+        again = f"; it was computed by `{self.command}`" if self.command else ""
+        message = f"{self.analysis!r} is not computed again; expected one of {known}{again}"
+        raise InputError(str(self.file), [Problem(message=message)])
+
+
+ANALYSES = {
+    "simulate": "linkages.solution.simulate:simulate",
+    "poincare": "linkages.chaos.section:poincare",
+    "lyapunov": "linkages.chaos.lyapunov:lyapunov",
+    "bifurcation": "linkages.chaos.bifurcation:bifurcation",
+    "map": "linkages.chaos.maps:chaos_map",
+}
+"""Name of a file of results → the function of this package that computes them."""
+
+
+def open(path: str | Path) -> Opened:  # noqa: A001
+    """Open results that were saved.
+
+    Parameters
+    ----------
+    path
+        A NetCDF file, or a folder with results: of `simulate` if there are several.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it does not say what it was computed from.
+
+    Examples
+    --------
+    >>> import linkages, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = linkages.simulate(linkages.load("pendulum"), end=1.0).save(folder)
+    ...     opened = linkages.open(folder)
+    >>> opened.mechanism == linkages.load("pendulum")
+    True
+    >>> opened.compute().data.bar_angle.equals(opened.data.bar_angle)
+    True
+    """
+    import xarray as xr
+
+    file = _file(Path(path))
+    try:
+        data = xr.load_dataset(file, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(str(file), [Problem(message=f"cannot be read: {error}")]) from None
+    attributes = {name: str(value) for name, value in data.attrs.items()}
+    if "definition" not in attributes or "options" not in attributes:
+        message = "does not say what it was computed from; expected results of this package"
+        raise InputError(str(file), [Problem(message=message)])
+    return Opened(
+        file=file,
+        data=data,
+        definition=attributes["definition"],
+        options=json.loads(attributes["options"]),
+        arguments=json.loads(attributes.get("arguments", "{}")),
+        analysis=attributes.get("analysis", file.stem),
+        version=attributes.get("version", ""),
+        command=attributes.get("command", ""),
+        notes=tuple(json.loads(attributes.get("notes", "[]"))),
+        complete=attributes.get("complete", "yes") == "yes",
+    )
+
+
+def _file(path: Path) -> Path:
+    if path.is_file():
+        return path
+    if not path.is_dir():
+        message = "no such file or folder; expected results of this package"
+        raise InputError(str(path), [Problem(message=message)])
+    found = sorted(path.glob(f"*{ENDING}"))
+    wanted = [file for file in found if file.stem == "simulate"] or found
+    if len(wanted) == 1:
+        return wanted[0]
+    names = listed([file.name for file in found]) if found else "none"
+    message = f"expected a folder with one file of results, found {names}"
+    raise InputError(str(path), [Problem(message=message)])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def save_table(columns: Mapping[str, Any], path: Path) -> Path:
+def save_table(columns: Mapping[str, Any], path: Path) -> None:
     """Write a CSV file with a column per entry; all digits, nothing for nan.
 
     Parameters
@@ -34,22 +34,19 @@ def save_table(columns: Mapping[str, Any], path: Path) -> Path:
         writer.writerow(columns)
         rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
         writer.writerows(["" if cell != cell else cell for cell in row] for row in rows)
-    return path
 
 
 def save_figures(
     figures: Mapping[str, Figure | None],
     folder: Path,
     format: str = "png",  # noqa: A002
-) -> list[Path]:
+) -> None:
     """Write the figures that there are as ``<name>.png``, or ``.svg``, or ``.pdf``."""
     from linkages.plots.figures import write_figure
 
-    return [
-        write_figure(figure, folder / f"{name}.{format}")
-        for name, figure in figures.items()
-        if figure is not None
-    ]
+    for name, figure in figures.items():
+        if figure is not None:
+            write_figure(figure, folder / f"{name}.{format}")
 
 
 def free_columns(data: xr.Dataset) -> dict[str, Any]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from linkages.components.definition import load
 from linkages.components.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
+
+Given = TypeVar("Given")
+Found = TypeVar("Found")
 
 
 def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
@@ -24,22 +28,27 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
 
 
 def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:
-    """Path → value of assignments that an option has.
+    """Path → value of assignments that an option has."""
+    return dict(each_read(option, assignments, parse_assignment))
+
+
+def each_read(option: str, values: Sequence[Given], read: Callable[[Given], Found]) -> list[Found]:
+    """What the values of an option are read as.
 
     Raises
     ------
     InputError
-        Lists all that are no assignments.
+        Lists all that cannot be read.
     """
-    found: dict[str, object] = {}
+    found: list[Found] = []
     problems: list[Problem] = []
-    for assignment in assignments:
+    for value in values:
         try:
-            path, value = parse_assignment(assignment)
+            found.append(read(value))
         except InputError as error:
             problems += error.problems
-        else:
-            found[path] = value
+        except ValueError as error:
+            problems.append(Problem(message=str(error)))
     if problems:
         raise InputError(option, problems)
     return found

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.loading import mechanism_from, overrides, require_folder
+from linkages.cli.loading import each_read, mechanism_from, overrides, require_folder
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import console, print_json, progress
 from linkages.components.mechanism import Mechanism
@@ -155,18 +155,8 @@ def ranges(option: str, texts: Sequence[str]) -> Axis:
     """
     from linkages.chaos.varied import parse_range, together
 
-    axes, problems = [], []
-    for text in texts:
-        try:
-            axes.append(parse_range(text))
-        except ValueError as error:
-            problems.append(Problem(message=str(error)))
-    if not problems:
-        try:
-            return together(axes)
-        except ValueError as error:
-            problems.append(Problem(message=str(error)))
-    raise InputError(option, problems)
+    axes = each_read(option, texts, parse_range)
+    return each_read(option, [axes], together)[0]
 
 
 def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
@@ -177,13 +167,5 @@ def initial_states(texts: Sequence[str]) -> list[dict[str, object]]:
     InputError
         Lists all that are no assignments.
     """
-    states: list[dict[str, object]] = []
-    problems: list[Problem] = []
-    for text in texts:
-        try:
-            states.append(overrides("--initial", NEXT.split(text)))
-        except InputError as error:
-            problems += error.problems
-    if problems:
-        raise InputError("--initial", problems)
+    states = each_read("--initial", texts, lambda text: overrides("--initial", NEXT.split(text)))
     return states or [{}]

@@ -62,14 +62,10 @@ class Settled:
 class _Inputs:
     """Arguments of all sets of numbers, and the values of nodes that are known by now."""
 
-    t: float
+    t: Floats
     p: Floats
     y: Floats
     values: dict[int, Any] = field(default_factory=dict)
-
-    @property
-    def time(self) -> Floats:
-        return np.array([self.t])
 
     def copy(self) -> _Inputs:
         """The same, to go on in another way."""
@@ -128,7 +124,7 @@ class Settling:
         hints
             Places of joints that have one.
         """
-        inputs = _Inputs(time, numbers.copy(), state.copy())
+        inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
         count = numbers.shape[1]
         sound, assumed = np.ones(count, dtype=bool), []
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -213,7 +209,7 @@ class Settling:
         """Values of nodes, shape (nodes, sets); the order of their operations is kept."""
         if key not in self._orders:
             self._orders[key] = reachable(nodes)
-        arguments = {"t": inputs.time, "p": inputs.p, "y": inputs.y, "a": inputs.y}
+        arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
         for node in self._orders[key]:
             if node.index not in inputs.values:
                 inputs.values[node.index] = evaluate(node, inputs.values, arguments)

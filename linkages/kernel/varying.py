@@ -93,6 +93,10 @@ class Along:
 
     Parameters
     ----------
+    varying, points
+        What is varied, and the overrides of each mechanism.
+    numbers
+        Of each mechanism that differs in numbers only.
     settled
         Those of one structure, column by column; None if there are none.
     columns

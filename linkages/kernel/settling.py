@@ -206,13 +206,15 @@ class Settling:
         return np.asarray(np.isfinite(self._values(key, nodes, inputs)).all(axis=0))
 
     def _values(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> Floats:
-        """Values of nodes, shape (nodes, sets); the order of their operations is kept."""
+        """Values of nodes, shape (nodes, sets).
+
+        What was not computed before is the same each time: its operations are kept under a key.
+        """
         if key not in self._orders:
-            self._orders[key] = reachable(nodes)
+            self._orders[key] = [n for n in reachable(nodes) if n.index not in inputs.values]
         arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
         for node in self._orders[key]:
-            if node.index not in inputs.values:
-                inputs.values[node.index] = evaluate(node, inputs.values, arguments)
+            inputs.values[node.index] = evaluate(node, inputs.values, arguments)
         found = np.empty((len(nodes), inputs.p.shape[1]))
         for row, node in zip(found, nodes, strict=True):
             row[:] = inputs.values[node.index]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inertia import Inertia
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.loads import LoadNodes
@@ -12,9 +14,13 @@ from linkages.kernel.measures import load_nodes
 from linkages.kernel.motion import Accelerations, Rates
 from linkages.kernel.parameters import chosen_paths, definition_numbers
 from linkages.kernel.positions import Positions
+from linkages.kernel.remembered import Remembered
 from linkages.kernel.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.vectors import Vector
 from linkages.topology.topology import Topology
+
+MOST_EVALUATORS = 128
+"""Sets of nodes whose way of evaluation a model remembers."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,11 @@ class Model:
         paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
+        self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
+
+    def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
+        """Evaluates nodes; those of a sweep are asked for at every point."""
+        return self._evaluators.get(tuple(nodes), lambda: Evaluator(nodes))
 
     @cached_property
     def gravity(self) -> Vector:

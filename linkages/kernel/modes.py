@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanism import Mechanism
 from linkages.components.terms import Path
-from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.inputs import Inputs
 from linkages.kernel.iterated import Iterated
 from linkages.kernel.model import Model
@@ -117,7 +116,7 @@ class Place:
 
     def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
         """Values of nodes."""
-        evaluated = Evaluator(nodes)(
+        evaluated = self.model.evaluator(nodes)(
             t=np.array([self.time]),
             y=self.state(assembly),
             a=np.zeros(len(self._state)),

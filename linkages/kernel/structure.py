@@ -2,53 +2,20 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from threading import RLock
-from typing import Generic, TypeVar
 
 from linkages.components.mechanism import Mechanism
 from linkages.kernel.iteration import block_size
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import structure_key
+from linkages.kernel.remembered import Remembered
 from linkages.topology.blocks import ITERATED
 from linkages.topology.orientation import slaves
 from linkages.topology.topology import Topology, build_topology
 
 MOST_STRUCTURES = 64
 """Structures that a process remembers: a few MB each for mechanisms of twenty bodies."""
-
-Key = TypeVar("Key", bound=Hashable)
-Value = TypeVar("Value")
-
-
-class Remembered(Generic[Key, Value]):
-    """What was made for a key, made once; those that were not asked for longest are forgotten.
-
-    Parameters
-    ----------
-    most
-        How many are kept.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._known: OrderedDict[Key, Value] = OrderedDict()
-        self._lock = RLock()
-
-    def get(self, key: Key, make: Callable[[], Value]) -> Value:
-        """What belongs to a key; made by one thread while others wait."""
-        with self._lock:
-            if key not in self._known:
-                self._known[key] = make()
-                if len(self._known) > self._most:
-                    self._known.popitem(last=False)
-            self._known.move_to_end(key)
-            return self._known[key]
-
-    def __len__(self) -> int:
-        return len(self._known)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,6 @@ from linkages.components.terms import point_words
 from linkages.errors import InputError
 from linkages.kernel.assembly import SeveralPlacesError, assemble
 from linkages.kernel.choose import possible_choices
-from linkages.kernel.evaluator import Evaluator
 from linkages.kernel.layout import Layout
 from linkages.kernel.modes import Assembly, Place, all_modes, assembled
 from linkages.kernel.parameters import definition_vector
@@ -225,7 +224,7 @@ class System:
             parameters = np.repeat(parameters[:, None], len(times), axis=1)
             for block, where in flipped.items():
                 parameters[self.model.inputs.parameters["side", block], where] *= -1.0
-        values = Evaluator(nodes)(t=times[None], y=state, a=accelerations, p=parameters)
+        values = self.model.evaluator(nodes)(t=times[None], y=state, a=accelerations, p=parameters)
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
             row[:] = value

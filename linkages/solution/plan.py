@@ -16,8 +16,9 @@ from linkages.kernel.layout import Layout
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import definition_vector
 from linkages.kernel.program import Program, write_functions_of, write_program
+from linkages.kernel.remembered import Remembered
 from linkages.kernel.scalars import Scalar
-from linkages.kernel.structure import MOST_STRUCTURES, Remembered
+from linkages.kernel.structure import MOST_STRUCTURES
 from linkages.kernel.system import System
 from linkages.kernel.variations import variations
 from linkages.kernel.varying import Varying

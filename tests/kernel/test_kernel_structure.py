@@ -9,7 +9,8 @@ from linkages.errors import InputError
 from linkages.kernel.model import Model
 from linkages.kernel.parameters import structure_key
 from linkages.kernel.program import write_program
-from linkages.kernel.structure import MOST_STRUCTURES, Remembered, structure_of
+from linkages.kernel.remembered import Remembered
+from linkages.kernel.structure import MOST_STRUCTURES, structure_of
 from linkages.topology.topology import build_topology
 
 LOADED = """

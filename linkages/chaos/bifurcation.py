@@ -195,6 +195,8 @@ def bifurcation(
         After Ctrl-C; ``kept["bifurcation"]`` has the values so far.
     """
     values = axis_of(vary)
+    if isinstance(initial, Mapping | str):
+        raise TypeError(f"initial must be a list of mappings, found {initial!r}")
     request = _Request(Varying(mechanism), values, options)
     asked = request.options
     system = request.checked(initial)

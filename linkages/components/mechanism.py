@@ -43,6 +43,7 @@ from linkages.reading.document import Document
 from linkages.reading.overrides import apply
 from linkages.reading.paths import split
 from linkages.reading.replacing import replaced
+from linkages.reading.wording import suggestion
 from linkages.reading.writing import as_yaml
 
 Place = tuple[Parameter, Parameter]
@@ -86,6 +87,11 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "components", tuple(self.components))
+        for component in self.components:
+            if not isinstance(component, Component):
+                raise TypeError(
+                    f"components must be bars, joints and the like, found {component!r}"
+                )
         found = findings(self.components, Declared(self.components))
         if found:
             raise self.error(found)
@@ -356,7 +362,13 @@ class Mechanism:
         ----------
         state
             Free coordinate → value and rate; clearances that are not named keep theirs.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it names no body, or a body without value and rate.
         """
+        _require_state(self.bodies, state)
         kept: list[Component] = []
         for component in self.components:
             if isinstance(component, Clearance) and component.name in state:
@@ -378,6 +390,21 @@ class Mechanism:
         gone = (Clearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
+
+
+def _require_state(bodies: Mapping[str, Body], state: object) -> None:
+    if not isinstance(state, Mapping):
+        expected = 'state must be a mapping such as {"crank": (0.1, 2.0)}'
+        raise TypeError(f"{expected}, found {state!r}")
+    for name, pair in state.items():
+        if name not in bodies:
+            near = suggestion(str(name), bodies) or f"; expected one of: {', '.join(bodies)}"
+            raise ValueError(f"state: unknown body {name!r}{near}")
+        try:
+            _, _ = pair
+        except (TypeError, ValueError):
+            expected = f"state: expected the value and the rate of {name}"
+            raise ValueError(f"{expected}, found {pair!r}") from None
 
 
 def _place(component: Component) -> tuple[int, int]:

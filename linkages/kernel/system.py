@@ -53,6 +53,8 @@ class System:
         time: float = 0.0,
         near: Mapping[str, Floats] | None = None,
     ) -> None:
+        if not isinstance(mechanism, Mechanism):
+            raise TypeError(f"mechanism must be one, as from linkages.load, found {mechanism!r}")
         self.mechanism = choose_free(mechanism)
         self.time = time
         self.chosen = tuple(

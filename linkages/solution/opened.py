@@ -139,6 +139,8 @@ def open(path: str | Path) -> Opened:  # noqa: A001
     """
     import xarray as xr
 
+    if not isinstance(path, str | Path):
+        raise TypeError(f"path must be a file or a folder, found {path!r}")
     file = _file(Path(path))
     try:
         data = xr.load_dataset(file, engine="h5netcdf")

@@ -23,6 +23,8 @@ def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
         return [name for name in available(system) if VARIABLES[name].default]
     if outputs == "all":
         return available(system)
+    if not isinstance(outputs, Iterable):
+        raise TypeError(f"outputs must be names, or 'all', found {outputs!r}")
     names = [outputs] if isinstance(outputs, str) else [*outputs]
     for name in names:
         if name not in VARIABLES:

@@ -35,7 +35,7 @@ def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
     ValueError
         If they do not.
     """
-    found = np.array(times, dtype=np.float64)
+    found = _numbers(times)
     if found.ndim != 1 or not found.size or not np.isfinite(found).all():
         raise ValueError(
             f"times must be finite numbers of seconds in one dimension, found {times!r}"
@@ -125,8 +125,16 @@ def at(system: System, time: float, state: Floats) -> System:
     return found
 
 
+def _numbers(given: ArrayLike) -> Floats:
+    """An array, or one of no numbers at all for what is none."""
+    try:
+        return np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.array(np.nan)
+
+
 def _whole(system: System, state: ArrayLike) -> Floats:
-    found = np.array(state, dtype=np.float64)
+    found = _numbers(state)
     if found.shape != system.state.shape or not np.isfinite(found).all():
         names = ", ".join(system.topology.coordinates)
         raise ValueError(

@@ -1,5 +1,7 @@
 """Mechanisms as text and as files: what is written is read as an equal mechanism."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -99,6 +101,15 @@ def test_wrong_values_name_their_path_and_no_line(values, message):
         (lambda _: linkages.load(3), "file must be a path or a name, found 3"),
         (lambda _: linkages.loads(None), "text must be the text of a definition, found None"),
         (lambda _: linkages.load("pendulum", set="a=1"), "expected a mapping of paths to values"),
+        (lambda m: m.with_component(3), "components must be bars, joints and the like, found 3"),
+        (lambda m: m.with_state([1]), r"state must be a mapping such as .* found \[1\]"),
+        (lambda _: linkages.simulate("pendulum"), "mechanism must be one, .* found 'pendulum'"),
+        (lambda m: linkages.simulate(m, outputs=3), "outputs must be names, or 'all', found 3"),
+        (lambda _: linkages.open(3), "path must be a file or a folder, found 3"),
+        (
+            lambda m: linkages.bifurcation(m, {"bars.rod.length": [1, 2]}, initial={"a": 1}),
+            "initial must be a list of mappings",
+        ),
     ],
 )
 def test_arguments_of_a_wrong_type_are_named(call, message):
@@ -110,3 +121,15 @@ def test_a_mechanism_shows_what_it_consists_of():
     assert repr(PENDULUM) == (
         "Mechanism('Built in Python', gravity=1, joints=1, bars=1, free=1, loads=1, dampers=2)"
     )
+
+
+@pytest.mark.parametrize(
+    ("state", "message"),
+    [
+        ({"rd": (1, 2)}, "state: unknown body 'rd'; did you mean 'rod'?"),
+        ({"rod": 1}, "state: expected the value and the rate of rod, found 1"),
+    ],
+)
+def test_states_that_make_no_sense_are_named(state, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        linkages.load("pendulum").with_state(state)

@@ -97,6 +97,8 @@ def test_a_state_at_zero_is_that_of_with_state():
         ({"times": [0.0, 1.0], "end": 2.0}, "end and samples do not go with times"),
         ({"state": {"rd": (1, 2)}}, "'rd' is no free coordinate; did you mean 'rod'"),
         ({"state": {"rod": 1.0}}, "expected the value and the rate of rod"),
+        ({"times": "now"}, "times must be finite numbers .* found 'now'"),
+        ({"state": "up"}, "state must be 2 finite numbers: rod, then their rates; found 'up'"),
         ({"state": [1.0]}, "state must be 2 finite numbers: rod, then their rates"),
         ({"events": {"rod.sped": "up"}}, "event 'rod.sped=0': rod has no 'sped'; did you mean"),
         ({"events": {"rod.speed": "sideways"}}, "expected up, down or both, found 'sideways'"),

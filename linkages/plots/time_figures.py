@@ -26,6 +26,7 @@ from linkages.plots.curves import (
 )
 from linkages.plots.prefixes import Scale, scale_of
 from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
+from linkages.solution.peaks import even
 from linkages.solution.resolved import per_swing
 
 if TYPE_CHECKING:
@@ -155,7 +156,10 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
     values = np.asarray(array, dtype=float)
     names = _names(data, variable)
     scales = scale_of(time, "s"), scale_of(values, str(array.attrs.get("units", "")))
-    horizon, smooth = data.attrs.get("horizon"), VARIABLES[variable].smooth
+    steady = (
+        variable not in VARIABLES or VARIABLES[variable].smooth
+    )  # as those of one kind of drive
+    horizon, smooth = data.attrs.get("horizon"), steady and even(time)
     peaks = [peak_of(time, column, horizon, smooth=smooth) for column in values.T]
     lines = []
     for index, (column, peak) in enumerate(zip(values.T, peaks, strict=True)):

@@ -39,6 +39,13 @@ class Peak(NamedTuple):
     missed: float
 
 
+def even(time: Floats) -> bool:
+    """Whether samples are equally spaced, so that polynomials through them locate peaks."""
+    steps = np.abs(np.diff(time))
+    spread = steps.max(initial=0.0) - steps.min(initial=np.inf)
+    return bool(spread <= 1e-6 * steps.max(initial=0.0))  # times are read from texts as well
+
+
 def largest(series: Floats, scale: float) -> Peak:
     """The largest absolute value of a series, between samples where they resolve it.
 

@@ -60,7 +60,7 @@ def resolved(solution: Solution, names: Sequence[str]) -> xr.Dataset:
     ----------
     solution
         Its own data are returned if they show every swing already, and where the motion was
-        interrupted or is too long to be computed again.
+        interrupted, is too long to be computed again, or was sampled at times of one's own.
     names
         Of outputs.
     """
@@ -68,7 +68,7 @@ def resolved(solution: Solution, names: Sequence[str]) -> xr.Dataset:
 
     data, given = solution.data, solution.options
     long = solution.motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
-    if solution.motion.interrupted or long or not names:
+    if solution.motion.interrupted or long or not names or "samples" not in given:
         return data
     while (factor := _factor(solution, data, names)) > 1:
         count = (given["samples"] - 1) * factor + 1

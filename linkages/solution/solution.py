@@ -18,7 +18,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.solution.motion import Motion, Settings
-from linkages.solution.peaks import largest
+from linkages.solution.peaks import even, largest
 from linkages.solution.switching import passes
 
 if TYPE_CHECKING:
@@ -211,10 +211,7 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
     names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
     time = array["time"].to_numpy()
     finite = np.abs(table[np.isfinite(table)])
-    # peaks are located by polynomials through equally spaced samples
-    steps = np.abs(np.diff(time))
-    even = steps.max(initial=0.0) - steps.min(initial=np.inf) <= 1e-6 * steps.max(initial=0.0)
-    smooth = variable.smooth and bool(even)
+    smooth = variable.smooth and even(time)
     scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
     rows = []
     for element, series in zip(names, table.T, strict=True):

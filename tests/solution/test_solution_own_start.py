@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.solution.resolved import resolved
 
 TURNING = {"rod": (0.0, 12.0)}
 
@@ -35,6 +36,7 @@ def test_peaks_are_not_interpolated_between_uneven_samples():
     values = solution.data.bar_speed.to_numpy()[:, 0]
     assert abs(row["value"]) == abs(values).max()
     assert row["time"] == times[int(abs(values).argmax())]
+    assert resolved(solution, ["bar_speed"]) is solution.data
     single = linkages.simulate(linkages.load("pendulum"), times=[0.3], outputs=["bar_speed"])
     assert single.maxima[0]["value"] == pytest.approx(values[2], abs=1e-9)
 

@@ -172,7 +172,35 @@ def test_events_of_a_driven_motion_are_found_between_few_samples(samples):
     assert (accelerations > 0).all()
 
 
-def test_events_go_on_through_change_points_and_exchanges():
+def test_events_go_on_where_free_coordinates_are_exchanged():
+    """A thrown four-bar that no single coordinate describes; against sign changes of its samples."""
+    text = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], D: [1, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.5, mass: 1}
+  coupler: {joints: [A, B], length: 0.6, mass: 1}
+  rocker: {joints: [D, B], length: 0.7, mass: 1}
+free: {crank: {angle: 60 deg, speed: 8}}
+assembly: {B: left}
+"""
+    solution = linkages.simulate(
+        linkages.loads(text), end=1.5, samples=3001,
+        events={"rocker.speed": "both"}, outputs=["bar_speed", "closure_residual"],
+    )  # fmt: skip
+    assert sum("exchanged" in note for note in solution.notes) >= 3
+    time = solution.data.time.to_numpy()
+    speed = solution.data.bar_speed.sel(bar="rocker").to_numpy()
+    before = np.flatnonzero(np.sign(speed[:-1]) != np.sign(speed[1:]))
+    found = solution.events["rocker.speed"]
+    assert len(found.time) == len(before) >= 3
+    assert (time[before] <= found.time).all()
+    assert (found.time <= time[before + 1]).all()
+    assert abs(found.bar_speed.sel(bar="rocker")).max() < 1e-12
+    assert found.closure_residual.max() < 1e-14
+
+
+def test_events_go_on_through_change_points():
     """A parallelogram stretches twice a turn: its coupler keeps its angle all the way through."""
     text = """
 joints: {O: [0, 0], D: [2, 0]}

@@ -173,7 +173,7 @@ def test_events_of_a_driven_motion_are_found_between_few_samples(samples):
 
 
 def test_events_go_on_where_free_coordinates_are_exchanged():
-    """A thrown four-bar that no single coordinate describes; against sign changes of its samples."""
+    """A thrown four-bar that no one coordinate describes; against sign changes of its samples."""
     text = """
 gravity: [0, -9.81]
 joints: {O: [0, 0], D: [1, 0]}

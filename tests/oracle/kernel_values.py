@@ -29,7 +29,7 @@ def at_start(mechanism: linkages.Mechanism) -> Values:
     found: Values = {}
     for name, variable in VARIABLES.items():
         elements = labels(system.model, variable.dims[0]) if variable.dims else ()
-        if name in COMPARED and elements:
+        if name in COMPARED and elements and not variable.whole:
             nodes = variable.evaluated(system.model)
             values = system.evaluate(nodes, acceleration=accelerations)[:, 0]
             shape = (len(elements), 2) if "axis" in variable.dims else (len(elements),)

@@ -13,6 +13,7 @@ from linkages.components.terms import axis_label
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
+from linkages.solvers.collocation import cardinals
 from linkages.topology.blocks import ITERATED
 
 if TYPE_CHECKING:
@@ -141,11 +142,7 @@ class Piece:
         """Values at the wanted times from those at `time`, the last axis of both."""
         if self.samples is None:
             return rows
-        from scipy.interpolate import BarycentricInterpolator
-
-        if not self.samples.size:
-            return rows[..., :0]
-        return np.asarray(BarycentricInterpolator(self.time, rows, axis=-1)(self.samples))
+        return np.asarray(rows @ cardinals(self.time, self.samples).T)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -55,12 +55,10 @@ def vanishes(times: Floats, margins: Floats, crossing: float) -> bool:
     crossing
         About when the margin vanishes.
     """
-    from scipy.interpolate import BarycentricInterpolator
-
-    square = BarycentricInterpolator(times, margins**2)
     place, beside, least = crossing, 0.05 * (times[-1] - times[0]), np.inf
     for _ in range(3):
-        before, least, after = square(place + beside * np.array([-1.0, 0.0, 1.0]))
+        around = cardinals(times, place + beside * np.array([-1.0, 0.0, 1.0]))
+        before, least, after = around @ margins**2
         slope, bend = 0.5 * (after - before), before - 2.0 * least + after
         if not bend > 0.0:
             return False
@@ -190,12 +188,10 @@ class Crossing:
 
     def _zero(self, times: Floats, outputs: list[Floats], block: int) -> float:
         """When a margin vanishes, by inverse interpolation."""
-        from scipy.interpolate import BarycentricInterpolator
-
         margins = [self._margins(out)[0][block] for out in outputs]
         if not (np.diff(margins) * np.sign(margins[-1] - margins[0]) > 0).all():
             return float(0.5 * (times[0] + times[-1]))
-        return float(BarycentricInterpolator(np.array(margins), times)(0.0))
+        return float((cardinals(np.array(margins), np.zeros(1)) @ times)[0])
 
     def _margins(self, out: Floats) -> tuple[Floats, Floats]:
         n, b = self._flow.coordinates, len(self._flow.margin_scale)

@@ -6,8 +6,8 @@ import math
 
 from scipy.integrate import solve_ivp
 
-from linkages.chaos.own_systems import Ode
 from verdicts.known import Known, of_flow
+from verdicts.own_systems import Ode
 
 SPARROW = "C. Sparrow, The Lorenz Equations (1982)"
 HOLMES = "D. W. Jordan, P. Smith, Nonlinear Ordinary Differential Equations, 4th ed. (2007)"

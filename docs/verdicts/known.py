@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import linkages
 from linkages.chaos.judge import Course, judge
-from linkages.chaos.own_systems import Map, Ode
 from linkages.chaos.report import verdict
+from verdicts.own_systems import Map, Ode
 
 Answer = tuple[str, int | None]
 """A verdict, and the section points after which a periodic motion repeats."""

@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 
-from linkages.chaos.own_systems import Map
 from verdicts.known import Known, of_map
+from verdicts.own_systems import Map
 
 GOLDEN = (math.sqrt(5) - 1) / 2
 MAY = "R. M. May, Nature 261 (1976) 459"

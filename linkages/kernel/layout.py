@@ -77,12 +77,6 @@ class Layout:
         return np.concatenate([first, self.size + first])
 
     @cached_property
-    def free_rows(self) -> Rows:
-        """Places of the free coordinates and their rates in an integrated vector, shape (2n,)."""
-        first = np.arange(len(self.free))
-        return np.concatenate([first, self.size + first])
-
-    @cached_property
     def carried_rows(self) -> Rows:
         """Places of what is carried along and its rates in the motion, shape (2c,)."""
         count = len(self.coordinates)
@@ -105,10 +99,6 @@ class Layout:
     def motion(self, vectors: Floats) -> Floats:
         """Coordinates and their rates without work and tangents, shape (2m, …)."""
         return np.asarray(vectors[self.motion_rows])
-
-    def free_motion(self, vectors: Floats) -> Floats:
-        """Free coordinates and their rates, shape (2n, …)."""
-        return np.asarray(vectors[self.free_rows])
 
     def work_done(self, vectors: Floats) -> Floats | None:
         """The work in joules, shape (…); None if it is not integrated."""

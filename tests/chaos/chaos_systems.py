@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from verdicts.own_systems import Map, Ode
 
 from linkages.chaos.lyapunov import run_exponents
-from linkages.chaos.own_systems import Map, Ode
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions
 from linkages.solution.options import options_of

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from chaos_systems import henon, orbit
+from verdicts.own_systems import Map
 
 from linkages.chaos.closed_curves import closed_curves
-from linkages.chaos.own_systems import Map
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

@@ -20,11 +20,11 @@ from chaos_systems import (
     roessler,
     sprott_pendulum,
 )
+from verdicts.own_systems import Map, Ode
 
 from linkages.chaos.averages import mean_error
 from linkages.chaos.certificate import pair_sums
 from linkages.chaos.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.own_systems import Map, Ode
 
 TURN = 2 * math.pi
 

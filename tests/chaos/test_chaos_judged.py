@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from verdicts.own_systems import Map, Ode
 
 from linkages.chaos.closed_curves import ClosedCurves
 from linkages.chaos.exponents import Exponents
 from linkages.chaos.judge import Course, judge
-from linkages.chaos.own_systems import Map, Ode
 from linkages.chaos.steadiness import steadiness
 from linkages.chaos.stretch import Evidence, ends_alike, gathered
 from linkages.chaos.verdict import judged, transient

@@ -1,18 +1,15 @@
 """Systems whose motion is known are judged right, or honestly undecided."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
+from verdicts.flows import FLOWS
+from verdicts.known import Known
+from verdicts.maps import MAPS
+from verdicts.table import SKIPS, TOLERANCES, VERDICTS, judged, systems
 
 DOCS = Path(__file__).parents[2] / "docs"
-sys.path.append(str(DOCS))
-
-from verdicts.flows import FLOWS  # noqa: E402
-from verdicts.known import Known  # noqa: E402
-from verdicts.maps import MAPS  # noqa: E402
-from verdicts.table import SKIPS, TOLERANCES, VERDICTS, judged, systems  # noqa: E402
 
 HARD = {
     "Logistic, r = 3.828",  # intermittent, in long laminar phases

@@ -27,7 +27,6 @@ def test_parts_of_a_vector_are_what_they_are_called(layout):
     own = [(name, half) for half in (0, 1) for name in layout.coordinates]
     assert [tuple(entry) for entry in layout.motion(vector)] == own
     free = [(name, half) for half in (0, 1) for name in layout.free]
-    assert [tuple(entry) for entry in layout.free_motion(vector)] == free
     for column, places in enumerate(layout.tangent_rows.T):
         found = [tuple(entry) for entry in vector[places]]
         assert found == [(f"{column}:{name}", half) for name, half in free]

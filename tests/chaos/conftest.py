@@ -1,0 +1,6 @@
+"""Systems of one's own, such as ordinary differential equations and maps, stand with the pages."""
+
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[2] / "docs"))

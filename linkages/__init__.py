@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 
@@ -41,7 +42,8 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(_HOMES[name]), name)
         globals()[name] = value
         return value
-    if not name.startswith("_"):  # what was registered, or is not in the list
+    # what was registered, or is not in the list; modules of the package are imported by themselves
+    if not name.startswith("_") and find_spec(f"{__name__}.{name}") is None:
         from linkages.analyses import analyses
         from linkages.components.registry import components
 

@@ -18,10 +18,15 @@ def summary(model: Any) -> str:
 
 @cache
 def field_texts(model: Any) -> dict[str, str]:
-    """Return what docstrings say of each field, by its name in Python: of the class, or a base."""
+    """Return what docstrings say of each field, by its name in Python: of the class, or a base.
+
+    Of a function, what its docstring says of its parameters.
+    """
     texts: dict[str, str] = {}
-    for kind in reversed(_class(model).__mro__):
-        found = _PARAMETERS.search(inspect.cleandoc(vars(kind).get("__doc__") or ""))
+    documented = [model] if inspect.isfunction(model) else reversed(_class(model).__mro__)
+    for kind in documented:
+        text = kind.__doc__ if kind is model else vars(kind).get("__doc__")
+        found = _PARAMETERS.search(inspect.cleandoc(text or ""))
         for names, text in [] if found is None else _FIELD.findall(found[1]):
             texts |= dict.fromkeys(names.split(", "), _line(text))
     return texts

@@ -7,7 +7,7 @@ MODULE = '''
 from typing import Generic
 
 from linkages.components.component import component
-from linkages.components.laws.named import TIME, NamedLaw, Value, argument, times
+from linkages.components.laws.named import TIME, NamedLaw, Value, argument
 
 
 @component
@@ -30,7 +30,7 @@ class GrowthLaw(NamedLaw, Generic[Value]):
     growth: Growth[Value]
 
     def function(self, path):
-        return times(argument((*path, "growth"), "per_second", float(self.growth.per_second)), TIME)
+        return argument((*path, "growth"), "per_second", float(self.growth.per_second)) * TIME
 '''
 USE = '''
 import linkages

@@ -12,7 +12,8 @@ from linkages.components import registry
 from linkages.components.component import Section, component
 from linkages.components.listed import ListedComponent
 from linkages.components.mass import JointMass
-from linkages.components.terms import Parameter, PointMass, References
+from linkages.components.references import References
+from linkages.components.terms import Parameter, PointMass
 from linkages.kernel import outputs
 from linkages.kernel.outputs import Variable
 from linkages.spec.quantities import Mass, Name

@@ -8,6 +8,10 @@ References
 
 from __future__ import annotations
 
+from pathlib import Path
+from runpy import run_path
+from types import SimpleNamespace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,22 +21,31 @@ from linkages.solvers.tableau import Tableau
 
 def tableau() -> Tableau:
     """Coefficients of [1]_ as SciPy publishes them."""
-    # Importing scipy.integrate takes some 0.3 s, which a run of another method need not wait for.
-    from scipy.integrate import DOP853 as PUBLISHED
-
-    stages = PUBLISHED.n_stages
+    published = _published()
+    stages, rows = published.N_STAGES, published.N_STAGES + 1
     return Tableau(
         name="dop853",
         order=8,
-        A=np.array(PUBLISHED.A[:stages, :stages]),
-        b=np.array(PUBLISHED.B),
-        c=np.array(PUBLISHED.C[:stages]),
-        error=np.array([PUBLISHED.E5, PUBLISHED.E3]),
-        error_order=PUBLISHED.error_estimator_order,
-        dense_A=np.array(PUBLISHED.A_EXTRA),
-        dense_c=np.array(PUBLISHED.C_EXTRA),
-        dense=_powers(np.array(PUBLISHED.B), np.array(PUBLISHED.D)),
+        A=published.A[:stages, :stages],
+        b=published.B,
+        c=published.C[:stages],
+        error=np.array([published.E5, published.E3]),
+        error_order=7,
+        dense_A=published.A[rows:],
+        dense_c=published.C[rows:],
+        dense=_powers(published.B, published.D),
     )
+
+
+def _published() -> SimpleNamespace:
+    """What the file of SciPy with the coefficients defines.
+
+    By itself: importing ``scipy.integrate``, to which it belongs, takes longer than most runs.
+    """
+    import scipy
+
+    file = Path(scipy.__file__).parent / "integrate" / "_ivp" / "dop853_coefficients.py"
+    return SimpleNamespace(**run_path(str(file)))
 
 
 def _powers(b: NDArray[np.float64], D: NDArray[np.float64]) -> NDArray[np.float64]:

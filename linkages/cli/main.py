@@ -74,7 +74,10 @@ def main() -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without ² is no reason to fail
     try:
-        app(prog_name=_program_name())
+        try:
+            app(prog_name=_program_name())
+        finally:
+            sys.stdout.flush()  # who reads may have left: at exit it would be too late to say so
     except LinkagesError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)

@@ -45,7 +45,9 @@ def test_against_the_one_coordinate(count):
         assert velocity == pytest.approx(expected, abs=5e-8)  # up to 7 m/s
 
     energy = (data.kinetic_energy + data.potential_energy).to_numpy()
-    assert energy == pytest.approx(float(EXACT["energy"][str(count)]), rel=1e-10)
+    # forty passages, each with the round-off of close positions, in proportion to the bars
+    within = 1e-11 + 4e-12 * count
+    assert energy == pytest.approx(float(EXACT["energy"][str(count)]), rel=within)
     # every head stays as far from its foot as B0 from A0: no window has folded
     moved = place(data, "B0")
     for i in range(count + 1):

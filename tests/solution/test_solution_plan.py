@@ -1,5 +1,6 @@
 """Plans: one for all mechanisms of a structure, with numbers bound to it."""
 
+import os
 import pickle
 import subprocess
 import sys
@@ -11,7 +12,6 @@ import pytest
 
 import linkages
 from linkages.errors import InputError
-from linkages.kernel.cache import cache_folder
 from linkages.kernel.layout import Layout
 from linkages.kernel.parameters import structure_key
 from linkages.kernel.system import System
@@ -177,15 +177,21 @@ plan.bind(System(linkages.loads(sys.argv[1])))
 """
 
 
-def test_a_plan_finds_its_kernel_in_the_cache():
+def test_a_plan_finds_its_kernel_in_the_cache(tmp_path):
     """Another process writes no file: text and name are the same."""
-    plan = Plan.of(mechanism())
-    plan.bind(System(mechanism()))
-    before = sorted(path.name for path in cache_folder().glob("*.py"))
-    subprocess.run(
-        [sys.executable, "-c", SCRIPT, WINDER], input=pickle.dumps(plan), check=True, timeout=300
-    )
-    assert sorted(path.name for path in cache_folder().glob("*.py")) == before
+    plan = pickle.dumps(Plan.of(mechanism()))
+    kept = []
+    for _ in range(2):
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT, WINDER],
+            input=plan,
+            env=os.environ | {"LINKAGES_CACHE_DIR": str(tmp_path)},
+            check=True,
+            timeout=300,
+        )
+        kept.append(sorted((path, path.stat().st_mtime_ns) for path in tmp_path.rglob("*.py")))
+    assert len(kept[0]) == 1
+    assert kept[1] == kept[0]
 
 
 # --- sensitivities ------------------------------------------------------------------------------

@@ -128,7 +128,7 @@ def sign_of(exponents: Exponents) -> int:
 
 def kinds(tangents: LinkageTangents) -> dict[str, str]:
     """Free angle → swing (less than a turn in all), rotation (nearly one sense) or mixed."""
-    places = np.array(tangents.turned)
+    places = tangents.turned
     moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
     net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
     found = {}

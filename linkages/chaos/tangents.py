@@ -49,8 +49,6 @@ class LinkageTangents:
     ----------
     parts
         That number.
-    turned
-        Free coordinates with all turns at the start and at the ends of intervals, shape (n, …).
     """
 
     def __init__(
@@ -70,7 +68,7 @@ class LinkageTangents:
     def _begin(self) -> None:
         start = Motion(pieces=(self._march.sample,))
         self._kept: list[Motion] = [start] if self.parts else []
-        self.turned: list[Floats] = [free_vectors(self.system, start)[0, : self._size]]
+        self._ends = [start]
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -116,6 +114,12 @@ class LinkageTangents:
     def here(self) -> System:
         """The system, where the motion is now."""
         return self._march.here
+
+    @property
+    def turned(self) -> Floats:
+        """Free coordinates with all turns at the start and at ends of intervals, shape (m, n)."""
+        found = [free_vectors(self.system, ends)[:, : self._size] for ends in self._ends]
+        return np.concatenate(found)
 
     @property
     def motion(self) -> Motion:
@@ -182,7 +186,7 @@ class LinkageTangents:
             between = each // self.parts
             self._kept.append(motion.part(between - 1, each=between))
         ends = motion.part(each - 1, each=each)
-        self.turned += list(free_vectors(self.system, ends)[:, : self._size])
+        self._ends.append(ends)
         return Growth(
             rates=renormalised.lengths / interval,
             states=self._states(ends),

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from linkages.components.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.march import failure_text
 from linkages.solution.plan import build_flow
+from linkages.solution.stops import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate
 

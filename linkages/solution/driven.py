@@ -18,15 +18,8 @@ from linkages.kernel.system import System
 from linkages.solution.determined import is_determined
 from linkages.solution.guards import driven_piece, passed_piece
 from linkages.solution.limits import BOTH_SIDES, DrivenPassage, Limits
-from linkages.solution.motion import (
-    COULD_PASS,
-    FOUND_NONE,
-    Motion,
-    Piece,
-    Settings,
-    block_failure,
-    passed_text,
-)
+from linkages.solution.motion import Motion, Piece, Settings
+from linkages.solution.stops import COULD_PASS, FOUND_NONE, block_failure, passed_text
 from linkages.solution.switching import passes
 from linkages.solution.turns import with_turns
 from linkages.solution.undefined import undefined_load

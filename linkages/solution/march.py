@@ -19,21 +19,12 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.determined import is_determined
 from linkages.solution.guards import Guard, Watched
-from linkages.solution.motion import (
-    COULD_PASS,
-    FOUND_NONE,
-    Motion,
-    Piece,
-    Settings,
-    Watch,
-    block_failure,
-    passed_text,
-)
+from linkages.solution.motion import Motion, Piece, Settings, Watch
 from linkages.solution.passage import Crossing, Passage
 from linkages.solution.plan import Plan
 from linkages.solution.renormalising import Renormalised
+from linkages.solution.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
 from linkages.solution.switching import better_system, movable, passes, tangent_map
-from linkages.solution.undefined import loads_at_stop
 from linkages.solvers.events import Crossings
 from linkages.solvers.integration import integrate
 from linkages.solvers.outcome import Outcome
@@ -450,27 +441,3 @@ def _exchange_words(old: tuple[str, ...], new: tuple[str, ...]) -> str:
     gone = [name for name in old if name not in new]
     come = [name for name in new if name not in old]
     return f"{', '.join(gone)} was exchanged for {', '.join(come)}"
-
-
-def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PASS) -> str | None:
-    """Why an integration stopped before its end, as a sentence; None if it did not.
-
-    `way_on` is what can be said of the way on from a singular position.
-    """
-    outcome = trajectory.outcome
-    if outcome in (Outcome.DONE, Outcome.EVENT):
-        return None
-    if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
-        singular = outcome is Outcome.SINGULAR
-        where = (trajectory.block, trajectory.stop_time)
-        text = block_failure(system.model, *where, singular, way_on)
-        return f"{text}. {outcome.remedy}"
-    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
-        names = loads_at_stop(system, trajectory)
-        if names:
-            has = "has" if len(names) == 1 else "have"
-            return (
-                f"at t = {trajectory.stop_time:.9g} s: {', '.join(names)} {has} no finite value "
-                "there, or none just before or behind. End before, or change the load."
-            )
-    return f"at t = {trajectory.stop_time:.9g} s: {outcome}"

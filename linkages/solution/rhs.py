@@ -16,11 +16,12 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion, Piece, block_failure
+from linkages.solution.motion import Motion, Piece
 from linkages.solution.plan import Plan
 from linkages.solution.reactions import joint_reactions
 from linkages.solution.requests import REACTION, requested
 from linkages.solution.solution import labelled
+from linkages.solution.stops import block_failure
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.many import evaluate_states
 

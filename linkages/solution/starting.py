@@ -12,7 +12,7 @@ from linkages.components.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.reading.wording import suggestion
 from linkages.solution.arguments import real_number
-from linkages.solution.motion import block_failure
+from linkages.solution.stops import block_failure
 
 Floats = NDArray[np.float64]
 

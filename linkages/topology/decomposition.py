@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import networkx as nx
 
 from linkages.components.mechanism import Mechanism
-from linkages.components.terms import axis_label
 from linkages.topology.orientation import Orientation
 
 Unknown = tuple[str, str, str]
@@ -188,9 +187,9 @@ def _owners(
     body = mechanism.bodies[name]
     if body.rotates:
         return masters
-    if label == axis_label(name):
+    if label == body.axis:
         return (name, *masters)
-    return () if label == next(iter(body.points)) else masters
+    return () if label == next(iter(mechanism.attachments[name])) else masters
 
 
 def _groups(

@@ -42,7 +42,7 @@ def topology_graph(mechanism: Mechanism) -> nx.MultiGraph:
         graph.add_edge(pair.first, pair.second, key=pair.joint, kind="revolute")
     for body in mechanism.bodies.values():
         if body.guide is not None:
-            carrier = GROUND if body.guide.body is None else body.guide.body
+            carrier = mechanism.bearing(body) or GROUND
             graph.add_edge(carrier, body.name, key=body.name, kind="prismatic")
     return graph
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.orientation import Orientation
 
 Unknown = tuple[str, str, str]

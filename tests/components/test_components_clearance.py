@@ -3,7 +3,7 @@ import math
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
 from linkages.components.clearance import Clearance
-from linkages.components.terms import ZERO
+from linkages.components.contributed.terms import ZERO
 
 FOUR_BAR = """joints: {O: [0, 0], C: [1, 0]}
 bars:
@@ -39,7 +39,7 @@ def test_terms():
     ).terms()
     assert (displacement.joint, displacement.body) == ("B", "rocker")
     assert displacement.renamed == "B.r1"
-    link = displacement.link
+    link = displacement.links[0]
     assert (link.name, link.kind, link.rotates) == ("r1", "clearance", True)
     assert [*link.points] == ["B", "B.r1"]
     assert link.points["B"] == (ZERO, ZERO)

@@ -11,7 +11,9 @@ from itertools import chain
 from pathlib import Path as FilePath
 
 from linkages.components.clearance import Clearance
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.component import Component, Term
+from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
 from linkages.components.contributed.listed import numbered
 from linkages.components.contributed.measures import Friction, Load
@@ -177,6 +179,11 @@ class Mechanism:
         """Ground joints and their positions."""
         return {t.joint: t.position for t in self.terms if isinstance(t, GroundPin)}
 
+    @property
+    def clearances(self) -> tuple[Clearance | ContactClearance, ...]:
+        """Joints with clearance."""
+        return tuple(c for c in self.components if isinstance(c, Clearance | ContactClearance))
+
     @cached_property
     def displacements(self) -> tuple[Displacement, ...]:
         """What clearances displace."""
@@ -259,6 +266,11 @@ class Mechanism:
         if slider.afloat:
             return self.carrier(slider.axis)
         return None if slider.guide is None else slider.guide.body
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What presses in clearances that open."""
+        return tuple(t for t in self.terms if isinstance(t, Contact))
 
     @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:
@@ -384,10 +396,12 @@ class Mechanism:
             if isinstance(component, Clearance) and component.name in state:
                 angle, speed = state[component.name]
                 kept.append(replace(component, angle=angle, speed=speed))
+            elif isinstance(component, ContactClearance):
+                kept.append(component.at(state))
             elif not isinstance(component, FreeAngle | FreePosition):
                 kept.append(component)
         for name, (value, rate) in state.items():
-            if self.bodies[name].kind == "clearance":
+            if self.bodies[name].kind in ("clearance", "offset"):
                 continue
             if self.bodies[name].rotates:
                 kept.append(FreeAngle(name=name, angle=value, speed=rate))
@@ -397,7 +411,7 @@ class Mechanism:
 
     def ideal(self) -> Mechanism:
         """The same mechanism without its clearances and the friction in them."""
-        gone = (Clearance, ClearanceDamper)
+        gone = (Clearance, ContactClearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
 

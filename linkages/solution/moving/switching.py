@@ -23,6 +23,9 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
+CLEARANCES = ("clearance", "offset")
+"""Kinds of bodies whose coordinates are always free."""
+
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
 
@@ -33,7 +36,7 @@ SAME_PLACE = 1e-6
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
-    return tuple(name for name in system.topology.free if bodies[name].kind != "clearance")
+    return tuple(name for name in system.topology.free if bodies[name].kind not in CLEARANCES)
 
 
 def passes(system: System, run: RunOptions) -> bool:
@@ -154,7 +157,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind != "clearance"
+            if name not in topology.slaves and bodies[name].kind not in CLEARANCES
         ]
         for given in movable(self._system):
             for candidate in candidates:

@@ -38,6 +38,9 @@ class Layout:
         Number of solutions of the variational equations.
     parameters
         Path of each entry of the parameter array.
+    modes, memories
+        Names of switches, and of what a motion remembers from them. They are held beside the
+        vector, ``[modes, memories, memories of the first tangent, …]``, shape (h,).
     """
 
     free: tuple[str, ...]
@@ -46,6 +49,8 @@ class Layout:
     work: bool = False
     tangents: int = 0
     parameters: tuple[Path, ...] = ()
+    modes: tuple[str, ...] = ()
+    memories: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -90,6 +95,11 @@ class Layout:
         first = self.size - self.tangents * n
         places = first + np.arange(self.tangents) * n + np.arange(n)[:, None]
         return np.concatenate([places, self.size + places])
+
+    @property
+    def held(self) -> int:
+        """Number h of modes, memories and tangents of memories."""
+        return len(self.modes) + len(self.memories) * (1 + self.tangents)
 
     @property
     def work_row(self) -> int | None:

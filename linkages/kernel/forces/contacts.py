@@ -60,10 +60,14 @@ class ContactNodes(Acting):
         return self.offset * (1.0 / self.distance)
 
     @cached_property
+    def _squares(self) -> Scalar:
+        """Difference of squares, which keeps the digits of a difference of lengths."""
+        return self.offset.square - self.size * self.size
+
+    @cached_property
     def indentation(self) -> Scalar:
-        """Negative where the gap is open; a difference of squares keeps its digits."""
-        gap = self.offset.square - self.size * self.size
-        return gap / (self.distance + self.size)
+        """Negative where the gap is open."""
+        return self._squares / (self.distance + self.size)
 
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation."""
@@ -92,10 +96,23 @@ class ContactNodes(Acting):
         pushed = across.dot(self.offset_rate(self.model.accelerations))
         return pushed - 2.0 * turning * self.speed / self.distance
 
-    @cached_property
+    @property
     def touching(self) -> Scalar:
-        """Not negative while pin and hole touch."""
-        return self.indentation
+        """Mode: whether pin and hole touch."""
+        return self.model.switches.add(self._touch, self._squares * (0.5 / self.size))
+
+    @property
+    def pressing(self) -> Scalar:
+        """Mode: whether the law presses while they touch; otherwise the contact is slack."""
+        law, touching = self.contact.normal.pressing, self.touching
+        if law is None:
+            return touching
+        name = f"{self.contact.name}: press"
+        return self.model.switches.add(name, self.value(law), active=touching)
+
+    @property
+    def _touch(self) -> str:
+        return f"{self.contact.name}: touch"
 
     @cached_property
     def pressed(self) -> Scalar:
@@ -117,7 +134,11 @@ class ContactNodes(Acting):
     @property
     def first_rate(self) -> Scalar:
         """Rate of the indentation at the last touch, not below the least one that counts."""
-        raise NotImplementedError
+        assert self.contact.normal.least_rate is not None
+        least = self.model.inputs.parameter(self.contact.normal.least_rate)
+        kept = self.graph.select(self.speed - least, self.speed, least)
+        _ = self.touching
+        return self.model.switches.memory(self._touch, kept)
 
     def _while_touching(self, value: Scalar) -> Scalar:
         return self.graph.select(self.touching, value, self.graph.zero)
@@ -125,11 +146,8 @@ class ContactNodes(Acting):
     @cached_property
     def force(self) -> Scalar:
         """Normal force, positive where it presses."""
-        law = self.contact.normal
-        force = self.value(law.force)
-        if law.pressing is not None:
-            force = self.graph.select(self.value(law.pressing), force, self.graph.zero)
-        return self._while_touching(force)
+        force = self.value(self.contact.normal.force)
+        return self.graph.select(self.pressing, force, self.graph.zero)
 
     @cached_property
     def friction(self) -> Scalar:
@@ -141,6 +159,7 @@ class ContactNodes(Acting):
         return self.force * value_of(law, self.model.inputs, lambda _: slip)
 
     def power(self, velocities: Velocities) -> Scalar:
+        """Power at some velocities: its generalised force if they are partial ones."""
         found = -(self.force * self.rate(velocities))
         if self.contact.friction is None:
             return found
@@ -148,6 +167,7 @@ class ContactNodes(Acting):
 
     @property
     def potential(self) -> Scalar:
+        """Energy of the elastic part, in slack as well."""
         return self._while_touching(self.value(self.contact.normal.energy))
 
     @cached_property
@@ -163,6 +183,7 @@ class ContactNodes(Acting):
 
     @property
     def working(self) -> Scalar:
+        """Power of all but the elastic part, at the actual velocities."""
         return -(self.normal_loss + self.friction_loss)
 
     def forces(self) -> Forces:

@@ -91,9 +91,11 @@ class LoadNodes(Acting):
         """The rate of x, at velocities that may be partial ones."""
 
     def forces(self) -> Forces:
+        """The load as forces on bodies, as far as it consists of them."""
         return []
 
     def torques(self) -> Torques:
+        """The load as torques on bodies, as far as it consists of them."""
         return []
 
     def value(self, law: Function) -> Scalar:
@@ -133,12 +135,15 @@ class LoadNodes(Acting):
         return self._components(self.load.still)
 
     def power(self, velocities: Velocities) -> Scalar:
+        """Power of the load at some velocities: its generalised force if they are partial ones."""
         return self._power(self.load.force, velocities)
 
     @property
     def potential(self) -> Scalar:
+        """Energy that it stores."""
         return self.value(self.load.energy)
 
     @property
     def working(self) -> Scalar:
+        """Power of what it does not store, at the actual velocities."""
         return self._power(self.load.working, self.model.velocities)

@@ -29,8 +29,8 @@ def _large_clearances(mechanism: Mechanism) -> list[str]:
         size, length = clearance.size, longest(bar)
         if size > LARGEST_PLAY * length:
             found.append(
-                f"clearance {clearance.name} of {size:g} m is large beside {bar.name} of {length:g} m; "
-                "numbers without a unit are metres"
+                f"clearance {clearance.name} of {size:g} m is large beside {bar.name} of "
+                f"{length:g} m; numbers without a unit are metres"
             )
     return found
 

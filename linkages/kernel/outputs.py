@@ -68,6 +68,8 @@ class Variable:
         after; taken as they are if not given.
     compared
         The output that it compares with that of the same mechanism without clearances.
+    flags
+        What the numbers 0, 1, … of a variable mean that has no other values.
     opening
         Whether it is there for mechanisms with a clearance that opens only.
     """
@@ -87,6 +89,7 @@ class Variable:
     reciprocal: bool = False
     reduced: Callable[[Floats], Floats] | None = None
     compared: str = ""
+    flags: tuple[str, ...] = ()
     opening: bool = False
 
     @property

@@ -138,6 +138,11 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
 
 
+def links(model: Model) -> tuple[str, ...]:
+    """Clearances whose pin and hole stay in contact: massless links."""
+    return tuple(name for name in labels(model, "clearance") if name in model.mechanism.bodies)
+
+
 def _components(vectors: Sequence[Vector]) -> list[Scalar]:
     return [component for vector in vectors for component in (vector.x, vector.y)]
 

@@ -196,6 +196,11 @@ class Contact:
     path: Path
 
     @property
+    def dissipates(self) -> bool:
+        """Whether impacts or slip lose energy."""
+        return self.normal.force != self.normal.elastic or self.friction is not None
+
+    @property
     def axes(self) -> tuple[str, str]:
         """The bodies whose displacements are the offset."""
         return offset_names(self.name)

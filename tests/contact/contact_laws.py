@@ -1,0 +1,94 @@
+"""Normal forces in a clearance, and what one impact of a free body by them comes to.
+
+F = K dᵖ (1 + χ d′/d′₀) with the indentation d and its rate d′₀ at the touch. The balance of energy of
+a free impact is separable whatever K, p, mass and speed are, so that the restitution e obeys
+(1 + χ)/(1 − χ e) = exp(χ (1 + e)), and the largest indentation d follows from
+dᵖ⁺¹ = (p + 1) m v²/K · (χ − ln(1 + χ))/χ² (Hunt & Crossley 1975 and Zhang & Sharf 2009 start there).
+"""
+
+import math
+from collections.abc import Callable
+
+from scipy.integrate import quad
+from scipy.special import lambertw
+
+DAMPING_FACTORS: dict[str, Callable[[float], float]] = {
+    "hunt-crossley": lambda c: 3 * (1 - c) / 2,  # J. Appl. Mech. 42 (1975) 440
+    "herbert-mcwhannell": lambda c: 6 * (1 - c) / ((2 * c - 1) ** 2 + 3),  # J. Eng. Ind. 99, 795
+    "lee-wang": lambda c: 3 * (1 - c) / 4,  # J. Mech. Transm. Autom. Des. 105 (1983)
+    "lankarani-nikravesh": lambda c: 3 * (1 - c**2) / 4,  # J. Mech. Des. 112 (1990) 369
+    "gonthier": lambda c: (1 - c**2) / c,  # Multibody Syst. Dyn. 11 (2004) 209
+    "zhiying-qishao": lambda c: 3 * (1 - c**2) * math.exp(2 * (1 - c)) / 4,  # 2006
+    "flores": lambda c: 8 * (1 - c) / (5 * c),  # Multibody Syst. Dyn. 25 (2011) 357
+    "hu-guo": lambda c: 3 * (1 - c) / (2 * c),  # 2015
+    "carvalho-martins": lambda c: 3 * (1 - c) * (11 - c) / (2 * (1 + 9 * c)),  # MMT 138 (2019)
+    "safaeifar-farshidianfar": lambda c: 5 * (1 - c) / (4 * c),  # Multibody Syst. Dyn. (2020)
+    "exact": lambda c: exact_factor(c),
+}
+"""Law → wanted restitution → χ."""
+
+
+def exact_factor(restitution: float) -> float:
+    """The χ whose impact has exactly this restitution, by bisection of the energy balance."""
+    low, high = 0.0, 1 / restitution
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (middle, high) if reached(middle) > restitution else (low, middle)
+    return (low + high) / 2
+
+
+def reached(chi: float) -> float:
+    """Restitution of a free impact, by the principal branch of Lambert's W."""
+    if chi == 0:
+        return 1.0
+    return (1 + float(lambertw(-(1 + chi) * math.exp(-1 - chi)).real)) / chi
+
+
+def largest_indentation(
+    chi: float, mass: float, speed: float, stiffness: float, exponent: float = 1.5
+) -> float:
+    """Where a free impact comes to rest."""
+    part = 0.5 if chi == 0 else (chi - math.log1p(chi)) / chi**2
+    return ((exponent + 1) * mass * speed**2 / stiffness * part) ** (1 / (exponent + 1))
+
+
+def undamped_duration(mass: float, speed: float, stiffness: float, exponent: float = 1.5) -> float:
+    """From the touch to the leave of an elastic impact, by Euler's beta function."""
+    depth, part = largest_indentation(0.0, mass, speed, stiffness, exponent), 1 / (exponent + 1)
+    return 2 * depth / speed * math.sqrt(math.pi) * math.gamma(1 + part) / math.gamma(0.5 + part)
+
+
+def duration(
+    chi: float, mass: float, speed: float, stiffness: float, exponent: float = 1.5
+) -> float:
+    """From the touch to the leave, by quadrature over the rate.
+
+    With u = d′/d′₀ the indentation is d(u)ᵖ⁺¹ = (p + 1) m v²/K · ((1 − u) − ln((1 + χ)/(1 + χ u))/χ)/χ
+    in terms of u alone, and dt = −m v du/(K dᵖ (1 + χ u)). At both ends dᵖ goes to zero like a root:
+    substituting the sine of an angle for u would leave (…)^(−0.2), so u itself is a power there.
+    """
+    end, power = -reached(chi), 1 / (exponent + 1)
+    scale = (exponent + 1) * mass * speed**2 / stiffness
+
+    def depth_power(u: float, away: float) -> float:
+        """d(u)ᵖ⁺¹; `away` is the distance from the nearer end, which u − end would round."""
+        if chi == 0:
+            return scale * away * (2 - away) / 2
+        base = 1.0 if u > 0 else end
+        sign = -1.0 if u > 0 else 1.0
+        step = chi * away * sign / (1 + chi * base)
+        return scale * (math.log1p(step) / chi - sign * away) / chi
+
+    def half(base: float, sign: float) -> float:
+        span = abs(base)
+        order = 1 / (1 - exponent * power)  # makes dᵖ ~ awayᵖ⁄⁽ᵖ⁺¹⁾ integrable without a root
+
+        def integrand(s: float) -> float:
+            away = span * s**order
+            u = base + sign * away
+            force = stiffness * depth_power(u, away) ** (exponent * power) * (1 + chi * u)
+            return mass * speed * span * order * s ** (order - 1) / force
+
+        return quad(integrand, 0, 1, epsabs=0, epsrel=1e-13, limit=200)[0]
+
+    return half(1.0, -1.0) + half(end, 1.0)

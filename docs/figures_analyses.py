@@ -27,7 +27,7 @@ from linkages.chaos.lyapunov import characteristic_period
 from linkages.chaos.report import verdict
 from linkages.chaos.sweep import Threads
 from linkages.kernel.system import System
-from linkages.solution.plan import build_flow
+from linkages.solution.moving.plan import build_flow
 from linkages.solvers.integration import integrate
 
 NUMBERS = STATIC / "analyses.json"

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.chaos.varied import parse_range
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots import bifurcations, phase
 from linkages.plots.style import style
 

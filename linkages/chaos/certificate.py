@@ -18,8 +18,8 @@ from linkages.chaos.exponents import Exponents
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
-from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
 

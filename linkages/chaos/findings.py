@@ -12,7 +12,7 @@ from linkages.chaos.dimension import Dimension
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.rotation import Rotation
 from linkages.chaos.spectrum import PowerSpectrum
-from linkages.solution.horizon import Horizon
+from linkages.solution.moving.horizon import Horizon
 
 if TYPE_CHECKING:
     import xarray as xr

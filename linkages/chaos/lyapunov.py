@@ -28,7 +28,7 @@ from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.unfinished import UnfinishedError
 from linkages.chaos.volumes import Volumes
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentKeywords, ExponentOptions

@@ -22,8 +22,8 @@ from linkages.plots.samples import pose_at
 from linkages.plots.style import panels, styled
 from linkages.plots.view import Box, picture
 from linkages.solution.resolved import resolved
-from linkages.solution.series import data_series, find_series
 from linkages.solution.solution import Solution
+from linkages.solution.values.series import data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots import drawing, phase, traces
 from linkages.plots.style import style
 from linkages.plots.time_figures import force_figure, load_figure, time_figure, torque_figure

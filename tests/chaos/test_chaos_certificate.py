@@ -12,11 +12,11 @@ from linkages.chaos.exponents import lyapunov_spectrum
 from linkages.chaos.invariants import Invariant
 from linkages.chaos.tangents import LinkageTangents
 from linkages.chaos.volumes import Volumes
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.motion import Piece
+from linkages.solution.moving.motion import Piece
 
 DOUBLE = """\
 name: Double pendulum

@@ -9,7 +9,7 @@ import linkages
 from linkages.chaos.maps import chaos_map
 from linkages.chaos.sweep import Threads, reason_of
 from linkages.chaos.varied import parse_range
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.document import parse
 

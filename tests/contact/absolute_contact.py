@@ -16,7 +16,7 @@ from kernel_values import at_start
 from time_functions import jet
 
 import linkages
-from linkages.components.measures import Slide, Turn
+from linkages.components.contributed.measures import Slide, Turn
 
 
 @dataclass

@@ -1,24 +1,26 @@
-"""Motions of the independent formulation: legs between located touches, leaves and slacks."""
+"""Motions of the independent formulation: legs between located touches, leaves and slacks.
 
-import math
-from collections.abc import Sequence
+SciPy's DOP853 integrates a leg. A crossing is found on its interpolant, and then located by steps
+of the method itself, which are more accurate than the interpolant.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from absolute_contact import AbsoluteContact, Mode
 from absolute_gaps import CONTACT, FREE, SLACK
-from scipy.integrate import DOP853, OdeSolver, solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
-RTOL = 1e-12
+FIRST_STEP = 1e-7
 LOOKS = np.arange(1, 17) / 16
-"""Where within a step signs are looked at: a hop within a sixteenth of a step would be missed, and
-a leg begins with steps of a hundredth of an impact."""
+"""Where within a step signs are looked at: only a hop within a sixteenth of it would be missed."""
 
 
 @dataclass(frozen=True)
 class Event:
-    """A located change of a clearance's state."""
+    """A located change of a clearance's state, with the rate of the indentation."""
 
     time: float
     clearance: str
@@ -36,157 +38,144 @@ class Motion:
     evaluations: int
 
 
+@dataclass(frozen=True)
+class Guard:
+    """A sign to watch: positive as long as nothing happens."""
+
+    clearance: int
+    what: str
+    value: Callable[[np.ndarray], float]
+
+
 def motion(
     model: AbsoluteContact,
     times: Sequence[float],
     *,
-    rtol: float = RTOL,
+    rtol: float = 1e-12,
     start: np.ndarray | None = None,
     modes: Sequence[Mode] | None = None,
-    begin: float = 0.0,
-    method: type[OdeSolver] = DOP853,
 ) -> Motion:
-    """March from `begin` through all sample times."""
+    """March from t = 0 through all sample times."""
     y = model.start() if start is None else start
-    t, now = begin, list(modes or [Mode() for _ in model.gaps])
+    t, now = 0.0, list(modes or [Mode() for _ in model.gaps])
     events: list[Event] = []
     states, sampled, evaluations = [], [], 0
     for end in times:
         while t < end:
-            leg = _leg(model, t, y, now, end, rtol, method)
-            t, y, evaluations = leg.time, leg.state, evaluations + leg.evaluations
-            if leg.change is not None:
+            t, y, crossed, count = Leg(model, now, rtol).run(t, y, end)
+            evaluations += count
+            if crossed is not None:
                 y = model.projected(t, y)
-                now, event = _changed(model, t, y, now, *leg.change)
+                now, event = changed(model, t, y, now, crossed)
                 events.append(event)
         states.append(y)
         sampled.append([replace(mode) for mode in now])
     return Motion(np.array(states), sampled, events, evaluations)
 
 
-@dataclass(frozen=True)
-class _Leg:
-    time: float
-    state: np.ndarray
-    evaluations: int
-    change: tuple[int, str] | None
+class Leg:
+    """Integration in given modes until one of them ends."""
 
+    def __init__(self, model: AbsoluteContact, modes: list[Mode], rtol: float) -> None:
+        self.model, self.modes, self.rtol = model, modes, rtol
+        self.guards = [guard for k in range(len(modes)) for guard in self._guards(k)]
 
-def _guards(model: AbsoluteContact, modes: Sequence[Mode]) -> list[tuple[int, str, float]]:
-    """(clearance, what is watched, its sign while nothing happens)."""
-    found = []
-    for k, mode in enumerate(modes):
+    def _guards(self, k: int) -> list[Guard]:
+        model, gap, mode = self.model, self.model.gaps[k], self.modes[k]
+
+        def depth(y: np.ndarray) -> float:
+            return model.wall(y, k).rho - gap.size
+
+        def push(y: np.ndarray) -> float:
+            wall = model.wall(y, k)
+            if gap.damping:
+                return gap.push(max(wall.rho - gap.size, 0.0), wall.speed, mode.first)
+            return gap.factor(wall.speed, mode.first)
+
         if mode.state == FREE:
-            found.append((k, "depth", -1.0))
-        else:
-            found.append((k, "depth", 1.0))
-            found.append((k, "push", 1.0 if mode.state == CONTACT else -1.0))
-    return found
+            return [Guard(k, "depth", lambda y: -depth(y))]
+        sign = 1.0 if mode.state == CONTACT else -1.0
+        return [Guard(k, "depth", depth), Guard(k, "push", lambda y: sign * push(y))]
 
+    def rates(self, t: float, y: np.ndarray) -> np.ndarray:
+        return self.model.rates(t, y, self.modes)
 
-def _watched(
-    model: AbsoluteContact, y: np.ndarray, modes: Sequence[Mode], k: int, what: str
-) -> float:
-    gap = model.gaps[k]
-    offset, rate = (part[k] for part in model.offsets(y))
-    rho = math.hypot(*offset)
-    if what == "depth":
-        return rho - gap.size
-    speed = float(offset @ rate) / rho
-    if gap.damping:
-        return gap.push(max(rho - gap.size, 0.0), speed, modes[k].first)
-    return gap.factor(speed, modes[k].first)
+    def _atol(self, y: np.ndarray) -> np.ndarray:
+        """Offsets are small differences of large coordinates, and their rates of large rates."""
+        size, model = min(gap.size for gap in self.model.gaps), self.model
+        speed = max(1e-2, float(np.abs(model.speeds(y)).max()))
+        scales = np.repeat([size, 1e-2 * speed], model.size)
+        return self.rtol * np.concatenate([scales, np.ones(3)])
 
+    def run(
+        self, t: float, y: np.ndarray, end: float
+    ) -> tuple[float, np.ndarray, Guard | None, int]:
+        """The time and state of what comes first, what it is, and the number of evaluations."""
+        atol = self._atol(y)
+        solver = DOP853(
+            self.rates, t, y, end, rtol=self.rtol, atol=atol, first_step=min(FIRST_STEP, end - t)
+        )
+        while solver.status == "running":
+            before = solver.t, solver.y.copy()
+            solver.step()
+            assert solver.status != "failed", solver.t
+            found = self._first(solver, before[0])
+            if found is not None:
+                time, guard = found
+                time, state, more = self._located(before, time, guard)
+                return time, state, guard, solver.nfev + more
+        return solver.t, solver.y, None, solver.nfev
 
-def _leg(
-    model: AbsoluteContact, t: float, y: np.ndarray, modes: list[Mode], end: float, rtol: float,
-    method: type[OdeSolver],
-) -> _Leg:  # fmt: skip
-    """Integrate until something changes or `end` is reached."""
-
-    def rates(time: float, state: np.ndarray) -> np.ndarray:
-        return model.rates(time, state, modes)
-
-    guards = _guards(model, modes)
-    atol = _absolute(model, y, rtol)
-    solver = method(rates, t, y, end, rtol=rtol, atol=atol, first_step=min(1e-7, end - t))
-    extra = 0
-    while solver.status == "running":
-        before = solver.t, solver.y.copy()
-        solver.step()
-        assert solver.status != "failed", solver.t
+    def _first(self, solver: DOP853, begin: float) -> tuple[float, Guard] | None:
+        """The earliest crossing within a step, on its interpolant."""
         curve = solver.dense_output()
-        looks = before[0] + LOOKS * (solver.t - before[0])
-        first: tuple[float, int, str] | None = None
-        for k, what, sign in guards:
+        looks = begin + LOOKS * (solver.t - begin)
+        crossings = []
+        for guard in self.guards:
 
-            def value(time: float, k: int = k, what: str = what) -> float:
-                return _watched(model, curve(time), modes, k, what)
+            def value(time: float, guard: Guard = guard) -> float:
+                return guard.value(curve(time))
 
-            values = np.array([sign * value(time) for time in looks])
-            values[-1] = sign * _watched(model, solver.y, modes, k, what)
-            if (values < 0).any():
-                j = int(np.argmax(values < 0))
-                low = looks[j - 1] if j else before[0] + 1e-3 * (looks[0] - before[0])
-                if sign * value(low) <= 0:  # it stands on its wrong side from the start
-                    low = before[0]
-                    root = low
-                elif j == len(looks) - 1 and sign * value(looks[-1]) > 0:
-                    root = looks[-1]
-                else:
-                    root = brentq(value, low, looks[j], xtol=1e-18, rtol=1e-15)
-                if first is None or root < first[0]:
-                    first = root, k, what
-        if first is not None:
-            time, state, more = _refined(model, rates, before, modes, first, rtol, atol)
-            return _Leg(time, state, solver.nfev + extra + more, first[1:])
-    return _Leg(solver.t, solver.y, solver.nfev, None)
+            behind = next((j for j, time in enumerate(looks) if value(time) < 0), None)
+            if behind is not None:
+                low = begin + 1e-3 * (looks[0] - begin) if behind == 0 else looks[behind - 1]
+                root = low if value(low) <= 0 else brentq(value, low, looks[behind], xtol=1e-18)
+                crossings.append((root, guard))
+        return min(crossings, key=lambda crossing: crossing[0], default=None)
 
-
-def _refined(model, rates, before, modes, first, rtol, atol):
-    """The time and state of an event, by steps of the method itself instead of its interpolant."""
-    (t, y), (time, k, what) = before, first
-    evaluations = 0
-    for _ in range(3):
-        state = y
-        if time > t:
-            found = solve_ivp(
-                rates, (t, time), y, method="DOP853", rtol=rtol, atol=atol, first_step=time - t
-            )
-            state, evaluations = found.y[:, -1], evaluations + found.nfev
-        value = _watched(model, state, modes, k, what)
-        ahead = state + 1e-9 * rates(time, state)
-        slope = (_watched(model, ahead, modes, k, what) - value) / 1e-9
-        step = -value / slope
-        if abs(step) < 1e-16 * max(time, 1e-3):
-            break
-        time = max(time + step, t)
-    return time, state, evaluations
+    def _located(
+        self, before: tuple[float, np.ndarray], time: float, guard: Guard
+    ) -> tuple[float, np.ndarray, int]:
+        """Newton's method, with the integrator from the begin of the step as the function."""
+        begin, y = before
+        state, evaluations, tiny = y, 0, 1e-9
+        for _ in range(3):
+            if time > begin:
+                span, atol = (begin, time), self._atol(y)
+                found = solve_ivp(
+                    self.rates, span, y, "DOP853", rtol=self.rtol, atol=atol,
+                    first_step=time - begin,
+                )  # fmt: skip
+                state, evaluations = found.y[:, -1], evaluations + found.nfev
+            value = guard.value(state)
+            slope = (guard.value(state + tiny * self.rates(time, state)) - value) / tiny
+            if abs(value / slope) < 1e-18:
+                break
+            time = max(time - value / slope, begin)
+        return time, state, evaluations
 
 
-def _absolute(model: AbsoluteContact, y: np.ndarray, rtol: float) -> np.ndarray:
-    """Absolute tolerances: offsets are small differences of large coordinates."""
-    size = min(gap.size for gap in model.gaps)
-    speed = max(1e-2, float(np.abs(y[model.size : 2 * model.size]).max()))
-    places = np.full(model.size, rtol * size)
-    speeds = np.full(model.size, rtol * 1e-2 * speed)
-    return np.concatenate([places, speeds, np.full(3, rtol)])
-
-
-def _changed(
-    model: AbsoluteContact, t: float, y: np.ndarray, modes: Sequence[Mode], k: int, what: str
+def changed(
+    model: AbsoluteContact, t: float, y: np.ndarray, modes: Sequence[Mode], guard: Guard
 ) -> tuple[list[Mode], Event]:
     """The modes after an event."""
-    gap, mode = model.gaps[k], modes[k]
-    offset, rate = (part[k] for part in model.offsets(y))
-    speed = float(offset @ rate) / math.hypot(*offset)
-    new = replace(mode)
-    if what == "depth":
-        new.state = CONTACT if mode.state == FREE else FREE
-        kind = "touch" if mode.state == FREE else "leave"
-        if kind == "touch":
-            new.first = max(speed, gap.least_rate)
+    k, new = guard.clearance, replace(modes[guard.clearance])
+    speed = model.wall(y, k).speed
+    if guard.what == "push":
+        new.state, kind = (SLACK, "slack") if new.state == CONTACT else (CONTACT, "again")
+    elif new.state == FREE:
+        new = Mode(CONTACT, max(speed, model.gaps[k].least_rate))
+        kind = "touch"
     else:
-        new.state = SLACK if mode.state == CONTACT else CONTACT
-        kind = "slack" if new.state == SLACK else "again"
-    return [*modes[:k], new, *modes[k + 1 :]], Event(t, gap.name, kind, speed)
+        new.state, kind = FREE, "leave"
+    return [*modes[:k], new, *modes[k + 1 :]], Event(t, model.gaps[k].name, kind, speed)

@@ -1,9 +1,9 @@
 """Normal forces in a clearance, and what one impact of a free body by them comes to.
 
-F = K dᵖ (1 + χ d′/d′₀) with the indentation d and its rate d′₀ at the touch. The balance of energy of
-a free impact is separable whatever K, p, mass and speed are, so that the restitution e obeys
+F = K dᵖ (1 + χ d′/d′₀) with the indentation d and its rate d′₀ at the touch. The balance of energy
+of a free impact is separable whatever K, p, mass and speed are, so that the restitution e obeys
 (1 + χ)/(1 − χ e) = exp(χ (1 + e)), and the largest indentation d follows from
-dᵖ⁺¹ = (p + 1) m v²/K · (χ − ln(1 + χ))/χ² (Hunt & Crossley 1975 and Zhang & Sharf 2009 start there).
+dᵖ⁺¹ = (p + 1) m v²/K · (χ − ln(1 + χ))/χ².
 """
 
 import math
@@ -63,9 +63,9 @@ def duration(
 ) -> float:
     """From the touch to the leave, by quadrature over the rate.
 
-    With u = d′/d′₀ the indentation is d(u)ᵖ⁺¹ = (p + 1) m v²/K · ((1 − u) − ln((1 + χ)/(1 + χ u))/χ)/χ
-    in terms of u alone, and dt = −m v du/(K dᵖ (1 + χ u)). At both ends dᵖ goes to zero like a root:
-    substituting the sine of an angle for u would leave (…)^(−0.2), so u itself is a power there.
+    With u = d′/d′₀ the indentation is a function of u alone, and dt = −m v du/(K dᵖ (1 + χ u)):
+    dᵖ⁺¹ = (p + 1) m v²/K · ((1 − u) − ln((1 + χ)/(1 + χ u))/χ)/χ. At both ends dᵖ goes to zero with
+    a broken power of the distance from there, so that this distance is taken as a power itself.
     """
     end, power = -reached(chi), 1 / (exponent + 1)
     scale = (exponent + 1) * mass * speed**2 / stiffness

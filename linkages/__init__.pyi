@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from linkages.chaos.bifurcation import bifurcation as bifurcation
-from linkages.chaos.lyapunov import lyapunov as lyapunov
-from linkages.chaos.maps import chaos_map as chaos_map
-from linkages.chaos.report import verdict as verdict
-from linkages.chaos.section import poincare as poincare
+from linkages.chaos.growth.lyapunov import lyapunov as lyapunov
+from linkages.chaos.sections.section import poincare as poincare
+from linkages.chaos.sweeps.bifurcation import bifurcation as bifurcation
+from linkages.chaos.sweeps.maps import chaos_map as chaos_map
+from linkages.chaos.verdicts.report import verdict as verdict
 from linkages.components.assembly import AssemblyHint as AssemblyHint
 from linkages.components.bar import Bar as Bar
 from linkages.components.clearance import Clearance as Clearance
@@ -42,7 +42,7 @@ from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted
 from linkages.errors import LinkagesError as LinkagesError
 from linkages.plots import charts as charts
-from linkages.plots.animation import animate as animate
+from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
 from linkages.registering import unregister as unregister
 from linkages.solution.functions.propagator import Propagator as Propagator

@@ -105,10 +105,10 @@ class Opened:
 
 ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
-    "poincare": "linkages.chaos.section:poincare",
-    "lyapunov": "linkages.chaos.lyapunov:lyapunov",
-    "bifurcation": "linkages.chaos.bifurcation:bifurcation",
-    "map": "linkages.chaos.maps:chaos_map",
+    "poincare": "linkages.chaos.sections.section:poincare",
+    "lyapunov": "linkages.chaos.growth.lyapunov:lyapunov",
+    "bifurcation": "linkages.chaos.sweeps.bifurcation:bifurcation",
+    "map": "linkages.chaos.sweeps.maps:chaos_map",
 }
 """Name of a file of results → the function of this package that computes them."""
 

@@ -7,14 +7,14 @@ import pytest
 from chaos_systems import exponents_of
 
 import linkages
-from linkages.chaos.certificate import pair_sums
-from linkages.chaos.contact import contact_check
-from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
-from linkages.chaos.maps import chaos_map
-from linkages.chaos.report import verdict
-from linkages.chaos.sweep import Threads, sweep
-from linkages.chaos.tangents import LinkageTangents
-from linkages.chaos.varied import parse_range, together
+from linkages.chaos.growth.certificate import pair_sums
+from linkages.chaos.growth.exponents import FURTHEST_APART, lyapunov_spectrum
+from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.sections.contact import contact_check
+from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.sweeps.sweep import Threads, sweep
+from linkages.chaos.sweeps.varied import parse_range, together
+from linkages.chaos.verdicts.report import verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
 from linkages.kernel.code.compiled import bind_kernel

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.exponents import Exponents
-from linkages.chaos.maps import sign_of
-from linkages.chaos.varied import parse_range, together
+from linkages.chaos.growth.exponents import Exponents
+from linkages.chaos.sweeps.maps import sign_of
+from linkages.chaos.sweeps.varied import parse_range, together
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.lyapunov import run_exponents
+from linkages.chaos.growth.lyapunov import run_exponents
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions

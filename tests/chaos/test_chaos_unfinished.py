@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.evidence import PER_PERIOD
-from linkages.chaos.report import tightened, verdict
-from linkages.chaos.sweep import Threads, attempt
-from linkages.chaos.tangents import LinkageTangents
-from linkages.chaos.unfinished import UnfinishedError
+from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.sections.unfinished import UnfinishedError
+from linkages.chaos.sweeps.sweep import Threads, attempt
+from linkages.chaos.verdicts.evidence import PER_PERIOD
+from linkages.chaos.verdicts.report import tightened, verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import Interrupted
 from linkages.options.run import RunOptions

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import linkages
-from linkages.chaos.maps import chaos_map
-from linkages.chaos.varied import axis, axis_of, parse_range
+from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.sweeps.varied import axis, axis_of, parse_range
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError

@@ -10,7 +10,7 @@ from plot_data import press, press_data
 
 import linkages
 from linkages.plots import FIGURES, charts
-from linkages.plots.maps import KINDS, SIGNS
+from linkages.plots.chaos.maps import KINDS, SIGNS
 from linkages.plots.style import PALETTE, style
 
 

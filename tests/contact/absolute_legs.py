@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from absolute_contact import AbsoluteContact, Mode
 from absolute_gaps import CONTACT, FREE, SLACK
-from scipy.integrate import DOP853, solve_ivp
+from scipy.integrate import DOP853, DenseOutput, solve_ivp
 from scipy.optimize import brentq
 
 FIRST_STEP = 1e-7
@@ -130,18 +130,21 @@ class Leg:
         """The earliest crossing within a step, on its interpolant."""
         curve = solver.dense_output()
         looks = begin + LOOKS * (solver.t - begin)
+        states = curve(looks).T
         crossings = []
         for guard in self.guards:
-
-            def value(time: float, guard: Guard = guard) -> float:
-                return guard.value(curve(time))
-
-            behind = next((j for j, time in enumerate(looks) if value(time) < 0), None)
+            behind = next((j for j, state in enumerate(states) if guard.value(state) < 0), None)
             if behind is not None:
                 low = begin + 1e-3 * (looks[0] - begin) if behind == 0 else looks[behind - 1]
-                root = low if value(low) <= 0 else brentq(value, low, looks[behind], xtol=1e-18)
-                crossings.append((root, guard))
+                crossings.append((self._root(guard, curve, low, looks[behind]), guard))
         return min(crossings, key=lambda crossing: crossing[0], default=None)
+
+    @staticmethod
+    def _root(guard: Guard, curve: DenseOutput, low: float, high: float) -> float:
+        def value(time: float) -> float:
+            return guard.value(curve(time))
+
+        return low if value(low) <= 0 else brentq(value, low, high, xtol=1e-18)
 
     def _located(
         self, before: tuple[float, np.ndarray], time: float, guard: Guard

@@ -58,7 +58,7 @@ class Volumes:
         """Minus the derivatives of generalised forces with respect to rates, row by row."""
         model = self._model
         graph = model.graph
-        forces = [graph.total(load.power(p) for load in model.loads) for p in model.partials]
+        forces = [graph.total(load.power(p) for load in model.acting) for p in model.partials]
         rates = [model.inputs.rate(i) for i in range(self._size)]
         return [-entry for row in derivative(forces, rates) for entry in row]
 

@@ -57,12 +57,15 @@ class Time(Arithmetic):
 
 @dataclass(frozen=True)
 class Measured(Arithmetic):
-    """What a load is measured along: its value x (`order` 0; m, rad), or its rate v (`order` 1)."""
+    """What a load is measured along: its value x (`order` 0; m, rad), or its rate v (`order` 1).
+
+    Laws of contact may also use the rate at which x became positive the last time (`order` 2).
+    """
 
     order: int
 
 
-X, V = Measured(0), Measured(1)
+X, V, FIRST = Measured(0), Measured(1), Measured(2)
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class Declared:
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}
         built = [(body.name, body.kind) for _, body in self.bodies]
-        built += [(term.link.name, "clearance") for _, term in self.displacements]
+        built += [(term.name, "clearance") for _, term in self.displacements]
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.complete = complete

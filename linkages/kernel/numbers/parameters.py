@@ -107,6 +107,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.point_masses,
         laws,
         mechanism.loads,
+        mechanism.contacts,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     if any(isinstance(load.measure, Distance) for load in mechanism.loads):

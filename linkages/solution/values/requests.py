@@ -44,4 +44,6 @@ def _has(system: System, name: str) -> bool:
     variable = VARIABLES[name]
     if variable.compared and not labels(system.model, "clearance"):
         return False
+    if variable.opening and not system.model.contacts:
+        return False
     return all(labels(system.model, dim) for dim in variable.dims)

@@ -92,8 +92,8 @@ def test_elastic_impact_of_another_exponent(exponent):
 def test_kelvin_voigt():
     """A damped oscillator for half a period, until the force would pull: then nothing acts.
 
-    With d = (v/ω) e^(−δt) sin ωt the force K d + D d′ vanishes where tan ωt = −2 δ ω/(ω² − δ²) in the
-    second quadrant; from there on the pin flies with the rate that it has.
+    With d = (v/ω) e^(−δt) sin ωt the force K d + D d′ vanishes where tan ωt = −2 δ ω/(ω² − δ²) in
+    the second quadrant; from there on the pin flies with the rate that it has.
     """
     stiffness, damping = 1e6, 300.0
     decay = damping / (2 * MASS)

@@ -1,8 +1,7 @@
-"""Motions with contact against reference results: states, forces, slip, and what must not matter."""
+"""Motions with contact against reference results: states, forces, slip, what must not matter."""
 
 import re
 
-import numpy as np
 import pytest
 from contact_references import PIN_RADIUS, Reference, off
 

@@ -28,7 +28,7 @@ from linkages.components.contributed.terms import (
 )
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Bound, Dimension
-from linkages.spec.powers import ContactStiffness, exponent_of
+from linkages.spec.powers import ContactStiffness, exponent_of, stiffness_unit
 from linkages.spec.quantities import (
     Damping,
     Name,
@@ -125,8 +125,8 @@ class ContactClearance(Component):
         """Keys that the law has or lacks, numbers out of its range, a start outside the hole."""
         found = [*self._of_the_law(), *self._of_friction()]
         if not self._reachable:
-            expected = f"a restitution above {self.law.above:.3g} and at most 1"
-            found.append(("restitution", f"expected {expected}, found {self.restitution:g}"))
+            message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
+            found.append(("restitution", message))
         apart = math.hypot(*self.offset)
         if apart > 2.0 * self.size:
             message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
@@ -135,7 +135,7 @@ class ContactClearance(Component):
 
     @property
     def _reachable(self) -> bool:
-        return self.restitution is None or self.law.above < self.restitution <= 1.0
+        return self.restitution is None or self.restitution <= 1.0
 
     def _of_the_law(self) -> Iterator[tuple[str, str]]:
         law = self.law
@@ -150,8 +150,8 @@ class ContactClearance(Component):
         if written is not None and written != expected:
             yield (
                 "stiffness",
-                f"expected a stiffness in N/m^{expected:g}, for the exponent is {expected:g}; "
-                f"found N/m^{written:g}",
+                f"expected a stiffness in {stiffness_unit(expected)}, for the exponent is "
+                f"{expected:g}; found {stiffness_unit(written)}",
             )
 
     def _of_friction(self) -> Iterator[tuple[str, str]]:

@@ -79,10 +79,10 @@ def switching(
     """What finds and makes changes of modes; nothing where there are none."""
     own = job.flow.switching
     if own is None:
-        return Switching(0, 0, 0)
+        return Switching(0, 0, 0, 0)
     # Compiled by the first run that has modes.
     from linkages.solvers.loops.transitions import change
-    from linkages.solvers.watched.switches import look
+    from linkages.solvers.watched.switches import guess, look
 
     changes, n = job.changes, job.flow.coordinates
     # events have left their copies there
@@ -110,9 +110,10 @@ def switching(
         noted=memory.integers(changes.noted),
         time=memory.floats(changes.time),
         which=memory.integers(changes.which),
+        rises=memory.integers(changes.rises),
         state=memory.floats(changes.state),
         turns=memory.integers(changes.turns),
         held=memory.floats(changes.held),
     )
     context = memory.integers([*system, *table, *record, *switches])
-    return Switching(look.address, change.address, context)
+    return Switching(look.address, guess.address, change.address, context)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from linkages.spec.arithmetic import leading_number
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
-from linkages.spec.quantities import FieldType
+from linkages.spec.quantities import ARITHMETIC, FieldType
 from linkages.spec.units import UnitError, unit
 
 
@@ -40,8 +40,6 @@ class _Rule(FieldType):
 
     def json_schema(self) -> dict[str, Any]:
         """Return a positive number, or text that begins with arithmetic."""
-        from linkages.spec.quantities import ARITHMETIC
-
         return {"type": ["number", "string"], "exclusiveMinimum": 0, "pattern": ARITHMETIC}
 
 
@@ -53,8 +51,13 @@ def exponent_of(stiffness: float | None) -> float | None:
     return stiffness.exponent if isinstance(stiffness, PowerStiffness) else None
 
 
+def stiffness_unit(exponent: float) -> str:
+    """The SI unit of a stiffness."""
+    return "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
+
+
 def _dimension(exponent: float) -> Dimension:
-    return Dimension("stiffness", f"N/m**{exponent:g}" if exponent != 1.0 else "N/m")
+    return Dimension("stiffness", stiffness_unit(exponent))
 
 
 def _written(value: Any) -> float | None:

@@ -62,8 +62,6 @@ class ContactLaw:
         The force, from the numbers at these keys.
     restitution
         Damping factor χ over wanted restitution, for a law that has one.
-    above
-        Restitutions that the law is made for are larger.
     """
 
     name: str
@@ -71,7 +69,6 @@ class ContactLaw:
     force: Callable[[Numbers], NormalForce]
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
-    above: float = 0.0
 
 
 def elastic_law(name: str) -> ContactLaw:
@@ -95,7 +92,7 @@ def dissipative_law(name: str) -> ContactLaw:
     return ContactLaw(name, ("stiffness", "dissipation"), force)
 
 
-def restitution_law(name: str, factor: Callable[[float], float], above: float = 0.0) -> ContactLaw:
+def restitution_law(name: str, factor: Callable[[float], float]) -> ContactLaw:
     """K dⁿ (1 + χ d'/d'₀), with the rate d'₀ of the last touch and a factor χ of restitution."""
 
     def force(numbers: Numbers) -> NormalForce:
@@ -104,7 +101,7 @@ def restitution_law(name: str, factor: Callable[[float], float], above: float = 
         return NormalForce(elastic * damped, elastic, energy, damped, numbers["least_rate"])
 
     needs = ("stiffness", "restitution")
-    return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor, above)
+    return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor)
 
 
 def viscous_law(name: str) -> ContactLaw:

@@ -119,7 +119,7 @@ class Body:
 
     @property
     def afloat(self) -> bool:
-        """Whether a moving joint carries its axis, in a mechanism that has resolved all origins."""
+        """Whether a joint carries its axis, in a mechanism that has resolved all other origins."""
         return self.guide is not None and isinstance(self.guide.origin, str)
 
     @property

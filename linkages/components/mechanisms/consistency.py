@@ -29,6 +29,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
+    found += _rubbing_in_the_open(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
     return found
@@ -132,6 +133,19 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
             found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
         taken[term.joint, term.body] = term.name
     return found
+
+
+def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
+    """Friction against the link of a clearance that has none."""
+    return [
+        (
+            (*term.path, "clearance"),
+            f"clearance {term.clearance!r} opens, so no link turns in it; expected 'friction' "
+            "beside its 'contact'",
+        )
+        for term in declared.rubbing
+        if term.clearance in declared.opening
+    ]
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:

@@ -193,12 +193,13 @@ class Mechanism:
     def bodies(self) -> dict[str, Body]:
         """All moving bodies; clearances have displaced the ends of their bars.
 
-        The origin of every guide is resolved to coordinates in the frame that carries it, but for
-        a joint that moves.
+        The origin of every guide of theirs is resolved to coordinates in the frame that carries it;
+        the axes of an offset go through the joint itself.
         """
         given = {t.name: t for t in self.terms if isinstance(t, Body)}
-        links = (link for term in self.displacements for link in term.links)
-        return {body.name: self._resolved(body, given) for body in [*given.values(), *links]}
+        bodies = [self._resolved(body, given) for body in given.values()]
+        links = [link for term in self.displacements for link in term.links]
+        return {body.name: body for body in [*bodies, *links]}
 
     def _resolved(self, body: Body, given: dict[str, Body]) -> Body:
         renamed = {t.joint: t.renamed for t in self.displacements if t.body == body.name}
@@ -206,7 +207,7 @@ class Mechanism:
         guide = body.guide
         if guide is not None and isinstance(guide.origin, str):
             places = self.ground if guide.body is None else given[guide.body].points
-            guide = replace(guide, origin=places.get(guide.origin, guide.origin))
+            guide = replace(guide, origin=places[guide.origin])
         return replace(body, points=points, guide=guide)
 
     @cached_property

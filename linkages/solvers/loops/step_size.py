@@ -19,6 +19,9 @@ SHRINK_MOST, GROW_MOST = 1 / 3, 6.0
 SHRINK_BLOCKED = 0.25
 # Halving is enough for links that turned too far to be watched.
 SHRINK_TURNING = 0.5
+# Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
+# powers of the step there, whatever the order.
+SHRINK_FRESH = 0.1
 OVERFLOW = 1e150
 # Steps that were much better than asked for say nothing about how the error develops.
 LEAST_BEFORE = 1e-4

@@ -144,6 +144,7 @@ class Switches(NamedTuple):
     noted: int  # (1,) of int64: all changes
     time: int  # (capacity,) of float64
     which: int  # (capacity,) of int64
+    rises: int  # (capacity,) of int64, 0 or 1
     state: int  # (capacity, 2n) of float64, before the change
     turns: int  # (capacity, n) of int64
     held: int  # (capacity, h) of float64, behind the change
@@ -178,12 +179,14 @@ class Switching(NamedTuple):
     """Compiled functions that find and make the changes of modes; 0 if there are none.
 
     ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
-    changes, with the workspace holding the step up to there, or more than 1. Then ``change`` of the
-    same arguments makes the change at the state in row 0 and returns an `Outcome`. `context` is the
-    address of a `System`, `Table`, `Record` and `Switches` in a row.
+    changes, with the workspace holding the step up to there, or more than 1; `guess` about the
+    same for a rejected step. Then ``change`` of the same arguments makes the change at the state in
+    row 0 and returns an `Outcome`. `context` is the address of a `System`, `Table`, `Record` and
+    `Switches` in a row.
     """
 
     look: int
+    guess: int
     change: int
     context: int
 

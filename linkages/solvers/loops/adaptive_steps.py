@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from linkages.solvers.loops.commit import (
     DONE,
     EVENT,
@@ -75,7 +77,7 @@ def adaptive_steps(
     h = first_step(system, start, end - start, order, rtol, atol, zeros)
     t, carry, first = start, 0.0, abs(h)
     trouble, rejected, before = 0, False, 1.0
-    error, fresh = 0.0, False
+    error, fresh, kind = 0.0, False, 0
     while outcome == DONE and t != end:
         if control[STOP] != 0.0:
             return INTERRUPTED
@@ -122,6 +124,8 @@ def adaptive_steps(
             commit(system, table, record, t_end)
             outcome = margin_outcome(system, record)
             t, carry, before = t_end, next_carry, error
+            if fresh and not changing and t != end:
+                floats(switching.first_steps)[kind] = abs(h)
             h *= min(factor, 1.0) if rejected else factor
             trouble, rejected, fresh = 0, False, False
             if changing and outcome == DONE:
@@ -129,6 +133,10 @@ def adaptive_steps(
                 if outcome == DONE and t != end:
                     counters[EVALUATIONS] += 1
                     h = first_step(system, t, end - t, order, rtol, atol, zeros)
+                    kind = integers(switching.kind)[0]
+                    last = floats(switching.first_steps)[kind]
+                    if last > 0.0 and abs(h) > 2.0 * last:
+                        h = math.copysign(2.0 * last, h)
                     before, fresh = 1.0, True
         else:
             counters[REJECTED] += 1

@@ -95,7 +95,7 @@ def ours(revolutions: int) -> Counted:
             lambda: linkages.simulate(
                 mechanism, end=times * PERIOD, samples=2, method="dop853", rtol=RTOL,
                 outputs=["clearance_offset"],
-            ).evaluations
+            ).motion.cost["evaluations"]
         )  # fmt: skip
 
     run(1)  # compiled or loaded before anything is timed

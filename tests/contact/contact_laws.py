@@ -58,10 +58,10 @@ def undamped_duration(mass: float, speed: float, stiffness: float, exponent: flo
     return 2 * depth / speed * math.sqrt(math.pi) * math.gamma(1 + part) / math.gamma(0.5 + part)
 
 
-def duration(
+def halves(
     chi: float, mass: float, speed: float, stiffness: float, exponent: float = 1.5
-) -> float:
-    """From the touch to the leave, by quadrature over the rate.
+) -> tuple[float, float]:
+    """Times of compression and of restitution, by quadrature over the rate.
 
     With u = d′/d′₀ the indentation is a function of u alone, and dt = −m v du/(K dᵖ (1 + χ u)):
     dᵖ⁺¹ = (p + 1) m v²/K · ((1 − u) − ln((1 + χ)/(1 + χ u))/χ)/χ. At both ends dᵖ goes to zero with
@@ -70,25 +70,29 @@ def duration(
     end, power = -reached(chi), 1 / (exponent + 1)
     scale = (exponent + 1) * mass * speed**2 / stiffness
 
-    def depth_power(u: float, away: float) -> float:
-        """d(u)ᵖ⁺¹; `away` is the distance from the nearer end, which u − end would round."""
+    def depth_power(base: float, sign: float, away: float) -> float:
+        """dᵖ⁺¹ at a distance from one end, from where u itself would be rounded."""
         if chi == 0:
             return scale * away * (2 - away) / 2
-        base = 1.0 if u > 0 else end
-        sign = -1.0 if u > 0 else 1.0
-        step = chi * away * sign / (1 + chi * base)
-        return scale * (math.log1p(step) / chi - sign * away) / chi
+        return scale * (math.log1p(chi * sign * away / (1 + chi * base)) / chi - sign * away) / chi
 
     def half(base: float, sign: float) -> float:
         span = abs(base)
-        order = 1 / (1 - exponent * power)  # makes dᵖ ~ awayᵖ⁄⁽ᵖ⁺¹⁾ integrable without a root
+        order = 1 / (1 - exponent * power)
 
         def integrand(s: float) -> float:
             away = span * s**order
-            u = base + sign * away
-            force = stiffness * depth_power(u, away) ** (exponent * power) * (1 + chi * u)
+            depth = depth_power(base, sign, away) ** (exponent * power)
+            force = stiffness * depth * (1 + chi * (base + sign * away))
             return mass * speed * span * order * s ** (order - 1) / force
 
-        return quad(integrand, 0, 1, epsabs=0, epsrel=1e-13, limit=200)[0]
+        return float(quad(integrand, 0, 1, epsabs=0, epsrel=1e-13, limit=200)[0])
 
-    return half(1.0, -1.0) + half(end, 1.0)
+    return half(1.0, -1.0), half(end, 1.0)
+
+
+def duration(
+    chi: float, mass: float, speed: float, stiffness: float, exponent: float = 1.5
+) -> float:
+    """From the touch to the leave."""
+    return sum(halves(chi, mass, speed, stiffness, exponent))

@@ -57,7 +57,7 @@ TEMPLATES = {
     "six-bar": (SIX_BAR, [("A", "rod"), ("B", "rod"), ("Q", "link"), ("G", "arm"), ("P", "link")]),
     "pendulums": (PENDULUMS, [("O", "upper"), ("A", "lower")]),
 }
-ENDS = {"four-bar": 0.02, "slider-crank": 0.012, "six-bar": 0.02, "pendulums": 0.04}
+ENDS = {"four-bar": 0.02, "slider-crank": 0.012, "six-bar": 0.02, "pendulums": 0.02}
 """Seconds in which pins hit their holes a few times, and errors grow a hundredfold at most."""
 LAWS = ("hertz", "hunt-crossley-constant", "kelvin-voigt", *DAMPING_FACTORS)
 

@@ -5,6 +5,7 @@ import pytest
 from contact_laws import (
     DAMPING_FACTORS,
     duration,
+    halves,
     largest_indentation,
     reached,
     undamped_duration,
@@ -42,6 +43,7 @@ def test_tabulated_impacts(row):
         float(row["largest_indentation"]), rel=1e-14
     )
     assert duration(*about) == pytest.approx(float(row["duration"]), rel=1e-13)
+    assert halves(*about)[0] == pytest.approx(float(row["compression_time"]), rel=1e-13)
 
 
 @pytest.mark.parametrize("law", DAMPING_FACTORS)

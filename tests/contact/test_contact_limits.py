@@ -88,7 +88,7 @@ def test_elastic_contact_without_friction_does_no_work():
         linkages.loads(text), end=end, samples=201, rtol=1e-10,
         outputs=["kinetic_energy", "potential_energy"],
     ).data  # fmt: skip
-    energy = data.kinetic_energy + data.potential_energy
+    energy = (data.kinetic_energy + data.potential_energy).to_numpy()
     assert float(np.ptp(energy)) < 1e-9 * float(np.abs(energy).max())
 
 

@@ -39,12 +39,11 @@ def rigid_offset(time):
 
 def test_stiff_contact_tends_to_rigid_contact():
     """With the law that bounces exactly, like the duration of a contact: K^(-2/5)."""
-    definition = Reference(NAME).definition.replace("contact: restitution", "contact: exact")
     distances = []
     for row in STIFF[1:4]:
-        mechanism = linkages.loads(definition).with_values(
-            {"clearances.gap.stiffness": f"{row['stiffness']} N/m^1.5"}
-        )
+        law = f"contact: exact, stiffness: {row['stiffness']} N/m^1.5"
+        definition = Reference(NAME).definition.replace("contact: restitution", law)
+        mechanism = linkages.loads(definition)
         times = sorted(map(float, row["distance_of_offset_at_t"]))
         data = linkages.simulate(
             mechanism, times=[0.0, *times], rtol=1e-11, outputs=["clearance_offset"]

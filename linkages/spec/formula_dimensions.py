@@ -21,6 +21,7 @@ Powers: TypeAlias = dict[str, Fraction]
 
 PURE: Powers = {}
 _ALIKE = ("add", "sub", "min", "max", "where", "atan2")
+_TIME: Powers = {"second": Fraction(1)}
 _SYMBOLS = {"meter": "m", "kilogram": "kg", "second": "s", "kelvin": "K", "ampere": "A"}
 
 
@@ -32,7 +33,7 @@ def powers(found: Unit) -> Powers:
 def described(found: Powers) -> str:
     """A dimension in words, with its unit: ``"a force (N)"``."""
     if not found:
-        return "a pure number"
+        return "an angle or a pure number"
     for known in KNOWN:
         if powers(unit(known.unit)) == found:
             return f"{known.article} ({known.unit.replace('**', '^').replace('*', ' ')})"
@@ -81,12 +82,12 @@ class _Measuring:
 
     def of(self, node: Node) -> Powers | None:
         match node:
-            case Constant(value, None):
+            case Constant(value, found):
+                if found is not None:
+                    return powers(found)
                 return None if value == 0.0 else PURE
-            case Constant(_, found):
-                return powers(found)
             case Clock():
-                return powers(unit("s"))
+                return _TIME
             case Sensed():
                 return powers(unit(self._unit_of(node)))
             case Call("power", (base, Constant(exponent))):
@@ -116,7 +117,8 @@ class _Measuring:
         for argument in found:
             if argument:
                 message = f"{name!r} takes an angle or a pure number, found {described(argument)}"
-                raise NumberError(f"{message} in {self._at(span)}", at=span[0])
+                hint = "; multiply it by a rate, such as 2 rad/s" if argument == _TIME else ""
+                raise NumberError(f"{message} in {self._at(span)}{hint}", at=span[0])
         return PURE
 
     def _alike(self, found: list[Powers | None], span: Span) -> Powers | None:

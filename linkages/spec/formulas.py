@@ -186,8 +186,8 @@ class _Trees(Builder[Node]):
         written = f"{word}({', '.join(names)})" if called else ".".join((*names, word))
         if word in _LATER:
             why = "follows from accelerations, which follow from the loads"
-            remedy = f"a law may depend on {listed(WORDS[:4], 'and')} and the like"
-            raise NumberError(f"{written!r} {why}", f"; {remedy}", span[0])
+            remedy = "; a law may depend on positions, angles and distances, and on their rates"
+            raise NumberError(f"{written!r} {why}", remedy, span[0])
         if not called and word not in WORDS:
             near = suggestion(word, WORDS) or f"; expected {listed(WORDS)}"
             raise NumberError(f"unknown quantity {written!r}", near, span[0])
@@ -211,7 +211,10 @@ class _Trees(Builder[Node]):
                 return Constant(Numbers().operation(name, tuple(values)))
         if name == "div" and isinstance(arguments[1], Constant) and arguments[1].value == 0.0:
             raise NumberError("division by zero")
-        return _power(*arguments, span=span) if name == "power" else _call(name, *arguments, span=span)
+        if name == "power":
+            base, exponent = arguments
+            return _power(base, exponent, span)
+        return _call(name, *arguments, span=span)
 
     def _where(self, arguments: tuple[Node, ...], span: Span) -> Node:
         """A difference that is not negative takes the place of the comparison."""
@@ -241,7 +244,11 @@ def _misplaced(comparison: Call) -> NumberError:
 
 def _rate(argument: Node, span: Span) -> Node:
     position = isinstance(argument, Sensed) and not argument.rate
-    if not isinstance(argument, Sensed) or not position or argument.word in ("velocity", "speed", "vx", "vy"):
+    if (
+        not isinstance(argument, Sensed)
+        or not position
+        or argument.word in ("velocity", "speed", "vx", "vy")
+    ):
         raise NumberError(
             "'rate' expects a position, an angle or a distance, such as rate(distance(A, B))",
             at=span[0],

@@ -81,7 +81,8 @@ class Builder(ABC, Generic[Value]):
         return at
 
     def measured(self, value: float, unit: str) -> Value:
-        """Return the value of a literal with a unit."""
+        """Return the value of a literal with a unit, where `unit_end` finds one."""
+        del value
         raise NumberError(f"this number has no unit, found {unit!r}")
 
     def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Value:

@@ -32,7 +32,7 @@ def polynomials(table: Table) -> PPoly:
     """
     from scipy.interpolate import PPoly
 
-    times, values = np.array(table.times), np.array(table.values)
+    times, values = np.array(table.places), np.array(table.values)
     with np.errstate(all="ignore"):
         try:
             coefficients = _COEFFICIENTS[table.interpolation](times, values, table.periodic)
@@ -75,7 +75,7 @@ _COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline}
 
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
-    """Least and largest value of a table between two times; of one that repeats, of all times."""
+    """Least and largest value of a table between two places; of one that repeats, of all."""
     found = polynomials(table)
     low, high = found.x[0], found.x[-1]
     if table.periodic:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function
+from linkages.components.contributed.functions import Function, Measured
 from linkages.components.contributed.measures import Load
-from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
 from linkages.reading.paths import dotted
@@ -40,8 +40,10 @@ class LoadNodes(ABC):
     ----------
     model
         Whose nodes these are.
+    load
+        What acts; nothing along a measure that other loads sense.
     index
-        Place of the load among those of the mechanism: some measures have a number for each.
+        Its place, as `linkages.kernel.numbers.parameters.wound_angles` counts.
     """
 
     sign = 1.0
@@ -49,10 +51,10 @@ class LoadNodes(ABC):
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
 
-    def __init__(self, model: Model, index: int) -> None:
+    def __init__(self, model: Model, load: Load, index: int) -> None:
         self.model = model
         self.graph = model.graph
-        self.load: Load = model.mechanism.loads[index]
+        self.load = load
         self.index = index
 
     @property
@@ -76,9 +78,11 @@ class LoadNodes(ABC):
         """What a law gives, such as the force or the energy."""
         return value_of(law, self.model.inputs, self.measured)
 
-    def measured(self, order: int) -> Scalar:
-        """The displacement, or its actual rate."""
-        return self.rate(self.model.velocities) if order else self.displacement
+    def measured(self, found: Measured) -> Scalar:
+        """The displacement, its actual rate, or that of another measure."""
+        if found.measure is not None:
+            return self.model.sensed[found.measure].measured(Measured(found.order))
+        return self.rate(self.model.velocities) if found.order else self.displacement
 
     def _power(self, law: Function, velocities: Velocities) -> Scalar:
         return self.value(law) * self.rate(velocities)
@@ -87,11 +91,16 @@ class LoadNodes(ABC):
         return [self.value(law)]
 
     @property
+    def changing(self) -> bool:
+        """Whether its displacement depends on more than time."""
+        return self.displacement.level is Level.STATE
+
+    @property
     def dimension(self) -> str:
         """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
-        if self.load.given:
-            return "torque" if self.load.twists else "force"
-        return "torsional_spring" if self.load.twists else "spring"
+        if self.load.passive:
+            return "torsional_spring" if self.load.twists else "spring"
+        return "torque" if self.load.twists else "force"
 
     @property
     def label(self) -> str:

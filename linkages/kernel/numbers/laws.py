@@ -34,33 +34,52 @@ class Law:
     acceleration: Scalar
 
 
-def _of_time_alone(order: int) -> Scalar:
-    raise ValueError(f"a function of time has no {'rate' if order else 'displacement'}")
+def _of_time_alone(found: Measured) -> Scalar:
+    raise ValueError(f"a function of time has no {'rate' if found.order else 'displacement'}")
 
 
 def value_of(
-    function: Function, inputs: Inputs, measured: Callable[[int], Scalar] = _of_time_alone
+    function: Function,
+    inputs: Inputs,
+    measured: Callable[[Measured], Scalar] = _of_time_alone,
+    apply: Callable[..., Scalar] | None = None,
 ) -> Scalar:
-    """The node of a function of time, and of what a load is `measured` along (0: x, 1: v)."""
+    """The node of a function.
+
+    Parameters
+    ----------
+    function
+        Of time, and of measures.
+    inputs
+        Arguments of the kernel.
+    measured
+        Values and rates of measures.
+    apply
+        Applies elementary operations; those of the graph if not given.
+    """
     graph = inputs.graph
+    apply = graph.apply if apply is None else apply
     match function:
         case Number(parameter):
             return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
         case Time():
             return inputs.time
-        case Measured(order):
-            return measured(order)
+        case Measured():
+            return measured(function)
         case Table():
             place = inputs.parameters[*function.path, "spline", 0]
             count = (len(table_numbers(function)) - 1) // 5
-            return graph.spline(inputs.time, place, count, function.periodic)[0]
+            over = value_of(function.over, inputs, measured, apply)
+            return graph.spline(over, place, count, function.periodic)[0]
         case Operation("power", (base, Number(exponent))):
             found = COMPOSITE["power"].expanded
-            base_value = value_of(base, inputs, measured)
+            base_value = value_of(base, inputs, measured, apply)
             return graph.lift(found(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
-            values = (value_of(argument, inputs, measured) for argument in arguments)
-            return graph.apply(name, *values)
+            values = [value_of(argument, inputs, measured, apply) for argument in arguments]
+            if name in COMPOSITE:
+                return graph.lift(COMPOSITE[name].expanded(apply, *values))
+            return apply(name, *values)
         case _:
             assert_never(function)
 

@@ -55,7 +55,8 @@ def certificate(
     - The sum of all exponents is the mean rate at which volumes of states change. It is computed
       from the mass matrix and the loads, along the same motion.
     - Where no force depends on velocities, exponents come in pairs λ and −λ; where momenta decay at
-      the same rate γ in all directions, in pairs whose sum is −γ [1]_.
+      the same rate γ in all directions, in pairs whose sum is −γ [1]_. Forces that turn with a body
+      follow from no energy and part the pairs.
     - Where accelerations do not depend on time, an exponent is zero unless the motion comes to rest
       [2]_; a second one if energy is conserved.
 
@@ -80,11 +81,11 @@ def certificate(
     traces = np.trace(damping, axis1=1, axis2=2)
     found = [_sum(exponents, traces, logarithms, parts, floor)]
     rate = volumes.uniform(damping)
-    if rate is not None:
+    if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
     rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]
     if volumes.autonomous and _goes_on(rates, numeric):
-        found += _zeros(exponents, volumes.conservative, floor)
+        found += _zeros(exponents, volumes.conservative and volumes.potential, floor)
     return tuple(found)
 
 

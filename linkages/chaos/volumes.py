@@ -67,6 +67,11 @@ class Volumes:
         """Whether no force depends on velocities."""
         return all(entry.constant == 0.0 for entry in self._damping)
 
+    @property
+    def potential(self) -> bool:
+        """Whether all forces without rates in them follow from an energy, that of time perhaps."""
+        return not any(load.load.follows for load in self._model.loads)
+
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""
         size = self._size

@@ -20,6 +20,7 @@ from linkages.components.state_laws import (
     stored,
     sum_of,
     time_functions,
+    variables,
 )
 from linkages.components.terms import Parameter, Path
 
@@ -71,8 +72,23 @@ class Coordinate:
     axis: int
 
 
+@dataclass(frozen=True)
+class BodyAxis:
+    """An axis of a body's own frame, at a joint: `axis` 0 is its first one, 1 its second.
+
+    A force along it turns with the body. It has a rate, the joint's velocity along the axis, but no
+    value: what such a force does depends on the way.
+    """
+
+    unit: ClassVar[str] = "N"
+
+    joint: str
+    body: str
+    axis: int
+
+
 # A closed union: `assert_never` behind a match finds a measure that somebody forgot.
-Measure = Distance | Turn | Slide | Coordinate
+Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
@@ -87,11 +103,22 @@ class Load:
         The force (N, N·m) as a function of time and of the measure's value `X` and rate `V`.
     path
         Where it stands in the definition file.
+    called
+        What reports call it; empty where its measure and the form of its law say that.
+    applied
+        Whether outputs list it with forces and torques from outside, though it depends on x or v:
+        a motor, a cylinder.
+    stores
+        The potential energy, a function of `X` (J), of all terms of the law without v and t, where
+        their form does not give it.
     """
 
     measure: Measure
     law: Function
     path: Path
+    called: str = ""
+    applied: bool = False
+    stores: Function | None = None
 
     @property
     def unit(self) -> str:
@@ -107,6 +134,16 @@ class Load:
     def given(self) -> bool:
         """Whether the force is a function of time, as it is written: not a spring or damper."""
         return not any(isinstance(leaf, Measured) for leaf in leaves(self.law))
+
+    @property
+    def passive(self) -> bool:
+        """Whether outputs list it with springs and dampers."""
+        return self.stores is not None or not (self.given or self.applied)
+
+    @property
+    def follows(self) -> bool:
+        """Whether it turns with a body: no energy then says what it does along a way."""
+        return isinstance(self.measure, BodyAxis) and not self.absent
 
     @cached_property
     def force(self) -> Function:
@@ -147,12 +184,19 @@ class Load:
     @cached_property
     def energy(self) -> Function:
         """The potential energy that it has in a closed form, a function of `X` (J)."""
+        if self.stores is not None:
+            return self.stores
         return sum_of(energy for term in addends(self.force) if (energy := stored(term)))
 
     @cached_property
     def working(self) -> Function:
         """The part of the force whose work is in no `energy`."""
-        return sum_of(term for term in addends(self.force) if stored(term) is None)
+        return sum_of(term for term in addends(self.force) if not self._stored(term))
+
+    def _stored(self, term: Function) -> bool:
+        if self.stores is not None:
+            return not {"v", "t"} & set(variables(term))
+        return stored(term) is not None
 
     @cached_property
     def still(self) -> Function:

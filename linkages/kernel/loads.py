@@ -44,8 +44,6 @@ class LoadNodes(ABC):
         Place of the load among those of the mechanism: some measures have a number for each.
     """
 
-    sign = 1.0
-    """With which the force is an output."""
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
 
@@ -89,9 +87,14 @@ class LoadNodes(ABC):
     @property
     def dimension(self) -> str:
         """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
-        if self.load.given:
-            return "torque" if self.load.twists else "force"
-        return "torsional_spring" if self.load.twists else "spring"
+        if self.load.passive:
+            return "torsional_spring" if self.load.twists else "spring"
+        return "torque" if self.load.twists else "force"
+
+    @property
+    def sign(self) -> float:
+        """With which the force is an output."""
+        return 1.0
 
     @property
     def label(self) -> str:

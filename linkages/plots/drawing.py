@@ -34,7 +34,7 @@ from linkages.plots.loads import (
 from linkages.plots.pose import Pose
 from linkages.plots.samples import pose_at
 from linkages.plots.senses import drive_sense
-from linkages.plots.sliders import block_place, draw_axial, draw_guide_dampers, draw_sliders
+from linkages.plots.sliders import block_place, draw_axial, draw_guide_springs, draw_sliders
 from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, LOAD, styled
 from linkages.plots.view import Box, Positions, frame, picture
 
@@ -111,7 +111,7 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
     for name in shown.mechanism.prescribed:
         _drive(ax, shown, name, labels)
     draw_axial(ax, shown, labels)
-    draw_guide_dampers(ax, shown, labels)
+    draw_guide_springs(ax, shown, labels)
     draw_forces(ax, shown, labels)
 
 

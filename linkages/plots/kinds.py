@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.measures import BodyAxis, Coordinate, Distance, Load, Slide, Turn
 from linkages.components.terms import Path
 
 
@@ -20,7 +20,9 @@ class Kinds:
     lines: list[tuple[Distance, Load]] = field(default_factory=list)
     turns: list[tuple[Turn, Load]] = field(default_factory=list)
     slides: list[tuple[Slide, Load]] = field(default_factory=list)
-    joints: dict[tuple[Path, str], list[tuple[Coordinate, Load]]] = field(default_factory=dict)
+    joints: dict[tuple[Path, str], list[tuple[Coordinate | BodyAxis, Load]]] = field(
+        default_factory=dict
+    )
 
 
 def by_kind(loads: Iterable[Load]) -> Kinds:
@@ -34,7 +36,7 @@ def by_kind(loads: Iterable[Load]) -> Kinds:
                 found.turns.append((load.measure, load))
             case Slide():
                 found.slides.append((load.measure, load))
-            case Coordinate(joint):
+            case Coordinate(joint) | BodyAxis(joint):
                 found.joints.setdefault((load.path, joint), []).append((load.measure, load))
             case _:
                 assert_never(load.measure)

@@ -5,7 +5,7 @@ from absolute_bodies import Layout, Point, State, pair
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
-from linkages.components.measures import Coordinate, Distance, Load, Measure, Slide, Turn
+from linkages.components.measures import BodyAxis, Coordinate, Distance, Load, Measure, Slide, Turn
 from linkages.components.mechanism import Mechanism
 
 
@@ -70,6 +70,11 @@ def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
             vector, jacobian, _ = gap(layout.carrier(first), layout.carrier(second))(state)
             distance = np.hypot(*vector)
             return distance, vector / distance @ jacobian
+        case BodyAxis(joint, body, axis):
+            point, turned = layout.carrier(joint), angles(layout, [(body, 1.0)])(state).value[0]
+            direction = np.array([np.cos(turned), np.sin(turned)])
+            across = np.array([-direction[1], direction[0]])
+            return np.nan, (across if axis else direction) @ state.jacobian(point)
     raise TypeError(f"no such measure: {measure}")
 
 

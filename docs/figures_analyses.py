@@ -23,11 +23,11 @@ from figures import STATIC, machine
 from figures_stability import write
 
 import linkages
-from linkages.chaos.lyapunov import characteristic_period
-from linkages.chaos.report import verdict
-from linkages.chaos.sweep import Threads
+from linkages.chaos.growth.lyapunov import characteristic_period
+from linkages.chaos.sweeps.sweep import Threads
+from linkages.chaos.verdicts.report import verdict
 from linkages.kernel.system import System
-from linkages.solution.plan import build_flow
+from linkages.solution.moving.plan import build_flow
 from linkages.solvers.integration import integrate
 
 NUMBERS = STATIC / "analyses.json"

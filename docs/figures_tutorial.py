@@ -14,9 +14,10 @@ from figures import ROOT, STATIC, write_small
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.chaos.varied import parse_range
-from linkages.components.mechanism import Mechanism
-from linkages.plots import bifurcations, phase
+from linkages.chaos.sweeps.varied import parse_range
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.chaos import bifurcations
+from linkages.plots.motion import phase
 from linkages.plots.style import style
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import linkages
-from linkages.plots.pace import too_fast
+from linkages.plots.films.pace import too_fast
 
 PATH = Path(__file__).resolve().parent / "_static" / "ninebar.gif"
 MOST_BYTES = 400_000

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.plots import phase, sections, time_figures
+from linkages.plots.chaos import sections
+from linkages.plots.motion import phase, time_figures
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import BLACK, panels, styled
 from reproduction.maxima import SAMPLES

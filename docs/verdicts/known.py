@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import linkages
-from linkages.chaos.judge import Course, judge
-from linkages.chaos.report import verdict
+from linkages.chaos.verdicts.judge import Course, judge
+from linkages.chaos.verdicts.report import verdict
 from verdicts.own_systems import Map, Ode
 
 Answer = tuple[str, int | None]

@@ -41,7 +41,7 @@ def simulate(
     ] = None,
 ) -> int:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
-    from linkages.cli.simulate import run_simulate
+    from linkages.cli.verbs.simulate import run_simulate
 
     return run_simulate(request, outputs, verify)
 
@@ -61,7 +61,7 @@ def check(
     ] = None,
 ) -> int:
     """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
-    from linkages.cli.check import run_check
+    from linkages.cli.verbs.check import run_check
 
     return run_check(request, kernel, modes or out is not None)
 
@@ -74,7 +74,7 @@ def equations(
     ] = "text",
 ) -> int:
     """Print the closure equations, the energies and Lagrange's equations."""
-    from linkages.cli.equations import run_equations
+    from linkages.cli.verbs.equations import run_equations
 
     return run_equations(request, form)
 
@@ -104,7 +104,7 @@ def animate(
     dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
 ) -> int:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
-    from linkages.cli.animate import run_animate
+    from linkages.cli.verbs.animate import run_animate
 
     return run_animate(request, form, start, duration, slow, fps, size, dpi)
 
@@ -125,7 +125,7 @@ def phase(
     ] = None,
 ) -> int:
     """Draw any output of the motion against another one."""
-    from linkages.cli.phase import run_phase
+    from linkages.cli.verbs.phase import run_phase
 
     return run_phase(request, x, y, wrap, skip, samples)
 
@@ -133,7 +133,7 @@ def phase(
 @computes(SectionOptions)
 def poincare(request: Request) -> int:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
-    from linkages.cli.poincare import run_poincare
+    from linkages.cli.verbs.poincare import run_poincare
 
     return run_poincare(request)
 
@@ -141,7 +141,7 @@ def poincare(request: Request) -> int:
 @computes(ExponentOptions)
 def lyapunov(request: Request) -> int:
     """Compute Lyapunov exponents: how fast neighbouring motions separate."""
-    from linkages.cli.lyapunov import run_lyapunov
+    from linkages.cli.verbs.lyapunov import run_lyapunov
 
     return run_lyapunov(request)
 
@@ -169,7 +169,7 @@ def bifurcation(
     cores: Cores = None,
 ) -> int:
     """Take section points for every value of a parameter."""
-    from linkages.cli.bifurcation import run_bifurcation
+    from linkages.cli.verbs.bifurcation import run_bifurcation
 
     return run_bifurcation(request, vary, start, initial or [], cores)
 
@@ -186,7 +186,7 @@ def map_(
     cores: Cores = None,
 ) -> int:
     """Map an indicator of chaos over two parameters or a plane of initial states."""
-    from linkages.cli.map import run_map
+    from linkages.cli.verbs.map import run_map
 
     return run_map(request, x, y, cores)
 
@@ -202,7 +202,7 @@ def chaos(
     ] = False,
 ) -> int:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why."""
-    from linkages.cli.chaos import run_chaos
+    from linkages.cli.verbs.chaos import run_chaos
 
     return run_chaos(request, periods, quick)
 
@@ -213,7 +213,7 @@ def bench(
     repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
 ) -> int:
     """Measure time against error of every method and of installed peers."""
-    from linkages.cli.bench import run_bench
+    from linkages.cli.verbs.bench import run_bench
 
     return run_bench(request, repeats)
 

@@ -19,14 +19,14 @@ def new(
     json: Json = False,
 ) -> None:
     """Write a commented definition file to start from, and its schema for editors."""
-    from linkages.cli.new import run_new
+    from linkages.cli.verbs.new import run_new
 
     raise typer.Exit(run_new(name, template, force, json))
 
 
 def schema() -> None:
     """Print the JSON Schema of definition files."""
-    from linkages.cli.schema import run_schema
+    from linkages.cli.verbs.schema import run_schema
 
     raise typer.Exit(run_schema())
 
@@ -46,7 +46,7 @@ def list_mechanisms(
     form: Format = Picture.PNG,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""
-    from linkages.cli.library import run_list, run_show
+    from linkages.cli.verbs.library import run_list, run_show
 
     raise typer.Exit(
         run_list(json) if name is None else run_show(name, out, json, figures, form.value)

@@ -16,14 +16,14 @@ from rich.markup import escape
 from linkages.cli.loading import each_read, mechanism_from, overrides, require_folder
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import console, print_json, progress
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
 from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
-    from linkages.chaos.varied import Axis
+    from linkages.chaos.sweeps.varied import Axis
 
 NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
 """A comma before another assignment; commas within a value are followed by no equals sign."""
@@ -95,7 +95,7 @@ class Request:
         Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an
         analysis has when it must end early is written.
         """
-        from linkages.chaos.unfinished import UnfinishedError
+        from linkages.chaos.sections.unfinished import UnfinishedError
 
         title = f"{label} {escape(self.mechanism.name)}"
         try:
@@ -153,7 +153,7 @@ def ranges(option: str, texts: Sequence[str]) -> Axis:
     InputError
         Lists all that cannot be read.
     """
-    from linkages.chaos.varied import parse_range, together
+    from linkages.chaos.sweeps.varied import parse_range, together
 
     axes = each_read(option, texts, parse_range)
     return each_read(option, [axes], together)[0]

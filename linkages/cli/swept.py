@@ -103,7 +103,7 @@ def coordinate_head(name: object, array: xr.DataArray) -> str:
 
 def contact_columns(data: xr.Dataset) -> dict[str, Any]:
     """Head → column with an entry for each point, for every clearance."""
-    from linkages.chaos.contact_log import CONTACT
+    from linkages.chaos.sections.contact_log import CONTACT
 
     heads = {"contact_lost": "contact lost in {} (share)", "least_force": "least force in {} (N)"}
     return {
@@ -138,7 +138,7 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def close_report(data: xr.Dataset, notes: Sequence[str], files: Sequence[Path]) -> None:
     """The last lines of a report: what is to be known of contact and otherwise, and the files."""
-    from linkages.chaos.contact_log import contact_kept, contact_sentences
+    from linkages.chaos.sections.contact_log import contact_kept, contact_sentences
 
     screen = console()
     print_notes([*contact_sentences(data), *notes], screen)

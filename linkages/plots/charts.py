@@ -13,17 +13,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from linkages.plots import bifurcations, drawing, phase, phase_pair, sections, time_figures
-from linkages.plots import exponents as exponent_histories
-from linkages.plots import maps as chaos_maps
-from linkages.plots import traces as joint_traces
-from linkages.plots.free_axes import Free, free_coordinates
-from linkages.plots.samples import pose_at
+from linkages.plots.chaos import bifurcations, sections
+from linkages.plots.chaos import exponents as exponent_histories
+from linkages.plots.chaos import maps as chaos_maps
+from linkages.plots.mechanism import drawing
+from linkages.plots.mechanism import traces as joint_traces
+from linkages.plots.mechanism.samples import pose_at
+from linkages.plots.mechanism.view import Box, picture
+from linkages.plots.motion import phase, phase_pair, time_figures
+from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.style import panels, styled
-from linkages.plots.view import Box, picture
 from linkages.solution.resolved import resolved
-from linkages.solution.series import data_series, find_series
 from linkages.solution.solution import Solution
+from linkages.solution.values.series import data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr

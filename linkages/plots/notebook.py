@@ -9,13 +9,13 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
-from linkages.plots import drawing
-from linkages.plots.pose import Pose
+from linkages.plots.mechanism import drawing
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.view import picture
 from linkages.plots.style import style, styled
-from linkages.plots.view import picture
 from linkages.solution.solution import Solution
 
 

@@ -11,8 +11,8 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkages.components.definition import loads
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.definition import loads
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.reading.wording import listed
 
@@ -105,10 +105,10 @@ class Opened:
 
 ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
-    "poincare": "linkages.chaos.section:poincare",
-    "lyapunov": "linkages.chaos.lyapunov:lyapunov",
-    "bifurcation": "linkages.chaos.bifurcation:bifurcation",
-    "map": "linkages.chaos.maps:chaos_map",
+    "poincare": "linkages.chaos.sections.section:poincare",
+    "lyapunov": "linkages.chaos.growth.lyapunov:lyapunov",
+    "bifurcation": "linkages.chaos.sweeps.bifurcation:bifurcation",
+    "map": "linkages.chaos.sweeps.maps:chaos_map",
 }
 """Name of a file of results → the function of this package that computes them."""
 

@@ -18,7 +18,7 @@ from linkages.benchmark.report import TARGETS
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
 from linkages.errors import ComputationError
 from linkages.plots.work_precision import figure
-from linkages.solvers.methods import METHODS
+from linkages.solvers.methods.named import METHODS
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "data" / "ninebar_states.json").read_text(encoding="utf-8")
@@ -298,7 +298,7 @@ def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     """What is printed, of numbers that are not measured here."""
     from linkages.benchmark.costs import Costs
     from linkages.benchmark.report import BenchReport
-    from linkages.cli import bench as verb
+    from linkages.cli.verbs import bench as verb
 
     runs = [
         *points((1e-4, 1e-4, 0.001), (1e-8, 1e-10, 0.004), method="dop853"),

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.lyapunov import run_exponents
+from linkages.chaos.growth.lyapunov import run_exponents
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions
 from linkages.solution.options import options_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.chaos.averages import drift, mean_error
+from linkages.chaos.series.averages import drift, mean_error
 
 
 def autoregressive(factor, count, series, seed=3):

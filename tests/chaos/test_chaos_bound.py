@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import linkages
-from linkages.chaos.sweep import Threads
+from linkages.chaos.sweeps.sweep import Threads
 from linkages.kernel.varying import Varying
 
 GAP = {"clearances": {"gap": {"joint": "B", "bar": "rod", "size": "0.1 mm"}}}

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.contact import contact_of
-from linkages.chaos.contact_log import PER_PERIOD, contact_kept, contact_sentences
-from linkages.chaos.maps import chaos_map
-from linkages.components.definition import from_document
+from linkages.chaos.sections.contact import contact_of
+from linkages.chaos.sections.contact_log import PER_PERIOD, contact_kept, contact_sentences
+from linkages.chaos.sweeps.maps import chaos_map
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 # At 300 rpm the load keeps pin and hole together, at 1000 rpm it does not.
@@ -91,7 +91,7 @@ def test_contact_is_that_of_a_simulation(name, speed, expected):
 
 def test_a_motion_is_the_same_with_and_without_looks(monkeypatch):
     looked = linkages.poincare(engine(), periods=4, skip=1)
-    monkeypatch.setattr("linkages.chaos.strobe.labels", lambda *_: [])
+    monkeypatch.setattr("linkages.chaos.sections.strobe.labels", lambda *_: [])
     alone = linkages.poincare(engine(), periods=4, skip=1)
     assert (looked.clearance_angle == alone.clearance_angle).all()
     assert (looked.time == alone.time).all()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from chaos_systems import exponents_of
 
-from linkages.chaos.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.tangents import LinkageTangents
-from linkages.components.definition import from_document
+from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
+from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse

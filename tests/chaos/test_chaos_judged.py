@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from verdicts.own_systems import Map, Ode
 
-from linkages.chaos.closed_curves import ClosedCurves
-from linkages.chaos.exponents import Exponents
-from linkages.chaos.judge import Course, judge
-from linkages.chaos.steadiness import steadiness
-from linkages.chaos.stretch import Evidence, ends_alike, gathered
-from linkages.chaos.verdict import judged, transient
+from linkages.chaos.growth.exponents import Exponents
+from linkages.chaos.series.closed_curves import ClosedCurves
+from linkages.chaos.series.steadiness import steadiness
+from linkages.chaos.verdicts.judge import Course, judge
+from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
+from linkages.chaos.verdicts.verdict import judged, transient
 
 PERIODS = 300
 GOLDEN = (5**0.5 - 1) / 2

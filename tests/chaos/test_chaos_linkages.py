@@ -7,24 +7,24 @@ import pytest
 from chaos_systems import exponents_of
 
 import linkages
-from linkages.chaos.certificate import pair_sums
-from linkages.chaos.contact import contact_check
-from linkages.chaos.exponents import FURTHEST_APART, lyapunov_spectrum
-from linkages.chaos.maps import chaos_map
-from linkages.chaos.report import verdict
-from linkages.chaos.sweep import Threads, sweep
-from linkages.chaos.tangents import LinkageTangents
-from linkages.chaos.varied import parse_range, together
-from linkages.components.definition import from_document
+from linkages.chaos.growth.certificate import pair_sums
+from linkages.chaos.growth.exponents import FURTHEST_APART, lyapunov_spectrum
+from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.sections.contact import contact_check
+from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.sweeps.sweep import Threads, sweep
+from linkages.chaos.sweeps.varied import parse_range, together
+from linkages.chaos.verdicts.report import verdict
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.compiled import bind_kernel
+from linkages.kernel.code.compiled import bind_kernel
 from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.surface import parse_section
-from linkages.solvers.foreign import caller
-from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
+from linkages.solution.values.surface import parse_section
+from linkages.solvers.methods.foreign import caller
+from linkages.solvers.methods.named import FIXED_STEP_METHODS, METHODS
 
 # The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.
 START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.lyapunov import run_exponents
-from linkages.components.definition import from_document
+from linkages.chaos.growth.lyapunov import run_exponents
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions
 from linkages.reading.document import parse

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.maps import chaos_map
-from linkages.chaos.sweep import Threads, reason_of
-from linkages.chaos.varied import parse_range
-from linkages.components.definition import from_document
+from linkages.chaos.sweeps.maps import chaos_map
+from linkages.chaos.sweeps.sweep import Threads, reason_of
+from linkages.chaos.sweeps.varied import parse_range
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.document import parse
 

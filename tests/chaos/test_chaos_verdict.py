@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.chaos.evidence import alike
-from linkages.chaos.judge import judge
-from linkages.chaos.report import verdict
-from linkages.components.definition import from_document
+from linkages.chaos.verdicts.evidence import alike
+from linkages.chaos.verdicts.judge import judge
+from linkages.chaos.verdicts.report import verdict
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
@@ -184,5 +184,5 @@ def judgements(monkeypatch, **changes):
         seen.append(replace(judge(*arguments, **given), **changes))
         return seen[-1]
 
-    monkeypatch.setattr("linkages.chaos.report.judge", watched)
+    monkeypatch.setattr("linkages.chaos.verdicts.report.judge", watched)
     return seen

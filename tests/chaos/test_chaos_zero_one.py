@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from chaos_systems import logistic, lorenz_rates, orbit, samples
 
-from linkages.chaos.zero_one import sampling_lag, zero_one
+from linkages.chaos.series.zero_one import sampling_lag, zero_one
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

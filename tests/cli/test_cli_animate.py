@@ -111,7 +111,7 @@ def test_a_motion_that_stops_before_the_film_begins(cli, tmp_path):
 
 
 def test_ctrl_c_leaves_nothing(cli, monkeypatch):
-    from linkages.plots.stage import Stage
+    from linkages.plots.films.stage import Stage
 
     def interrupt(*_):
         raise KeyboardInterrupt

@@ -178,8 +178,8 @@ def test_exponents_as_a_table(pendulum):
 
 def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
     """No error of integration at all is allowed here, so that the first one violates."""
-    monkeypatch.setattr("linkages.chaos.certificate.SMALL", 0.0)
-    monkeypatch.setattr("linkages.chaos.certificate.STEPS", 0.0)
+    monkeypatch.setattr("linkages.chaos.growth.certificate.SMALL", 0.0)
+    monkeypatch.setattr("linkages.chaos.growth.certificate.STEPS", 0.0)
     shown = pendulum("lyapunov", "--periods", "64", "--no-figures").out
     assert "sum of all exponents: VIOLATED" in shown
     assert "The sum of all exponents must be -0.5" in " ".join(shown.split())
@@ -238,7 +238,7 @@ def test_both_directions_together(pendulum, tmp_path):
 
 
 def test_interrupted_sweep_is_kept(pendulum, tmp_path, monkeypatch):
-    from linkages.chaos import bifurcation
+    from linkages.chaos.sweeps import bifurcation
 
     run, done = bifurcation._Request.compute, []
 

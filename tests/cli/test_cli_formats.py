@@ -50,7 +50,7 @@ def test_an_unknown_format_is_refused_before_anything_is_done(cli, verb):
 
 def test_a_benchmark_draws_in_the_format(tmp_path):
     from linkages.benchmark.work_precision import Point
-    from linkages.cli.bench import _save
+    from linkages.cli.verbs.bench import _save
 
     class Report:
         """A stand-in for a run of minutes."""

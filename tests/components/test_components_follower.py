@@ -10,7 +10,7 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
 import linkages
-from linkages.chaos.volumes import Volumes
+from linkages.chaos.growth.volumes import Volumes
 from linkages.components.load import FollowerForce, ForceBetweenJoints
 from linkages.kernel.system import System
 

@@ -14,8 +14,8 @@ from time import process_time
 import numpy as np
 
 import linkages
-from linkages.cli.check import check_content
-from linkages.components.definition import from_document
+from linkages.cli.verbs.check import check_content
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.reading.document import parse

@@ -14,11 +14,11 @@ from lagrange_equations import assert_satisfies_lagrange
 from scipy.special import ellipj
 
 import linkages
-from linkages.chaos.common_period import NoPeriodError, common_period
-from linkages.chaos.evidence import conservative
-from linkages.cli.contributions import loads
+from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.verdicts.evidence import conservative
+from linkages.cli.verbs.contributions import loads
 from linkages.kernel.system import System
-from linkages.plots import drawing
+from linkages.plots.mechanism import drawing
 
 ROD = {"joints": {"O": (0.0, 0.0)}, "bars": {"rod": {"joints": ("O", "P"), "length": 0.6}}}
 MASS, INERTIA = 1.2, 0.05

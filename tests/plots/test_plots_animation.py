@@ -13,10 +13,10 @@ import xarray as xr
 from PIL import Image
 
 import linkages
-from linkages.components.definition import from_document
-from linkages.plots.animation import animate, shown_part
-from linkages.plots.film import film_of
-from linkages.plots.stage import Stage
+from linkages.components.mechanisms.definition import from_document
+from linkages.plots.films.animation import animate, shown_part
+from linkages.plots.films.film import film_of
+from linkages.plots.films.stage import Stage
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped
 
@@ -118,7 +118,7 @@ def test_a_gif_shows_what_was_drawn(tmp_path):
 
 
 def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
-    from linkages.plots.insets import HOLE, PIN, contacts, full_length
+    from linkages.plots.mechanism.insets import HOLE, PIN, contacts, full_length
 
     solution = press()
     (contact,) = contacts(solution.data, solution.mechanism)

@@ -8,13 +8,13 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from linkages.chaos.contact import contact_check
-from linkages.chaos.rotation import Kind
-from linkages.chaos.spectrum import power_spectrum
-from linkages.plots import bifurcations, contact, exponents, maps, sections, spectra
-from linkages.plots.angles import show_degrees
-from linkages.plots.chaos_page import chaos_figures, chaos_page, shown_forces
-from linkages.plots.free_axes import free_coordinates
+from linkages.chaos.sections.contact import contact_check
+from linkages.chaos.series.rotation import Kind
+from linkages.chaos.series.spectrum import power_spectrum
+from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
+from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
+from linkages.plots.motion.angles import show_degrees
+from linkages.plots.motion.free_axes import free_coordinates
 from linkages.plots.style import PALETTE
 
 

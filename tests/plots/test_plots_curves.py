@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from linkages.plots.curves import MANY, peak_of, thinned
+from linkages.plots.motion.curves import MANY, peak_of, thinned
 
 
 def test_thinning_keeps_every_peak():

@@ -5,12 +5,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from plot_data import JOINTS, press, press_data
 
-from linkages.plots.bodies import convex_hull
-from linkages.plots.drawing import draw, figure
-from linkages.plots.labels import Labels
-from linkages.plots.samples import positions_at
+from linkages.plots.mechanism.bodies import convex_hull
+from linkages.plots.mechanism.drawing import draw, figure
+from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.samples import positions_at
+from linkages.plots.mechanism.view import gravity_arrow
 from linkages.plots.style import CLEARANCE, style
-from linkages.plots.view import gravity_arrow
 
 
 @pytest.fixture

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from linkages.plots.film import MOST_FRAMES, film_of, natural_pace
-from linkages.plots.gif import GifFile, palette_of
-from linkages.plots.layout import Layout
-from linkages.plots.view import Box
+from linkages.plots.films.film import MOST_FRAMES, film_of, natural_pace
+from linkages.plots.films.gif import GifFile, palette_of
+from linkages.plots.films.layout import Layout
+from linkages.plots.mechanism.view import Box
 
 
 @pytest.mark.parametrize(

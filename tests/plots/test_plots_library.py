@@ -5,10 +5,10 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.bodies import clearance_ends
-from linkages.plots.drawing import draw
+from linkages.plots.mechanism.bodies import clearance_ends
+from linkages.plots.mechanism.drawing import draw
+from linkages.plots.mechanism.traces import led_joints
 from linkages.plots.style import style
-from linkages.plots.traces import led_joints
 from linkages.reading.locate import shipped
 
 

@@ -3,7 +3,7 @@ import pytest
 from matplotlib.colors import to_hex
 from plot_data import JOINTS, press
 
-from linkages.plots.modes import MOST, Mode, figure, shown_modes
+from linkages.plots.mechanism.modes import MOST, Mode, figure, shown_modes
 from linkages.plots.style import DRIVEN
 
 

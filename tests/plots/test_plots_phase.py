@@ -3,8 +3,8 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots.phase import Coordinate, coordinates, draw, figure
-from linkages.plots.phase_curve import refined, spread, wrapped
+from linkages.plots.motion.phase import Coordinate, coordinates, draw, figure
+from linkages.plots.motion.phase_curve import refined, spread, wrapped
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.phase_pair import figure
+from linkages.plots.motion.phase_pair import figure
 
 
 @pytest.fixture(scope="module")

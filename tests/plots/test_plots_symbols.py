@@ -5,11 +5,11 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
 
-from linkages.components.definition import from_document
-from linkages.plots.drawing import draw
-from linkages.plots.gears import Wheels, gears, wheels
-from linkages.plots.pose import Pose
-from linkages.plots.springs import COLOUR
+from linkages.components.mechanisms.definition import from_document
+from linkages.plots.mechanism.drawing import draw
+from linkages.plots.mechanism.gears import Wheels, gears, wheels
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.springs import COLOUR
 from linkages.plots.style import DRIVEN, LOAD, style
 from linkages.reading.document import parse
 

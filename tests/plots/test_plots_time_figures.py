@@ -3,7 +3,7 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import SERIES, press, press_data
 
-from linkages.plots.time_figures import (
+from linkages.plots.motion.time_figures import (
     QUANTITIES,
     draw,
     force_figure,

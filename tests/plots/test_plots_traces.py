@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from plot_data import press, press_data
 
-from linkages.plots.traces import COUPLER, LED, figure, led_joints, moving_joints
+from linkages.plots.mechanism.traces import COUPLER, LED, figure, led_joints, moving_joints
 
 
 def test_moving_joints_leave_out_ground_and_what_a_clearance_hides():

@@ -1,0 +1,1 @@
+"""How tangents of a motion grow: exponents, indicators, and how far to believe them."""

@@ -1,0 +1,226 @@
+"""Lyapunov exponents: spectrum, convergence, standard errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.growth.directions import start_tangents
+from linkages.chaos.growth.invariants import Invariant
+from linkages.chaos.growth.systems import Growth, TangentSystem
+from linkages.chaos.series.averages import drift, mean_error
+from linkages.errors import ComputationError, Interrupted
+
+Floats = NDArray[np.float64]
+
+FEWEST_INTERVALS = 64
+"""Four parts of a history are compared, each with an error of its own."""
+
+FURTHEST_APART = 1e9
+"""Ratio of lengths of tangents after one interval beyond which the shortest is but error."""
+
+DRIFTS = 6.0
+"""Drift, in standard errors, from which on a history has not settled."""
+
+
+class UnfinishedExponentsError(ComputationError):
+    """A run that ended early, but long enough for exponents.
+
+    Parameters
+    ----------
+    reason
+        What ended it.
+    exponents
+        Of the run up to there.
+    """
+
+    def __init__(self, reason: ComputationError, exponents: Exponents) -> None:
+        super().__init__(str(reason), time=reason.time)
+        self.exponents = exponents
+
+
+@dataclass(frozen=True, eq=False)
+class Exponents:
+    """Lyapunov exponents in 1/s (of a map: per step), the largest first.
+
+    Parameters
+    ----------
+    growth
+        Mean growth rate of each direction over each interval, shape (intervals, count).
+    states
+        States at the ends of intervals, the start included, shape (intervals + 1, d).
+    times
+        Their times, shape (intervals + 1,), in seconds or steps.
+    certificate
+        What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
+    """
+
+    growth: Floats
+    states: Floats
+    times: Floats
+    certificate: tuple[Invariant, ...] = ()
+
+    @cached_property
+    def values(self) -> Floats:
+        """The exponents, shape (count,)."""
+        return self.growth.mean(axis=0)
+
+    @cached_property
+    def errors(self) -> Floats:
+        """Standard errors (`mean_error`), shape (count,): of order 1/T along regular motions."""
+        return mean_error(self.growth)[0]
+
+    @cached_property
+    def history(self) -> Floats:
+        """Exponents after each interval, shape (intervals, count); belongs to ``times[1:]``."""
+        number = np.arange(1, len(self.growth) + 1)[:, None]
+        return np.cumsum(self.growth, axis=0) / number
+
+    @property
+    def sum(self) -> tuple[float, float]:
+        """Sum of all exponents and its standard error: the mean rate of change of volumes."""
+        total = self.growth.sum(axis=1)
+        return float(total.mean()), float(mean_error(total)[0][0])
+
+    @cached_property
+    def apart(self) -> float:
+        """Largest ratio of lengths that tangents come to within one interval, as a logarithm."""
+        return float((np.ptp(self.growth, axis=1) * np.diff(self.times)).max())
+
+    @cached_property
+    def unsettled(self) -> str:
+        """Why the values cannot be trusted yet; empty if they can."""
+        if self.apart > np.log(FURTHEST_APART):
+            return (
+                f"Tangents differ by a factor of {np.exp(min(self.apart, 700)):.0e} after an "
+                "interval, more than numbers resolve: take shorter intervals."
+            )
+        drifts, found = drift(self.growth), mean_error(self.growth)[1]
+        if (drifts > DRIFTS).any():
+            worst = int(np.argmax(drifts > DRIFTS))
+            quarters = [part[:, worst].mean() for part in np.array_split(self.growth, 4)]
+            text = ", ".join(f"{value:.4g}" for value in quarters)
+            falls = abs(quarters[-1]) < 0.5 * abs(quarters[0])
+            return (
+                f"Exponent {worst + 1} drifts: the quarters of the run give {text}. The motion "
+                + ("is regular" if falls else "stays long in one region after the other")
+                + ", or has not reached its attractor: skip more or run longer."
+            )
+        if not found.all():
+            return (
+                f"Exponent {int(np.argmin(found)) + 1}: growth is correlated over times as long as "
+                "the run, so its error is too small. Run longer."
+            )
+        return ""
+
+    @property
+    def settled(self) -> bool:
+        """Whether no exponent drifts beyond its error; `unsettled` says why."""
+        return not self.unsettled
+
+
+def lyapunov_spectrum(
+    system: TangentSystem,
+    *,
+    intervals: int,
+    interval: float,
+    count: int | None = None,
+    skip: int = 0,
+    certify: Callable[[Exponents], tuple[Invariant, ...]] | None = None,
+    watch: Callable[[float], None] | None = None,
+) -> Exponents:
+    """Lyapunov exponents from tangents that are made orthonormal again after every interval.
+
+    Parameters
+    ----------
+    system
+        Goes on from where it is, and is left at the end of the run.
+    intervals
+        How many are averaged, at least 64.
+    interval
+        Length of one in seconds or steps, in which lengths of tangents come to differ by less than
+        1e6 or so. A whole part or multiple of the drive period makes the history smooth.
+    count
+        How many exponents, the largest ones; all of them by default.
+    skip
+        Intervals before the average begins: motion and tangents find their attractor in them.
+    certify
+        What makes their certificate.
+    watch
+        Called now and then with the fraction done.
+
+    Returns
+    -------
+    Exponents with history and standard errors. The system must not drift, see `settled`.
+
+    Raises
+    ------
+    ValueError
+        For numbers out of range, or if the system carries another number of tangents.
+    ComputationError
+        If the motion cannot go on, or tangents become parallel within an interval; an
+        `UnfinishedExponentsError` with the exponents up to there if that was long enough.
+    Interrupted
+        After Ctrl-C; ``kept["exponents"]`` has the same then.
+
+    References
+    ----------
+    .. [1] G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9 and 21.
+    .. [2] I. Shimada, T. Nagashima, Prog. Theor. Phys. 61 (1979) 1605.
+    """
+    size = len(system.state)
+    columns = size if count is None else count
+    if intervals < FEWEST_INTERVALS:
+        raise ValueError(f"intervals must be at least {FEWEST_INTERVALS}, not {intervals}")
+    if not interval > 0 or skip < 0:
+        raise ValueError("interval must be > 0 and skip must be ≥ 0")
+    start_tangents(system, columns)
+    growth, states, times = [np.empty((0, columns))], [np.empty((0, size))], [np.empty(0)]
+    done = 0
+
+    def found() -> Exponents:
+        joined = [np.concatenate(parts) for parts in (growth, states, times)]
+        part = Exponents(growth=joined[0], states=joined[1], times=joined[2])
+        return part if certify is None else replace(part, certificate=certify(part))
+
+    def progress(first: int, count: int) -> Callable[[float], None] | None:
+        if watch is None:
+            return None
+        return lambda fraction: watch((first + count * fraction) / (skip + intervals))
+
+    try:
+        for grown in system.grow(skip, interval, watch=progress(0, skip)):
+            _require_length(grown)
+        states.append(system.state[None])
+        times.append(np.array([system.time]))
+        for grown in system.grow(intervals, interval, watch=progress(skip, intervals)):
+            _require_length(grown)
+            growth.append(grown.rates)
+            states.append(grown.states)
+            times.append(grown.times)
+            done += len(grown.times)
+    except (ComputationError, KeyboardInterrupt) as error:
+        kept = {"exponents": found()} if done >= FEWEST_INTERVALS else {}
+        if isinstance(error, KeyboardInterrupt):
+            text = f"at t = {system.time:.9g} s: interrupted"
+            raise Interrupted(text, time=system.time, kept=kept) from None
+        if not kept:
+            raise
+        raise UnfinishedExponentsError(error, kept["exponents"]) from None
+    return found()
+
+
+def _require_length(grown: Growth) -> None:
+    """Tangents that vanish have no direction to go on with."""
+    lost = ~np.isfinite(grown.rates).all(axis=1)
+    if lost.any():
+        time = float(grown.times[np.argmax(lost)])
+        raise ComputationError(
+            f"A tangent vanished within the interval before time {time:g}; "
+            "take shorter intervals or fewer exponents.",
+            time=time,
+        )

@@ -1,0 +1,217 @@
+"""A linkage with tangents to its motion: what exponents and indicators are computed from."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.growth.systems import Growth
+from linkages.chaos.sections.contact_log import ContactLog
+from linkages.chaos.sections.free_states import wrapped
+from linkages.errors import ComputationError, Interrupted
+from linkages.kernel.system import System
+from linkages.options.run import DEFAULTS, RunOptions
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.march import TANGENT_ATOL, March
+from linkages.solution.moving.motion import Motion
+from linkages.solution.moving.renormalising import Renormalised
+
+Floats = NDArray[np.float64]
+
+MOST_NUMBERS = 2**22
+"""Numbers in the samples of one integration: some 32 MiB, tangents included."""
+
+
+class LinkageTangents:
+    """Free coordinates and rates of a mechanism, with solutions of the variational equations.
+
+    The free coordinates are those of the system at its start; where the motion is integrated in
+    others for a while, the state is still in these, and tangents are in those.
+
+    Parameters
+    ----------
+    system
+        A system with free coordinates.
+    tangents
+        Number of tangents, at most 2n.
+    run
+        How it is integrated; `max_steps` are those of all advances together.
+    parts
+        Equal parts of every interval after which `motion` keeps where it is; none if 0.
+    log
+        Notes the motion for what is asked of forces later, if there is one.
+
+    Attributes
+    ----------
+    parts
+        That number.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        tangents: int = 1,
+        run: RunOptions = DEFAULTS,
+        *,
+        parts: int = 0,
+        log: ContactLog | None = None,
+    ) -> None:
+        self.system = system
+        self._march = March(system, run, tangents=tangents)
+        self.parts, self._log = parts, log
+        self._begin()
+
+    def _begin(self) -> None:
+        start = Motion(pieces=(self._march.sample,))
+        self._kept: list[Motion] = [start] if self.parts else []
+        self._ends = [start]
+
+    def __copy__(self) -> LinkageTangents:
+        """Another one in the same state, which goes its own way from there."""
+        found = object.__new__(type(self))
+        vars(found).update(vars(self), _march=copy.copy(self._march))
+        found._begin()
+        return found
+
+    def starting(self, run: RunOptions) -> LinkageTangents:
+        """Another one in the same state, integrated in another way."""
+        found = copy.copy(self)
+        found._march = self._march.starting(run)
+        found._log = None
+        return found
+
+    @property
+    def _size(self) -> int:
+        return len(self.system.topology.free)
+
+    @property
+    def time(self) -> float:
+        """Seconds."""
+        return self._march.time
+
+    @property
+    def tolerance(self) -> float:
+        """Error of a step in tangents of length one."""
+        return max(TANGENT_ATOL, self._march.run.rtol)
+
+    @property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which entries of the state are angles, kept within one turn."""
+        topology, bodies = self.system.topology, self.system.mechanism.bodies
+        rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
+        return np.array([*rotates, *[False] * self._size])
+
+    @property
+    def state(self) -> Floats:
+        """Free coordinates, then their rates, shape (2n,)."""
+        return self._states(Motion(pieces=(self._march.sample,)))[0]
+
+    @property
+    def here(self) -> System:
+        """The system, where the motion is now."""
+        return self._march.here
+
+    @property
+    def turned(self) -> Floats:
+        """Free coordinates with all turns at the start and at ends of intervals, shape (m, n)."""
+        found = [free_vectors(self.system, ends)[:, : self._size] for ends in self._ends]
+        return np.concatenate(found)
+
+    @property
+    def motion(self) -> Motion:
+        """What was kept of the motion: its start, then the ends of parts of each interval."""
+        return replace(
+            self._kept[-1],
+            pieces=tuple(piece for part in self._kept for piece in part.pieces),
+            notes=tuple(note for part in self._kept for note in part.notes),
+        )
+
+    @property
+    def tangents(self) -> Floats:
+        """Of the coordinates that the motion is integrated in, shape (2n, k)."""
+        return self._march.tangents
+
+    @tangents.setter
+    def tangents(self, values: Floats) -> None:
+        self._march.tangents = values
+
+    def advance(self, interval: float) -> None:
+        """Integrate motion and tangents over a time in seconds.
+
+        Raises
+        ------
+        ComputationError
+            If the motion cannot go on.
+        Interrupted
+            After Ctrl-C.
+        """
+        motion = self._march.advance(np.array([self.time + interval]))
+        self._require(motion)
+
+    def grow(
+        self,
+        intervals: int,
+        interval: float,
+        *,
+        orthogonal: bool = True,
+        watch: Callable[[float], None] | None = None,
+    ) -> Iterator[Growth]:
+        """As `TangentSystem` has it; one integration for as many intervals as memory allows."""
+        parts = max(self.parts, 1)
+        each = parts * (1 if self._log is None else self._log.looks(interval / parts))
+        start, done = self.time, 0
+        most = max(1, MOST_NUMBERS // (2 * self._march.layout.size * each))
+        while done < intervals:
+            count = min(most, intervals - done)
+            times = start + interval * (done + np.arange(1, count * each + 1) / each)
+            renormalised = Renormalised(each, orthogonal=orthogonal)
+            motion = self._march.advance(
+                times, renormalised=renormalised, watch=_part(watch, done, count, intervals)
+            )
+            yield self._taken(motion, renormalised, interval, each)
+            self._require(motion)
+            done += count
+
+    def _taken(
+        self, motion: Motion, renormalised: Renormalised, interval: float, each: int
+    ) -> Growth:
+        """What an integration gave, and what of it is kept."""
+        if self._log is not None:
+            self._log.note(motion)
+        if self.parts:
+            between = each // self.parts
+            self._kept.append(motion.part(between - 1, each=between))
+        ends = motion.part(each - 1, each=each)
+        self._ends.append(ends)
+        return Growth(
+            rates=renormalised.lengths / interval,
+            states=self._states(ends),
+            times=ends.time,
+            tangents=renormalised.tangents,
+        )
+
+    def _states(self, motion: Motion) -> Floats:
+        """Free coordinates and rates, angles within one turn, shape (samples, 2n)."""
+        found = free_vectors(self.system, motion, turns=False)
+        beyond = self.angles & (np.abs(found) > np.pi)
+        return np.where(beyond, wrapped(found), found)
+
+    def _require(self, motion: Motion) -> None:
+        """Raise what ended a motion early."""
+        if motion.interrupted:
+            raise Interrupted(str(motion.failure), time=motion.stop_time)
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+
+
+def _part(
+    watch: Callable[[float], None] | None, done: int, count: int, whole: int
+) -> Callable[[float], None] | None:
+    """Progress of some of the intervals."""
+    if watch is None:
+        return None
+    return lambda fraction: watch((done + count * fraction) / whole)

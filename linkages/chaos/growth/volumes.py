@@ -1,0 +1,110 @@
+"""How fast a mechanism's motion changes volumes of its states, from inertia and loads alone.
+
+In coordinates and momenta only forces that depend on velocities change volumes (Liouville); the
+momenta are linear in the rates, with the mass matrix as factor. The variational equations, from
+which exponents come, are not used here: the sum of all exponents is compared with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.scalars import Scalar, reachable
+from linkages.kernel.model import Model
+from linkages.kernel.system import System
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Piece
+
+Floats = NDArray[np.float64]
+
+UNIFORM = 1e-9
+"""Relative difference of damping rates below which they count as one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Volumes:
+    """What a system's equations say about volumes of states.
+
+    Parameters
+    ----------
+    system
+        With free coordinates.
+    """
+
+    system: System
+
+    @property
+    def _model(self) -> Model:
+        return self.system.model
+
+    @property
+    def _size(self) -> int:
+        return len(self.system.topology.free)
+
+    @cached_property
+    def autonomous(self) -> bool:
+        """Whether the accelerations do not depend on time."""
+        model = self._model
+        clock = model.inputs.time.index
+        return all(node.index != clock for node in reachable(model.free_accelerations))
+
+    @cached_property
+    def _damping(self) -> list[Scalar]:
+        """Minus the derivatives of generalised forces with respect to rates, row by row."""
+        model = self._model
+        graph = model.graph
+        forces = [graph.total(load.power(p) for load in model.loads) for p in model.partials]
+        rates = [model.inputs.rate(i) for i in range(self._size)]
+        return [-entry for row in derivative(forces, rates) for entry in row]
+
+    @cached_property
+    def conservative(self) -> bool:
+        """Whether no force depends on velocities."""
+        return all(entry.constant == 0.0 for entry in self._damping)
+
+    @property
+    def potential(self) -> bool:
+        """Whether all forces without rates in them follow from an energy, that of time perhaps."""
+        return not any(load.load.follows for load in self._model.loads)
+
+    def damping_rates(self, piece: Piece) -> Floats:
+        """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""
+        size = self._size
+        if self.conservative:
+            return np.zeros((len(piece.wanted), size, size))
+        damping = self._values(self._damping, piece).T.reshape(-1, size, size)
+        return np.asarray(np.linalg.solve(self._masses(piece), damping))
+
+    def uniform(self, damping: Floats) -> float | None:
+        """The rate at which all momenta decay, in 1/s; None if they do so at several.
+
+        Parameters
+        ----------
+        damping
+            From `damping_rates`.
+        """
+        mean = float(np.trace(damping, axis1=1, axis2=2).mean()) / self._size
+        apart = np.abs(damping - mean * np.eye(self._size)).max()
+        return mean if apart <= UNIFORM * np.abs(damping).max() else None
+
+    def logarithm(self, piece: Piece) -> Floats:
+        """Logarithm of the volume of momenta per volume of rates, shape (times,)."""
+        return np.asarray(np.linalg.slogdet(self._masses(piece))[1])
+
+    def _values(self, nodes: list[Scalar], piece: Piece) -> Floats:
+        """Values of nodes, shape (nodes, times)."""
+        return piece.interpolated(evaluate_nodes(piece, nodes))
+
+    def _masses(self, piece: Piece) -> Floats:
+        """The mass matrix, shape (times, n, n)."""
+        lower = [entry for row in self._model.mass_matrix for entry in row]
+        values = self._values(lower, piece)
+        masses = np.empty((values.shape[1], self._size, self._size))
+        rows, columns = np.tril_indices(self._size)
+        masses[:, rows, columns] = masses[:, columns, rows] = values.T
+        return masses

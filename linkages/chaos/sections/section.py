@@ -1,0 +1,166 @@
+"""Poincaré sections: stroboscopic at the period of the drives, or where a function is crossed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.contact_log import (
+    contact_values,
+    contact_variables,
+)
+from linkages.chaos.sections.crossed import crossed
+from linkages.chaos.sections.free_states import free_values, labelled_states, require_free
+from linkages.chaos.sections.strobe import strobe
+from linkages.chaos.sections.unfinished import UnfinishedError
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import Interrupted
+from linkages.kernel.system import System
+from linkages.options.sections import SectionKeywords, SectionOptions
+from linkages.options.signature import takes
+from linkages.solution.moving.motion import Motion, Watch
+from linkages.solution.options import options_of
+from linkages.solution.values.surface import SECTION, parse_section
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+ROOM = 2
+"""Periods beyond the points asked for until which crossings are looked for."""
+
+
+@takes(SectionOptions)
+def poincare(
+    mechanism: Mechanism,
+    *,
+    watch: Callable[[float], None] | None = None,
+    **options: Unpack[SectionKeywords],
+) -> xr.Dataset:
+    """Points of a Poincaré section.
+
+    Parameters
+    ----------
+    mechanism
+        With at least one free coordinate.
+    watch
+        Called about 20 times a second with the fraction of simulated time done.
+    options
+        As `SectionOptions` describes them.
+
+    Returns
+    -------
+    Dataset with `time` (crossing) and, for each kind of free coordinate, value and rate, such as
+    `clearance_angle` and `clearance_speed` (crossing, clearance). The attribute ``warning`` says if
+    there are fewer points than asked for, since the time was over. With clearances, `contact_lost`
+    and `least_force` (clearance) say for which share of the time from the first point to the last
+    the massless link would have to push, and the least force in newtons along it; forces are looked
+    at every ``interval`` seconds, an attribute of both: 128 times a period, or as often as
+    `simulate` takes samples where drives have no period.
+
+    Raises
+    ------
+    InputError
+        If nothing is free, or the section names nothing.
+    ValueError
+        For arguments that make no sense; `NoPeriodError` where drives have no common period.
+    UnfinishedError
+        If the motion cannot go on; ``kept["poincare"]`` has the points so far.
+    Interrupted
+        After Ctrl-C, with the same.
+    ComputationError
+        If the motion never crosses the section.
+    """
+    return section_points(mechanism, options_of(SectionOptions, mechanism, options), watch)
+
+
+def section_points(
+    mechanism: Mechanism, options: SectionOptions, watch: Watch | None = None
+) -> xr.Dataset:
+    """What `poincare` returns."""
+    system = System(mechanism)
+    require_section(system, options)
+    attributes: dict[str, object]
+    if options.section is None:
+        found = strobe(system, options, watch)
+        motion, failure, time = found.motion, found.failure, found.time
+        values, contacts, interval = found.values(options.wrap), found.contacts, found.interval
+        period = common_period(system.mechanism)
+        attributes = {"period": period, "phase": options.phase, "warning": ""}
+    else:
+        last = options.end or _limit(system, options.periods + options.skip)
+        met = crossed(system, options, last, watch)
+        motion, failure, time = met.motion, met.motion.failure, met.motion.time
+        values = free_values(system, motion, options.wrap)
+        contacts, interval = met.contacts, met.interval
+        attributes = {
+            "section": options.section,
+            "direction": options.direction,
+            "warning": _shortage(motion, options.periods, last),
+        }
+    data = labelled_states(
+        system,
+        values,
+        "crossing",
+        {"time": ("crossing", time, {"units": "s", "long_name": "time"})},
+        {**attributes, "skip": options.skip, **options.how},
+    )
+    if "clearance" in data.coords:
+        names = [str(name) for name in data["clearance"].to_numpy()]
+        data = data.assign(contact_variables(contact_values(contacts, names), interval))
+    if motion.interrupted:
+        raise Interrupted(str(motion.failure), time=motion.stop_time, kept={"poincare": data})
+    if failure is not None:
+        raise UnfinishedError(failure, {"poincare": data}, time=motion.stop_time)
+    return data
+
+
+def require_section(system: System, options: SectionOptions) -> None:
+    """Whether there can be such points, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If nothing is free, or the section names nothing.
+    NoPeriodError
+        If drives have no common period, and points are to be taken once a period.
+    """
+    require_free(system)
+    if options.section is None:
+        stroboscopic_period(system.mechanism)
+    else:
+        parse_section(system, options.section)
+
+
+def stroboscopic_period(mechanism: Mechanism) -> float:
+    """The common period, or an error that says what to do without one."""
+    try:
+        return common_period(mechanism)
+    except NoPeriodError as error:
+        message = f"{error}; take a geometric section instead, such as {SECTION!r}"
+        raise NoPeriodError(message) from None
+
+
+def _limit(system: System, points: int) -> float:
+    """The default end: time for all points of a section that is crossed once a period."""
+    try:
+        period = common_period(system.mechanism)
+    except NoPeriodError:
+        period = system.mechanism.simulation.end
+    return (points + ROOM) * period
+
+
+def _shortage(motion: Motion, points: int, end: float) -> str:
+    """What to say of a motion that met too few points until the end."""
+    found = len(motion.time)
+    if motion.failure is not None or found >= points:
+        return ""
+    return (
+        f"{found} of {points} points: the section is not crossed more often within {end:.6g} s; "
+        "a later end may give more"
+    )

@@ -1,0 +1,109 @@
+"""A motion at the times of a stroboscope, and at those at which contact is looked at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.sections.common_period import common_period
+from linkages.chaos.sections.contact import Contact
+from linkages.chaos.sections.contact_log import MOST_TIMES, PER_PERIOD, contacts_in
+from linkages.chaos.sections.free_states import free_values
+from linkages.kernel.outputs import labels
+from linkages.kernel.system import System
+from linkages.options.sections import SectionOptions
+from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
+
+Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Strobe:
+    """Points of a motion, one a period.
+
+    Parameters
+    ----------
+    system, motion
+        What moves, and how; sampled at more times than those of the points.
+    points, checked
+        Places of the samples that are points, and of those at which forces are looked at.
+    interval
+        Time between two of these in seconds.
+    wanted
+        How many points were asked for.
+    """
+
+    system: System
+    motion: Motion
+    points: Places
+    checked: Places
+    interval: float
+    wanted: int
+
+    @property
+    def time(self) -> Floats:
+        """Times of the points in seconds."""
+        return np.asarray(self.motion.time[self.points])
+
+    def values(self, wrap: bool = True) -> dict[str, Floats]:
+        """Free coordinates at the points, as `free_values` has them."""
+        found = free_values(self.system, self.motion, wrap)
+        return {name: array[self.points] for name, array in found.items()}
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Forces in clearances from the first point to the last."""
+        return contacts_in(self.motion, self.checked)
+
+    @property
+    def failure(self) -> str | None:
+        """Why there are fewer points than asked for; None if there are not."""
+        return None if len(self.points) == self.wanted else self.motion.failure
+
+    def place(self, time: float) -> int | None:
+        """The sample at a time that was asked for; None if the motion did not come so far."""
+        found = int(np.searchsorted(self.motion.time, time))
+        return found if found < len(self.motion.time) else None
+
+
+def strobe(
+    system: System,
+    options: SectionOptions,
+    watch: Watch | None = None,
+    further: tuple[float, ...] = (),
+) -> Strobe:
+    """Follow a motion to the last point of a stroboscopic section.
+
+    Parameters
+    ----------
+    system, options
+        What moves, and at which points it is wanted.
+    watch
+        Called now and then with the fraction done.
+    further
+        Times in seconds at which the motion is wanted as well.
+    """
+    period = common_period(system.mechanism)
+    periods, first = options.periods, options.phase + options.skip
+    parts, lasting = 1, 0
+    if labels(system.model, "clearance"):
+        lasting = max(1, periods - 1)  # contact is looked at over a period at least
+        parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
+    wanted = period * (first + np.arange(periods, dtype=np.float64))
+    checked = period * (first + np.arange(lasting * parts + 1) / parts)
+    times = np.unique(np.concatenate([wanted, checked, further]))
+    settings = Settings(times=times, run=options, watch=watch)
+    motion = compute_motion(system, settings)
+    points, looks = (np.searchsorted(times, asked) for asked in (wanted, checked))
+    reached = len(motion.time)
+    return Strobe(
+        system=system,
+        motion=motion,
+        points=points[points < reached],
+        checked=looks[looks < reached] if lasting else looks[:0],
+        interval=period / parts,
+        wanted=periods,
+    )

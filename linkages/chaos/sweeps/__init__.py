@@ -1,0 +1,1 @@
+"""The same question asked at many values of parameters: diagrams and maps."""

@@ -1,0 +1,243 @@
+"""Motions that go on from where others ended, while a parameter changes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.contact_log import contact_values
+from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
+from linkages.chaos.sections.section import section_points
+from linkages.chaos.sections.strobe import strobe
+from linkages.chaos.sections.unfinished import UnfinishedError
+from linkages.components.assembly import AssemblyHint
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import ComputationError, Interrupted
+from linkages.kernel.outputs import labels
+from linkages.kernel.system import System
+from linkages.options.sections import SectionOptions
+from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+
+Floats = NDArray[np.float64]
+
+WHOLE = 1e-9
+"""Part of a period by which round-off moves a time from a whole number of periods."""
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """Where a motion ended: what the next one starts from.
+
+    Parameters
+    ----------
+    state
+        Free coordinate → value and rate; with whole turns where they count.
+    places
+        Point → where it was, shape (2,): which assembly mode the mechanism is in.
+    carried
+        Coordinates carried along by the integration, with whole turns where they count.
+    turns
+        Of the torsional springs, as `Assembly` has them.
+    """
+
+    state: Mapping[str, tuple[float, float]]
+    places: Mapping[str, Floats]
+    carried: Mapping[str, float]
+    turns: Mapping[int, float]
+
+    def mechanism(self, other: Mechanism) -> Mechanism:
+        """Another mechanism in this state; places given by its definition are those of here."""
+        found = other.with_state(self.state)
+        return replace(found, components=tuple(self._moved(c) for c in found.components))
+
+    def _moved(self, component: Any) -> Any:
+        if not isinstance(component, AssemblyHint) or isinstance(component.where, str):
+            return component
+        place = self.places[component.name]
+        return replace(component, where=(float(place[0]), float(place[1])))
+
+    def system(self, other: Mechanism) -> System:
+        """Another mechanism in this state and assembly mode, with the same whole turns."""
+        system = System(other.with_state(self.state), near=self.places)
+        topology, state = system.topology, system.state.copy()
+        for index, name in enumerate(topology.coordinates):
+            if name in self.carried and topology.unwrapped(name):
+                apart = self.carried[name] - state[index]
+                state[index] += 2 * np.pi * np.round(apart / (2 * np.pi))
+        return system.turned(state, self.turns)
+
+
+def end_of(system: System, motion: Motion, sample: int = -1) -> End:
+    """Where a motion of a system was at one of its samples, the last one if it is not said."""
+    piece, place = _piece_at(motion, range(len(motion.time))[sample])
+    piece = piece.direct().part(slice(place, place + 1))
+    positions = piece.system.model.positions
+    nodes = [node for place in positions.joints.values() for node in (place.x, place.y)]
+    carried = system.topology.carried
+    coordinates = [positions.coordinate(name) for name in carried]
+    found = piece.system.evaluate(
+        [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
+    )[:, 0]
+    return End(
+        state=_free_state(system, motion, sample),
+        places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
+        carried=dict(zip(carried, found[len(nodes) :].tolist(), strict=True)),
+        turns=piece.system.assembly.turns,
+    )
+
+
+def _piece_at(motion: Motion, sample: int) -> tuple[Piece, int]:
+    """The piece that a sample belongs to, and its place there."""
+    for piece in motion.pieces:
+        if sample < len(piece.wanted):
+            return piece, sample
+        sample -= len(piece.wanted)
+    raise IndexError(sample)
+
+
+def _free_state(system: System, motion: Motion, sample: int) -> dict[str, tuple[float, float]]:
+    """Free coordinates and rates at a sample; angles within one turn unless turns count."""
+    whole, within = (free_values(system, motion, wrap) for wrap in (False, True))
+    state = {}
+    for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
+        for column, name in enumerate(names):
+            chosen = whole if system.topology.unwrapped(name) else within
+            state[name] = (float(chosen[value][sample, column]), float(whole[rate][sample, column]))
+    return state
+
+
+@dataclass(frozen=True, eq=False)
+class Visited:
+    """Points of a section, and where the motion was when it came to the first and left the last.
+
+    Parameters
+    ----------
+    values
+        What `poincare` returns of the free coordinates and of contact.
+    first, last
+        At a whole period of the drives: not behind the first point of a stroboscopic section and
+        not before the first crossing; not before the last point. None if it was not asked for, or
+        the motion did not come so far.
+    refusal
+        What is missing, if the motion stopped.
+    warning
+        What `poincare` says of the points.
+    interval
+        Time in seconds between two looks at the forces in clearances.
+    """
+
+    values: dict[str, Floats]
+    first: End | None
+    last: End | None
+    refusal: ComputationError | None
+    warning: str = ""
+    interval: float = 0.0
+
+
+def stroboscopic_points(
+    system: System,
+    options: SectionOptions,
+    ends: tuple[bool, bool] = (True, True),
+) -> Visited:
+    """Points of a stroboscopic section, and the first and the last end if wanted, from one run.
+
+    Raises
+    ------
+    ComputationError
+    Interrupted
+        After Ctrl-C.
+    """
+    period = common_period(system.mechanism)
+    skip, periods, phase = options.skip, options.periods, options.phase
+    # without a phase the last point is at a whole period itself
+    wanted = period * skip, period * (skip + periods - (not phase))
+    further = tuple(time for time, asked in zip(wanted, ends, strict=True) if asked)
+    found = strobe(system, options, further=further)
+    motion = found.motion
+    _require_uninterrupted(motion)
+    places = [found.place(time) for time in wanted]
+    first, last = (
+        end_of(system, motion, place) if asked and place is not None else None
+        for place, asked in zip(places, ends, strict=True)
+    )
+    names = labels(system.model, "clearance")
+    return Visited(
+        values=found.values(options.wrap)
+        | (contact_values(found.contacts, names) if names else {}),
+        first=first,
+        last=last,
+        refusal=_refusal(found.failure, motion.stop_time),
+        interval=found.interval,
+    )
+
+
+def crossing_points(
+    mechanism: Mechanism,
+    before: End | None,
+    options: SectionOptions,
+    ends: bool = True,
+) -> Visited:
+    """Crossings of a section, and where the motion was at whole periods of the drives.
+
+    Without a common period nothing distinguishes one time from another, and ends are the crossings
+    themselves. With `ends` the motion is followed once more to find them.
+
+    Raises
+    ------
+    ComputationError
+        If the motion never crosses the section.
+    Interrupted
+        After Ctrl-C.
+    """
+    refusal: ComputationError | None = None
+    try:
+        start = mechanism if before is None else before.mechanism(mechanism)
+        data = section_points(start, options)
+    except UnfinishedError as error:
+        if not error.kept["poincare"].sizes["crossing"]:
+            raise
+        data, refusal = error.kept["poincare"], _refusal(str(error), error.time)
+    first = last = None
+    if ends and data.sizes["crossing"]:
+        system = System(mechanism) if before is None else before.system(mechanism)
+        times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
+        motion = compute_motion(system, Settings(times=np.unique(times), run=options))
+        _require_uninterrupted(motion)
+        places = [int(np.searchsorted(motion.time, time)) for time in times]
+        first, last = (
+            end_of(system, motion, at) if at < len(motion.time) else None for at in places
+        )
+        refusal = refusal or (None if first else _refusal(motion.failure, motion.stop_time))
+    return Visited(
+        values={str(name): np.asarray(array) for name, array in data.data_vars.items()},
+        first=first,
+        last=last,
+        refusal=refusal,
+        warning=data.attrs["warning"],
+        interval=data["contact_lost"].attrs["interval"] if "contact_lost" in data else 0.0,
+    )
+
+
+def _refusal(failure: str | None, time: float | None) -> ComputationError | None:
+    return None if failure is None else ComputationError(failure, time=time)
+
+
+def _whole(mechanism: Mechanism, time: float) -> float:
+    """The next time at which drives are where they were at the start."""
+    try:
+        period = common_period(mechanism)
+    except NoPeriodError:
+        return time
+    return period * math.ceil(time / period - WHOLE)
+
+
+def _require_uninterrupted(motion: Motion) -> None:
+    if motion.interrupted:
+        raise Interrupted(str(motion.failure), time=motion.stop_time)

@@ -1,0 +1,214 @@
+"""One engine for all sweeps: many independent computations over the cores of a machine.
+
+Compiled kernels run without Python's global lock, so threads are enough. Each computation depends
+on its own input alone, never on the number of cores or on the order in which they end.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeVar
+
+from linkages.chaos.sweeps.cores import available_cores
+from linkages.errors import InputError, LinkagesError
+from linkages.options.run import RunOptions
+
+POLL = 0.1
+INTERRUPTED = "not computed: interrupted"
+
+STEPS_PER_PERIOD = 100_000
+"""Steps that a computation of a sweep may take for each period that it covers, unless it is said.
+
+Motions of mechanisms with clearances take thousands: one that needs more than this is stuck."""
+
+Run = TypeVar("Run", bound=RunOptions)
+
+_WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
+_SET = re.compile(r" \(from set .*\)$")
+
+
+def per_period(run: Run, periods: int) -> Run:
+    """Options of a computation of a sweep that covers so many periods."""
+    most = STEPS_PER_PERIOD * periods
+    return replace(run, max_steps=most) if run.max_steps is None else run
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one computation.
+
+    Parameters
+    ----------
+    index
+        Its place in the sweep.
+    value
+        The result; None if it failed.
+    reason
+        Why it failed, without the time; None if it did not.
+    stop_time
+        Simulated time in seconds at which it failed, if it had come so far.
+    """
+
+    index: int
+    value: Any
+    reason: str | None
+    stop_time: float | None = None
+
+
+class Executor(Protocol):
+    """Runs tasks somewhere: here on threads; a batch integrator or a cluster fits behind it."""
+
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
+        """Yield outcomes as they come, in any order; stop early when closed."""
+        ...
+
+
+class Threads:
+    """The cores of this machine.
+
+    Parameters
+    ----------
+    workers
+        Number of threads; as many as there are cores that this process may use if not given.
+    """
+
+    def __init__(self, workers: int | None = None) -> None:
+        self.workers = workers or available_cores()
+
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
+        """Yield outcomes as they come; those under way are finished when it is closed."""
+        pool = ThreadPoolExecutor(self.workers, thread_name_prefix="linkages-sweep")
+        waiting = iter(enumerate(points))
+        running: dict[Future[Outcome], None] = {}
+
+        def fill() -> None:
+            while len(running) < self.workers:
+                following = next(waiting, None)
+                if following is None:
+                    return
+                running[pool.submit(attempt, task, *following)] = None
+
+        try:
+            fill()
+            while running:
+                done, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+                for future in done:
+                    del running[future]
+                    yield future.result()
+                fill()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def attempt(task: Callable[[Any], Any], index: int, point: Any) -> Outcome:
+    """Run a task; what cannot be computed is an outcome with its reason.
+
+    Only errors that say something about the mechanism count as that; others are faults of the
+    program and are raised.
+    """
+    try:
+        return Outcome(index, task(point), None)
+    except (LinkagesError, ValueError) as error:
+        return Outcome(index, None, reason_of(error), getattr(error, "time", None))
+
+
+def reason_of(error: Exception) -> str:
+    """Why something failed, in words that are the same wherever it fails for the same reason."""
+    if isinstance(error, InputError):
+        return "; ".join(
+            f"{problem.path}: {_SET.sub('', problem.message)}".removeprefix(": ")
+            for problem in error.problems
+        )
+    return _WHEN.sub("", str(error))
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a sweep is.
+
+    Parameters
+    ----------
+    done, total
+        Computations.
+    elapsed, remaining
+        Seconds; `remaining` is estimated.
+    """
+
+    done: int
+    total: int
+    elapsed: float
+    remaining: float
+
+    @classmethod
+    def after(cls, done: int, total: int, begun: float) -> Progress:
+        """Progress since a time of the monotonic clock."""
+        elapsed = time.monotonic() - begun
+        return cls(done, total, elapsed, elapsed / done * (total - done))
+
+
+@dataclass(frozen=True)
+class Swept:
+    """Outcomes of a sweep.
+
+    Parameters
+    ----------
+    outcomes
+        One per point, in their order; None where it was interrupted before.
+    interrupted
+        Whether Ctrl-C ended it.
+    """
+
+    outcomes: tuple[Outcome | None, ...]
+    interrupted: bool
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why there is no result, per point; empty where there is one."""
+        return [INTERRUPTED if o is None else (o.reason or "") for o in self.outcomes]
+
+    @property
+    def stop_times(self) -> list[float]:
+        """When motions stopped, per point; nan where none did."""
+        times = [None if outcome is None else outcome.stop_time for outcome in self.outcomes]
+        return [math.nan if time is None else time for time in times]
+
+
+def sweep(
+    task: Callable[[Any], Any],
+    points: Sequence[Any],
+    *,
+    executor: Executor | None = None,
+    watch: Callable[[Progress], None] | None = None,
+) -> Swept:
+    """Compute a task for many points.
+
+    Parameters
+    ----------
+    task
+        Point → result.
+    points
+        What to compute it for.
+    executor
+        Where; the cores of this machine if not given.
+    watch
+        Called after each result.
+
+    Returns
+    -------
+    All outcomes; after Ctrl-C those that were there.
+    """
+    found: list[Outcome | None] = [None] * len(points)
+    begun, interrupted = time.monotonic(), False
+    try:
+        for done, outcome in enumerate((executor or Threads()).run(task, points), 1):
+            found[outcome.index] = outcome
+            if watch is not None:
+                watch(Progress.after(done, len(points), begun))
+    except KeyboardInterrupt:
+        interrupted = True
+    return Swept(tuple(found), interrupted)

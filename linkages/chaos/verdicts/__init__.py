@@ -1,0 +1,1 @@
+"""Whether a motion is regular or chaotic, and the evidence for it."""

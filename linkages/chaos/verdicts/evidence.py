@@ -1,0 +1,231 @@
+"""A mechanism as a verdict sees it: its section, its motion over time, and what these show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.crossed import NeverCrossedError, crossed
+from linkages.chaos.sections.free_states import PAIRS, free_names, labelled_states, wrapped
+from linkages.chaos.series.dimension import FEWEST_POINTS, Dimension, correlation_dimension
+from linkages.chaos.series.rotation import Rotation, classify_angle, refined
+from linkages.chaos.series.spectrum import PowerSpectrum, power_spectrum
+from linkages.chaos.verdicts.stretch import Evidence
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.options.sections import SectionOptions
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.motion import Motion, Settings
+from linkages.solution.remarks.assumptions import assumptions
+from linkages.solution.remarks.doubts import doubts
+from linkages.solution.solution import Solution, labelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PER_PERIOD = 512
+"""Samples of the motion within a period."""
+
+RETURNS = 64
+"""Crossings of a section from which the mean time between them is taken."""
+
+FEWEST_RETURNS = 8
+"""Crossings below which a section is seldom crossed, and another one is tried."""
+
+ALIKE = 1e-4
+"""Part of its range by which an entry of the state may differ and be the same."""
+
+ERRORS = 100.0
+"""Relative tolerances that errors of a stretch may amount to."""
+
+LONGER = 2.0
+"""Part of the stretch, in its length, in which its crossings are looked for."""
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """Where section points are taken.
+
+    Parameters
+    ----------
+    period
+        Seconds from point to point, or about that.
+    text, direction
+        Of a geometric section, as `linkages.poincare` takes it; empty for a stroboscopic one.
+    """
+
+    period: float
+    text: str = ""
+    direction: str = "up"
+
+    @property
+    def attributes(self) -> dict[str, object]:
+        """As `linkages.poincare` puts them into its dataset."""
+        if self.text:
+            return {"section": self.text, "direction": self.direction, "warning": ""}
+        return {"period": self.period, "phase": 0.0, "warning": ""}
+
+    def points(
+        self, system: System, start: System, run: RunOptions, count: int
+    ) -> tuple[Floats, Floats]:
+        """Points of a geometric section in the coordinates of a system, and their times.
+
+        Parameters
+        ----------
+        system
+            Whose free coordinates.
+        start
+            The same, or with other coordinates, where the motion starts.
+        run, count
+            How it is integrated, and how many points are wanted.
+
+        Returns
+        -------
+        Shape (points, 2n) and (points,): at most `count`, and fewer if the motion seldom crosses.
+        """
+        options = SectionOptions.like(
+            run, section=self.text, direction=self.direction, periods=count
+        )
+        end = start.time + LONGER * count * self.period
+        try:
+            motion = crossed(start, options, end).motion
+        except NeverCrossedError:
+            return np.empty((0, 2 * len(system.topology.free))), np.empty(0)
+        return free_vectors(system, motion, turns=False), motion.time
+
+
+def section_for(system: System, run: RunOptions, periods: int) -> Section:
+    """Stroboscopic, or where the motion is seen to return: its rate vanishes, or it turns over."""
+    try:
+        return Section(period=common_period(system.mechanism))
+    except NoPeriodError:
+        pass
+    end = system.mechanism.simulation.end
+    tried = [Section(period=end, text=t, direction=d) for t, d in _sections(system)]
+    for section in tried:
+        probe = replace(section, period=end * periods / RETURNS / LONGER)
+        _, times = probe.points(system, system, run, RETURNS)
+        if len(times) >= FEWEST_RETURNS:
+            return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
+    return tried[0]
+
+
+def _sections(system: System) -> Iterator[tuple[str, str]]:
+    """Geometric sections and their directions, in the order in which they are tried."""
+    for dim, names in free_names(system).items():
+        for name in names:
+            if dim == "slider":
+                yield f"{name}.velocity=0", "up"
+                continue
+            yield f"{name}.speed=0", "up"
+            angle = system.state[system.topology.free.index(name)]
+            yield f"{name}.angle={angle:.17g}", "up"
+            yield f"{name}.angle={angle:.17g}", "down"
+
+
+def alike(system: System, period: float, rtol: float) -> Callable[[Floats], Floats]:
+    """Difference of entries of states that counts as none, shape (2n,), from states of a stretch.
+
+    A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what errors
+    of the integration may amount to.
+    """
+    size = len(system.topology.free)
+    rotates = np.array([system.mechanism.bodies[b].rotates for b in system.topology.free])
+    places = np.array(list(system.places().values()))
+    whole = np.where(rotates, 1.0, float(np.ptp(places, axis=0).max()))
+    whole = np.concatenate([whole, whole * 2 * np.pi / period])
+    turning = np.concatenate([rotates, np.zeros(size, dtype=bool)])
+
+    def tolerance(states: Floats) -> Floats:
+        ranges = np.ptp(states, axis=0)
+        ranges = np.where(turning, np.minimum(ranges, 1.0), ranges)
+        return np.maximum(ALIKE * ranges, ERRORS * rtol * whole)
+
+    return tolerance
+
+
+def labelled_section(system: System, section: Section, evidence: Evidence) -> xr.Dataset:
+    """Section points as `linkages.poincare` returns them."""
+    free, size = list(system.topology.free), len(system.topology.free)
+    values = {}
+    for dim, names in free_names(system).items():
+        columns = [free.index(name) for name in names]
+        value, rate = PAIRS[dim]
+        at = evidence.points[:, columns]
+        values[value] = at if dim == "slider" else wrapped(at)
+        values[rate] = evidence.points[:, [size + column for column in columns]]
+    time = ("crossing", evidence.times, {"units": "s", "long_name": "time"})
+    return labelled_states(system, values, "crossing", {"time": time}, section.attributes)
+
+
+def kept(tangents: LinkageTangents, periods: int) -> Motion:
+    """The motion of a stretch at `PER_PERIOD` times in a period."""
+    motion = tangents.motion
+    return motion.part(each=(len(motion.time) - 1) // (periods * PER_PERIOD))
+
+
+def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Solution:
+    """The motion of a stretch that was kept: free coordinates and clearance forces over time."""
+    system, motion = tangents.system, kept(tangents, periods)
+    outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
+    if "clearance_angle" in outputs:
+        outputs.append("clearance_force")
+    return Solution(
+        data=labelled(system, motion, evaluate_variables(motion, outputs)),
+        mechanism=system.mechanism,
+        system=system,
+        motion=motion,
+        settings=Settings(times=motion.time, run=run),
+        notes=(*assumptions(system), *doubts(system.mechanism), *motion.notes),
+    )
+
+
+def dimension_of(evidence: Evidence) -> Dimension | None:
+    """Correlation dimension of the section; None for too few points.
+
+    Not that of the motion between section points: along each turn of a torus samples lie on a
+    curve, and only very long runs show more than that.
+    """
+    if len(evidence.points) < FEWEST_POINTS:
+        return None
+    return correlation_dimension(evidence.points, angles=evidence.angles)
+
+
+def spectra_of(system: System, solution: Solution) -> dict[str, PowerSpectrum]:
+    """Free coordinate → power spectrum of its rate."""
+    interval = float(solution.data.time[1] - solution.data.time[0])
+    found = {}
+    for dim, names in free_names(system).items():
+        rates = solution.data[PAIRS[dim][1]]
+        for name in names:
+            found[name] = power_spectrum(rates.sel({dim: name}).to_numpy(), interval)
+    return found
+
+
+def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
+    """Free angle → what it does."""
+    found, time = {}, solution.data.time.to_numpy()
+    for dim, names in free_names(system).items():
+        if dim != "slider":
+            values = solution.data[PAIRS[dim][0]]
+            for name in names:
+                found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
+    return found
+
+
+def conservative(mechanism: Mechanism) -> bool:
+    """Whether nothing dissipates: the flow then keeps volumes of states, and has no attractor.
+
+    Drives and given forces may still put energy in and take it out.
+    """
+    return not any(load.dissipates for load in mechanism.loads)

@@ -1,0 +1,229 @@
+"""A verdict on any system with tangents: transient, evidence, and the same at a smaller error."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
+from linkages.chaos.growth.lyapunov import PARTS, resolved
+from linkages.chaos.growth.systems import TangentSystem
+from linkages.chaos.series.periods import differences
+from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
+from linkages.chaos.verdicts.verdict import judged, transient
+
+Floats = NDArray[np.float64]
+Watch = Callable[[float], None]
+T = TypeVar("T", bound=TangentSystem)
+
+FIRST_SKIP = 100
+"""Periods that are always skipped where something dissipates and nobody says otherwise."""
+
+MOST_STRETCHES = 4
+"""Stretches that are looked at until one begins after the transient."""
+
+BETWEEN = 0.5 * (math.sqrt(5.0) - 1.0)
+"""Part of a period at which a motion at rest is looked at again; no simple period divides it."""
+
+
+def _alike(states: Floats) -> Floats:
+    """Difference that counts as none, where nothing else is said."""
+    return np.full(states.shape[1], 1e-4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course(Generic[T]):
+    """How a system is followed.
+
+    Parameters
+    ----------
+    period
+        Time, or steps, from one section point to the next; of geometric sections about that.
+    periods
+        Length of the stretch that is judged.
+    skip
+        Periods before; None to skip the transient, as far as it is found.
+    dissipative
+        Whether there may be attractors, and so a transient.
+    parts
+        Intervals within a period after which tangents are made orthonormal again; 1 for maps.
+    section
+        Of the system, where it is, and whether with the smaller error: `periods` points of a
+        geometric section from there on, shape (points, d), and their times; the system is left as
+        it is. None for a point each period.
+    tolerance
+        Of the states of a stretch, shape (n, d): difference of entries that counts as none, (d,).
+    observed
+        The 0–1 test observes so many entries, the first ones; all by default.
+    certified
+        Of the system at the end of a stretch, and exponents: these, with what is known of them.
+    """
+
+    period: float
+    periods: int
+    skip: int | None = None
+    dissipative: bool = True
+    parts: int = PARTS
+    section: Callable[[T, bool], tuple[Floats, Floats]] | None = None
+    tolerance: Callable[[Floats], Floats] = _alike
+    observed: int | None = None
+    certified: Callable[[T, Exponents], Exponents] = lambda _, exponents: exponents
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judgement(Generic[T]):
+    """A verdict with its evidence.
+
+    Parameters
+    ----------
+    verdict, reasons
+        As `linkages.chaos.verdicts.verdict.judged` gives them.
+    evidence
+        Of the stretch that was judged.
+    start, end
+        The system where that begins, and where it ends.
+    skipped, how_skipped
+        Periods before it, and why so many.
+    again, end_again, verdict_again
+        The same from the same state on with a smaller error.
+    """
+
+    verdict: str
+    reasons: tuple[str, ...]
+    evidence: Evidence
+    start: T
+    end: T
+    skipped: int
+    how_skipped: str
+    again: Evidence
+    end_again: T
+    verdict_again: str
+
+
+def judge(
+    system: T,
+    course: Course[T],
+    tighter: Callable[[T], T],
+    *,
+    watches: tuple[Watch | None, Watch | None] = (None, None),
+    keep: Callable[[Evidence, T], None] = lambda _, __: None,
+) -> Judgement[T]:
+    """Judge the motion of a system from where it is, which is left there.
+
+    Parameters
+    ----------
+    system
+        At the beginning of a period.
+    course
+        How it is followed.
+    tighter
+        Makes another one in the same state with a smaller error.
+    watches
+        Called with the fraction done of the first run, and of the repetition.
+    keep
+        Called with the evidence once it is there, and the system at the end of the stretch.
+
+    Raises
+    ------
+    ComputationError
+        If the motion cannot go on, or somebody interrupts.
+    """
+    start, end, skipped, how, evidence = _after_transient(system, course, watches[0])
+    keep(evidence, end)
+    verdict, reasons = judged(evidence, dissipative=course.dissipative)
+    again, end_again = _observed(tighter(start), course, watches[1], tight=True)
+    verdict_again, _ = judged(again, dissipative=course.dissipative)
+    return Judgement(
+        verdict=verdict,
+        reasons=tuple(reasons),
+        evidence=evidence,
+        start=start,
+        end=end,
+        skipped=skipped,
+        how_skipped=how,
+        again=again,
+        end_again=end_again,
+        verdict_again=verdict_again,
+    )
+
+
+def _after_transient(
+    system: T, course: Course[T], watch: Watch | None
+) -> tuple[T, T, int, str, Evidence]:
+    """The system where the judged stretch begins and ends, periods before, why, the evidence."""
+    searched = course.skip is None and course.dissipative
+    skipped = course.skip or (FIRST_SKIP if searched else 0)
+    start = _later(system, course, skipped)
+    evidence, end = _observed(start, course, watch)
+    if not searched:
+        how = "nothing dissipates" if course.skip is None else "as asked for"
+        return start, end, skipped, how, evidence
+    for _ in range(MOST_STRETCHES - 1):
+        if not transient(evidence):
+            break
+        # the wait doubles, the stretch just looked at being part of it
+        further = max(course.periods, skipped)
+        start = _later(end, course, further - course.periods)
+        skipped += further
+        evidence, end = _observed(start, course, watch)
+    found = transient(evidence)
+    how = f"the most that is tried: {found}" if found else "the motion is settled from there on"
+    return start, end, skipped, how, evidence
+
+
+def _later(system: T, course: Course[T], periods: int) -> T:
+    """The same some periods later, with tangents of length one."""
+    found = copy.copy(system)
+    for _ in found.grow(periods, course.period):
+        pass
+    return found
+
+
+def _observed(
+    start: T, course: Course[T], watch: Watch | None, *, tight: bool = False
+) -> tuple[Evidence, T]:
+    """Evidence of the stretch that begins where a system is, and the system at its end."""
+    end = start
+
+    def run(parts: int) -> Exponents:
+        nonlocal end
+        end = copy.copy(start)
+        return lyapunov_spectrum(
+            end,
+            intervals=course.periods * parts,
+            interval=course.period / parts,
+            watch=watch,
+        )
+
+    exponents = run(1) if course.parts == 1 else resolved(run, course.parts)
+    if not tight:
+        exponents = course.certified(end, exponents)
+    if course.section is None:
+        each = slice(None, -1, len(exponents.growth) // course.periods)
+        points, times = exponents.states[each], exponents.times[each]
+    else:
+        points, times = course.section(start, tight)
+    tolerance = course.tolerance(exponents.states)
+    rests = course.parts > 1 and ends_alike(exponents, end.angles, tolerance)
+    if rests:
+        between = copy.copy(end)
+        between.advance(BETWEEN * course.period)
+        apart = differences(between.state[None], end.state[None], end.angles, tolerance)
+        rests = bool(apart[0] <= 1.0)
+    evidence = gathered(
+        points,
+        times,
+        end.angles,
+        exponents,
+        tolerance,
+        autonomous=course.section is not None,
+        rests=rests,
+        observed=course.observed,
+    )
+    return evidence, end

@@ -1,0 +1,223 @@
+"""What a stretch of a motion shows: the evidence of a verdict, from arrays alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.chaos.growth.exponents import Exponents
+from linkages.chaos.growth.indicators import Verdict, classify
+from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
+from linkages.chaos.series.closed_curves import ClosedCurves, closed_curves
+from linkages.chaos.series.periods import differences, find_period
+from linkages.chaos.series.steadiness import FEWEST as FEWEST_STEADY
+from linkages.chaos.series.steadiness import steadiness
+from linkages.chaos.series.zero_one import FEWEST as FEWEST_TESTED
+from linkages.chaos.series.zero_one import zero_one
+
+Floats = NDArray[np.float64]
+
+TAILS = (1, 2, 8)
+"""Whether all of a section repeats, its last half, or its last eighth."""
+
+FEWEST_REPEATING = 24
+"""Points of a tail below which it may repeat by chance."""
+
+MOST_BANDS = 12
+"""Bands of a chaotic motion that are told apart."""
+
+REPEATING = 1e-6
+"""Part of the largest value by which a series may differ from a periodic one and be that."""
+
+RESTING = 10
+"""One part of the stretch in so many, the last one, in which a motion at rest moves no more."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evidence:
+    """What a stretch of a motion shows.
+
+    Parameters
+    ----------
+    points
+        Of the section, shape (points, d): the entries of the state.
+    times
+        When they are met, shape (points,).
+    angles
+        Which entries are angles, shape (d,).
+    exponents
+        Of the same stretch, with the growth of tangents in every interval.
+    autonomous
+        Whether one exponent is zero because time does not matter.
+    rests
+        Whether the motion is at rest at the end.
+    tests
+        Growth of the 0–1 test and its spread for each observed entry; empty for too few points.
+    period
+        Section points until the motion repeats at the end; None if it does not.
+    curves
+        Whether section points lie on closed curves; None where that was not looked for.
+    settled
+        Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves.
+    steady
+        As `linkages.chaos.series.steadiness.steadiness` returns it; zeros for too few points.
+    """
+
+    points: Floats
+    times: Floats
+    angles: NDArray[np.bool_]
+    exponents: Exponents
+    autonomous: bool
+    rests: bool
+    tests: tuple[tuple[float, float], ...]
+    period: int | None
+    curves: ClosedCurves | None
+    settled: float
+    steady: tuple[float, float]
+
+    @property
+    def law(self) -> Verdict:
+        """How tangents grow; those that shrink grow like a power of time, too."""
+        return self._law(1.0)
+
+    @property
+    def shrinks(self) -> bool:
+        """Whether all tangents shrink exponentially: the motion attracts its neighbours."""
+        return self._law(-1.0) is Verdict.CHAOTIC
+
+    @property
+    def neutral(self) -> int:
+        """How many exponents, the largest first, cannot be told from zero."""
+        told = [
+            self._law(sign, index) is Verdict.REGULAR
+            for index in range(self.exponents.growth.shape[1])
+            for sign in (1.0, -1.0)
+        ]
+        alike = [one and other for one, other in zip(told[::2], told[1::2], strict=True)]
+        return [*alike, False].index(False)
+
+    def _law(self, sign: float, index: int = 0) -> Verdict:
+        times = self.exponents.times
+        lengths = np.cumsum(self.exponents.growth[:, index] * np.diff(times))
+        return classify(times[1:] - times[0], sign * lengths)
+
+
+def gathered(
+    points: Floats,
+    times: Floats,
+    angles: NDArray[np.bool_],
+    exponents: Exponents,
+    tolerance: Floats,
+    *,
+    autonomous: bool = False,
+    rests: bool = False,
+    observed: int | None = None,
+) -> Evidence:
+    """Everything that section points and exponents of one stretch show.
+
+    Parameters
+    ----------
+    points, times, angles, exponents, autonomous, rests
+        As `Evidence` has them.
+    tolerance
+        Difference of entries that counts as none, shape (d,).
+    observed
+        The 0–1 test observes so many entries, the first ones; all by default.
+    """
+    count, points = len(points), _without_noise(points, angles, tolerance)
+    period, curves, settled = None, None, 0.0
+    if rests:
+        settled = _part_before(exponents.states, exponents.states[-1:], angles, tolerance)
+    elif count >= FEWEST_REPEATING:
+        period, settled = _repetition(points, angles, tolerance)
+    if not rests and period is None and count >= 2 * FEWEST_ON_CURVES:
+        curves, settled = _curves(points, angles)
+    columns = list(zip(points.T, angles, strict=True))[:observed]
+    enough = count >= FEWEST_TESTED
+    return Evidence(
+        points=points,
+        times=times,
+        angles=angles,
+        exponents=exponents,
+        autonomous=autonomous,
+        rests=rests,
+        tests=tuple(_zero_one(*column) for column in columns) if enough else (),
+        period=period,
+        curves=curves,
+        settled=settled,
+        steady=steadiness(points, angles=angles) if count >= FEWEST_STEADY else (0.0, 0.0),
+    )
+
+
+def _without_noise(points: Floats, angles: NDArray[np.bool_], tolerance: Floats) -> Floats:
+    """Points whose entries are constant where they are but for round-off, as on their section."""
+    apart = points - points[:1]
+    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
+    return np.where((np.abs(apart) <= tolerance).all(axis=0), points[:1], points)
+
+
+def ends_alike(exponents: Exponents, angles: NDArray[np.bool_], tolerance: Floats) -> bool:
+    """Whether the last states are all the same: the motion rests, or its interval is a period."""
+    last = exponents.states[-max(2, len(exponents.states) // RESTING) :]
+    return _part_before(last, last[-1:], angles, tolerance) == 0.0
+
+
+def _repetition(
+    points: Floats, angles: NDArray[np.bool_], tolerance: Floats
+) -> tuple[int | None, float]:
+    """The period with which the section ends, and the part of it before."""
+    best = None
+    for parts in TAILS:
+        tail = points[-(len(points) // parts) :]
+        if len(tail) < FEWEST_REPEATING:
+            break
+        found = find_period(tail, angles=angles, tolerance=tolerance)
+        # where a multiplier is near -1, twice the period repeats sooner than the period
+        if found.count is not None and (best is None or found.count < len(best.cycle)):
+            best = found
+    if best is None:
+        return None, 0.0
+    return best.count, _part_before(points, best.cycle, angles, tolerance)
+
+
+def _part_before(
+    points: Floats, cycle: Floats, angles: NDArray[np.bool_], tolerance: Floats
+) -> float:
+    """Part of some points, the last of which are a cycle, before all are like those of it."""
+    again = cycle[(np.arange(len(points)) - len(points)) % len(cycle)]
+    other = np.flatnonzero(differences(points, again, angles, tolerance) > 1.0)
+    return float(other[-1] + 1) / len(points) if len(other) else 0.0
+
+
+def _curves(points: Floats, angles: NDArray[np.bool_]) -> tuple[ClosedCurves, float]:
+    """Closed curves on which all points lie, or else those of the later half."""
+    whole = closed_curves(points, angles=angles)
+    later = whole if whole.count else closed_curves(points[len(points) // 2 :], angles=angles)
+    return (later, 0.5) if later.count and not whole.count else (whole, 0.0)
+
+
+def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
+    observed = np.cos(series) if angle else series
+    beyond = _less_periodic_part(observed)
+    if beyond.std() <= REPEATING * np.abs(observed).max():
+        return 0.0, 0.0  # what repeats is regular, and its round-off is not asked
+    found = zero_one(beyond, lag=1)  # section points are not oversampled
+    return found.growth, found.spread
+
+
+def _less_periodic_part(series: Floats) -> Floats:
+    """A series less the periodic one that is closest to it.
+
+    Chaos in several bands, visited one after the other, is regular but for what it does within
+    them, and the 0–1 test would see little else. Regular series stay regular.
+    """
+    found = series - series.mean()
+    for count in range(2, MOST_BANDS + 1):
+        phase = np.arange(len(series)) % count
+        means = np.bincount(phase, series) / np.bincount(phase)
+        other = series - means[phase]
+        if other.var() < found.var():
+            found = other
+    return found

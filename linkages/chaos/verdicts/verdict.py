@@ -1,0 +1,132 @@
+"""From evidence to a verdict: at rest, periodic, quasi-periodic, chaotic or undecided."""
+
+from __future__ import annotations
+
+from linkages.chaos.growth.indicators import Verdict
+from linkages.chaos.verdicts.stretch import Evidence
+
+SIGNIFICANT = 4.0
+"""Standard errors by which the largest exponent of a chaotic motion exceeds zero."""
+
+REGULAR_GROWTH, CHAOTIC_GROWTH = 0.3, 0.6
+"""Results of the 0–1 test that speak for regular and for chaotic motion."""
+
+DRIFTING = 0.02
+"""Standard deviations by which averages over both halves of a torus do not differ."""
+
+UNSTEADY = 6.0
+"""Standard errors by which those of a chaotic motion do not differ."""
+
+SURFACE = 2
+"""Directions in which tangents neither grow nor shrink where a torus is not seen as a curve."""
+
+FEWEST_PERIODS = 200
+"""The 0–1 test and the section need so many points."""
+
+LATER = 0.5
+"""Part of the stretch from which on a motion has settled whose verdict is about that."""
+
+
+def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
+    """A verdict and the sentences that lead to it.
+
+    Parameters
+    ----------
+    evidence
+        Of one stretch of a motion.
+    dissipative
+        Whether there are attractors; a motion may still be on its way to one then.
+    """
+    reasons = [_growth(evidence)]
+    regular = evidence.law is Verdict.REGULAR
+    late = evidence.settled > LATER
+    if evidence.rests and regular:
+        reasons.append("The motion comes to rest." if evidence.settled else "Nothing moves.")
+        return "at rest", reasons
+    if len(evidence.points) < FEWEST_PERIODS:
+        reasons.append(
+            f"The section has {len(evidence.points)} points, {FEWEST_PERIODS} are needed: the "
+            "motion seldom crosses it."
+        )
+        return "undecided", reasons
+    if regular and evidence.period is not None and not late:
+        return "periodic", [*reasons, _repeats(evidence)]
+    tested = max(growth for growth, _ in evidence.tests)
+    reasons.append(f"The 0–1 test gives {tested:.3f}.")
+    if evidence.exponents.unsettled:
+        reasons.append(evidence.exponents.unsettled)
+    if evidence.period is None:
+        verdict = _aperiodic(evidence, tested, dissipative, reasons)
+        if verdict:
+            return verdict, reasons
+    found = transient(evidence) if dissipative else ""
+    if found:
+        reasons.append(f"This is a transient: {found}. Skip more, or run longer.")
+    else:
+        reasons.append("The evidence does not agree; run more periods.")
+    return "undecided", reasons
+
+
+def _aperiodic(
+    evidence: Evidence, tested: float, dissipative: bool, reasons: list[str]
+) -> str | None:
+    """Chaotic, quasi-periodic, or neither."""
+    exponents, curves = evidence.exponents, evidence.curves
+    significant = exponents.values[0] > SIGNIFICANT * exponents.errors[0]
+    if evidence.law is Verdict.CHAOTIC:
+        return "chaotic" if significant and tested > CHAOTIC_GROWTH else None
+    steady = evidence.steady[0] <= DRIFTING
+    if not evidence.neutral or (dissipative and not steady):
+        return None
+    if curves is not None and curves.count:
+        number = "a closed curve" if curves.count == 1 else f"{curves.count} closed curves"
+        reasons.append(f"Section points lie on {number}.")
+        return "quasi-periodic"
+    # at the end of a cascade of period doublings there is but one neutral direction
+    directions = SURFACE + evidence.autonomous
+    if evidence.neutral >= directions and tested < REGULAR_GROWTH and steady:
+        why = "" if curves is None else f": {curves.reason}"
+        reasons.append(f"Averages converge as on tori; section points are on no clear curve{why}")
+        return "quasi-periodic"
+    return None
+
+
+def transient(evidence: Evidence) -> str:
+    """Why a motion that dissipates is still on its way to its attractor; empty if it is there."""
+    if evidence.settled:
+        how = (
+            "comes to rest" if evidence.rests
+            else "repeats" if evidence.period is not None
+            else "lies on closed curves"
+        )  # fmt: skip
+        return f"the motion {how} only after {evidence.settled:.0%} of the stretch"
+    if evidence.rests or evidence.period is not None:
+        return ""
+    if evidence.shrinks:
+        return "tangents shrink, and the motion does not repeat yet"
+    apart, errors = evidence.steady
+    chaotic = evidence.law is Verdict.CHAOTIC
+    if apart > DRIFTING and (errors > UNSTEADY or not chaotic):
+        return f"averages over its halves differ by {apart:.2g} standard deviations"
+    return ""
+
+
+def _growth(evidence: Evidence) -> str:
+    """The largest exponent, and the law of its tangents."""
+    how = {
+        Verdict.CHAOTIC: "grow exponentially, as along chaotic motions",
+        Verdict.REGULAR: "grow like a power of time, as along regular motions",
+        Verdict.UNDECIDED: "grow neither clearly like a power of time nor exponentially",
+    }[evidence.law]
+    if evidence.shrinks:
+        how = "shrink exponentially, as along motions that attract their neighbours"
+    value, error = evidence.exponents.values[0], evidence.exponents.errors[0]
+    return f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents {how}."
+
+
+def _repeats(evidence: Evidence) -> str:
+    many = f"after {evidence.period} point{'' if evidence.period == 1 else 's'}"
+    if not evidence.settled:
+        return f"The section repeats {many}."
+    first = round(evidence.settled * len(evidence.points))
+    return f"The section repeats {many}, from its point {first + 1} on."

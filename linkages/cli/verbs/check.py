@@ -1,0 +1,159 @@
+"""``check``: what a mechanism is made of, how it moves and how it is solved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from linkages.cli.loading import mechanism_from, require_folder
+from linkages.cli.requests import Request
+from linkages.cli.terminal import console, print_json
+from linkages.cli.verbs.check_report import print_report
+from linkages.cli.verbs.contributions import drives, loads, relations
+from linkages.components.contributed.measures import Distance
+from linkages.components.contributed.terms import Body, axis_label
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.assembly.modes import Assembly
+from linkages.kernel.system import System
+from linkages.options.run import SimulationOptions
+from linkages.reading.paths import dotted
+from linkages.solution.options import options_of
+from linkages.solution.remarks.assumptions import assumptions
+from linkages.solution.remarks.doubts import doubts
+from linkages.topology.blocks import ITERATED, Block
+from linkages.topology.graph import bodies_at
+from linkages.topology.jacobian import numerical_mobility
+
+
+def run_check(request: Request, kernel: bool, modes: bool) -> int:
+    """Print the report of a file; returns the exit code."""
+    mechanism = mechanism_from(request.file, request.assignments)
+    if request.out is not None:
+        require_folder(request.out)
+    options_of(SimulationOptions, mechanism, {})
+    system = System(mechanism)
+    content = check_content(system)
+    if kernel:
+        content["kernel"] = _kernel(system)
+    if modes:
+        from linkages.cli.verbs.modes import modes_content
+
+        content["modes"] = modes_content(system, request.out, request.format)
+    if request.json:
+        print_json(content)
+    else:
+        print_report(content, console())
+    return 0
+
+
+def check_content(system: System) -> dict[str, Any]:
+    """What the report says, as plain data for JSON."""
+    topology, mechanism = system.topology, system.mechanism
+    places = system.places()
+    return {
+        "mechanism": mechanism.name,
+        "bodies": [_body(system, body) for body in mechanism.bodies.values()],
+        "joints": [
+            {"joint": joint, "bodies": list(bodies), "position": [float(v) for v in places[joint]]}
+            for joint, bodies in bodies_at(mechanism).items()
+        ],
+        "revolute_pairs": sum(len(b) - 1 for b in bodies_at(mechanism).values()),
+        "prismatic_pairs": sum(not body.rotates for body in mechanism.bodies.values()),
+        "loops": topology.loops,
+        "mobility": {
+            "gruebler": topology.mobility,
+            "numerical": _numerical(system),
+        },
+        "driven": list(topology.driven),
+        "free": list(topology.free),
+        "dependent": list(topology.dependent),
+        "blocks": [
+            _block(system, block, condition)
+            for block, condition in zip(topology.solved_blocks, system.conditions, strict=True)
+        ],
+        "redundant": list(topology.redundant),
+        "relations": relations(mechanism),
+        "drives": drives(mechanism),
+        "loads": loads(mechanism),
+        "notes": _notes(system),
+    }
+
+
+def _numerical(system: System) -> int:
+    return numerical_mobility(system.jacobian)
+
+
+def _body(system: System, body: Body) -> dict[str, Any]:
+    topology = system.topology
+    if body.name in topology.driven:
+        coordinate = "driven"
+    else:
+        coordinate = "free" if body.name in topology.free else "dependent"
+    return {
+        "name": body.name,
+        "kind": body.kind,
+        "joints": list(body.points),
+        "mass": body.mass.value,
+        "inertia": body.inertia.value,
+        "coordinate": coordinate,
+    }
+
+
+def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
+    return {
+        "block": block.index,
+        "kind": f"{block.title}, {'iterated' if block.kind == ITERATED else 'closed form'}",
+        "unknowns": list(block.unknowns),
+        "apex": joint_of(system, block),
+        "side": side_of(system.assembly, block),
+        "condition": condition,
+    }
+
+
+def joint_of(system: System, block: Block) -> str:
+    """The joint at which a block closes; the pin of a slider that closes at its axis."""
+    apex = block.loops[0].apex
+    pins = {axis_label(n): next(iter(b.points)) for n, b in system.mechanism.bodies.items()}
+    return apex if apex in system.topology.joints else pins.get(apex, apex)
+
+
+def side_of(assembly: Assembly, block: Block) -> str | None:
+    """The assembly mode of a dyad in a word; None where there is only one, or values instead."""
+    sign = assembly.sides.get(block.index)
+    if sign is None or block.kind == "PP":
+        return None
+    words = ("left", "right") if block.kind == "RRR" else ("forward", "backward")
+    return words[sign < 0]
+
+
+def _notes(system: System) -> list[str]:
+    notes = [*assumptions(system), *doubts(system.mechanism)]
+    if system.topology.redundant:
+        notes.append(
+            f"constraints at {system.topology.redundant_places} are redundant: they repeat what "
+            "others hold, and joint reactions are not determined by rigid bodies alone"
+        )
+    held = _held(system.mechanism)
+    ends = [joint for joint in system.topology.free_ends if joint not in held]
+    notes += [f"joint {joint} is a free end: only one body has it" for joint in ends]
+    return notes
+
+
+def _held(mechanism: Mechanism) -> set[str]:
+    """Joints that a spring or damper pulls at, or that the axis of a slider goes through."""
+    along = [load.measure for load in mechanism.loads if isinstance(load.measure, Distance)]
+    held = {joint for distance in along for joint in (distance.first, distance.second)}
+    for guide in (body.guide for body in mechanism.bodies.values() if body.guide is not None):
+        places = mechanism.ground if guide.body is None else mechanism.bodies[guide.body].points
+        held |= {joint for joint, place in places.items() if place == guide.origin}
+    return held
+
+
+def _kernel(system: System) -> dict[str, Any]:
+    if not system.topology.free:
+        return {"note": "nothing is free to move: no kernel is compiled, nothing is integrated"}
+    from linkages.kernel.code.counting import report_kernel
+    from linkages.solution.moving.plan import kernel_source
+
+    source = kernel_source(system.topology)
+    report = report_kernel(source.model, source.program)
+    return {"operations": report.counts, "left_out": [dotted(path) for path in report.left_out]}

@@ -1,0 +1,188 @@
+"""What acts on a mechanism and what ties angles together, in words: rows of `check`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import groupby
+from typing import assert_never
+
+import numpy as np
+
+from linkages.cli.terminal import number
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Time,
+)
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.state_laws import (
+    Monomial,
+    addends,
+    monomial,
+    sum_of,
+    variables,
+)
+from linkages.components.contributed.terms import Path
+from linkages.components.gear import Gear
+from linkages.components.laws.law import function_of
+from linkages.components.laws.named import NamedLaw
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
+from linkages.components.weld import Weld
+from linkages.kernel.numbers.laws import law_values
+from linkages.reading.paths import dotted
+from linkages.reading.wording import listed
+from linkages.solution.remarks.law_ranges import law_range
+from linkages.spec.annotations import written_fields
+from linkages.spec.formulas import Formula
+
+Row = dict[str, str]
+
+
+def relations(mechanism: Mechanism) -> list[Row]:
+    """Welds and gears: ``kind, path, on, value``."""
+    found: list[Row] = []
+    for part in mechanism.components:
+        if isinstance(part, Weld):
+            value = f"at {part.name}, {number(math.degrees(part.angle))}°"
+            found.append(_row("weld", value, part.path, " and ".join(part.bars)))
+        elif isinstance(part, Gear):
+            value = f"{part.bars[1]} turns {number(part.ratio)} times as fast as {part.bars[0]}"
+            if part.carrier not in (None, GROUND):
+                value += f", seen from {part.carrier}"
+            found.append(_row("gear", value, part.path, " and ".join(part.bars)))
+    return found
+
+
+def drives(mechanism: Mechanism) -> list[Row]:
+    """Drives: ``kind, path, on, value``, with the range of what they prescribe."""
+    found = []
+    for name, drive in mechanism.prescribed.items():
+        unit = "rad" if mechanism.bodies[name].rotates else "m"
+        match drive.law:
+            case Operation("add", (Number(start), Operation("mul", (Number(speed), Time())))):
+                value = f"{number(start.value)} {unit} at t = 0, {number(speed.value)} {unit}/s"
+            case _:
+                value = _law(drive.law, unit, mechanism)
+        found.append(_row("drive", value, drive.path, name))
+    return found
+
+
+def loads(mechanism: Mechanism) -> list[Row]:
+    """Forces, torques, springs, dampers, masses at joints: ``kind, path, on, value``.
+
+    Those that are exactly zero are left out, as they are of the equations. Laws of time are shown
+    with their range.
+    """
+    found = []
+    for (path, given), same in groupby(mechanism.loads, lambda load: (load.path, load.given)):
+        parts = list(same)
+        if parts[0].called:
+            keys = _keys(mechanism, path)
+            found += [_row(p.called, keys, path, _on(p)) for p in parts if not p.absent]
+        elif given:  # both components of a force at a joint stand in one row
+            found.append(_row(*_given(parts, mechanism), path, _on(parts[0])))
+        else:
+            found += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
+    masses = [
+        _row("mass", f"{number(m.mass.value)} kg", m.path, f"joint {m.joint}")
+        for m in mechanism.point_masses
+        if not m.mass.absent
+    ]
+    return [*found, *masses]
+
+
+def _on(load: Load) -> str:
+    """What a load acts on."""
+    match load.measure:
+        case Distance(first, second):
+            return f"joints {first} and {second}"
+        case Turn(body, reference):
+            return body if reference is None else f"{body} against {reference}"
+        case Slide(body):
+            return f"{body}, along its axis" if load.given else f"{body} in its guide"
+        case Coordinate(joint, axis):
+            return f"joint {joint}" if load.given else f"{'xy'[axis]} of joint {joint}"
+        case BodyAxis(joint, body):
+            return f"joint {joint}, turning with {body}"
+        case _:
+            assert_never(load.measure)
+
+
+def _given(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
+    """Kind and value of a force or torque; that at a joint has two components."""
+    shown = ", ".join(_law(load.law, load.unit, mechanism) for load in same)
+    return "torque" if same[0].twists else "force", f"[{shown}]" if len(same) > 1 else shown
+
+
+def _passive(load: Load) -> tuple[str, str]:
+    """Kind and value of a spring or damper."""
+    kind = "spring" if load.elastic else "damper"
+    return f"torsional {kind}" if load.twists else kind, ", ".join(_terms(load))
+
+
+def _terms(load: Load) -> Iterator[str]:
+    """The numbers of terms that are constant or linear, and what all others depend on."""
+    unit = load.unit
+    per, relaxed = ("rad", "angle ") if load.twists else ("m", "length ")
+    if isinstance(load.measure, Slide):
+        relaxed = "position "
+    damping = "" if isinstance(load.measure, Slide) else "damping "
+    viscous: list[str] = []
+    others: list[Function] = []
+    for term in addends(load.force):
+        match monomial(term):
+            case Monomial(Operation("neg", (Number(k),)), Measured(), 1, 0):
+                yield f"{number(k.value)} {unit}/{per}"
+            case Monomial(Operation("neg", (Number(k),)), Operation("sub", (_, Number(c))), 1, 0):
+                yield f"{number(k.value)} {unit}/{per}"
+                yield f"{relaxed}{number(c.value)} {per}"
+            case Monomial(Operation("neg", (Number(d),)), None, 0, 1):
+                viscous.append(f"{damping}{number(d.value)} {unit} s/{per}")
+            case _ if not variables(term):
+                yield f"{number(float(law_values(term, np.zeros(1))[0]))} {unit}"
+            case _:
+                others.append(term)
+    yield from viscous
+    if others:
+        yield f"a law of {listed(variables(sum_of(others)), 'and')}"
+
+
+def _keys(mechanism: Mechanism, path: Path) -> str:
+    """The numbers and laws of a component, as its entry in the definition has them."""
+    component = next(c for c in mechanism.components if c.path == path)
+    found = []
+    for key, value in (written_fields(component) or {}).items():
+        unit = unit_at(mechanism.definition, dotted((*path, key)))
+        match value:
+            case float():
+                found.append(f"{key} {number(value)} {unit}".rstrip())
+            case Formula() | NamedLaw():
+                found.append(f"{key} {_law(function_of(value, (*path, key)), unit, mechanism)}")
+    return ", ".join(text.replace("_", " ") for text in found)
+
+
+def _row(kind: str, value: str, path: Path, on: str) -> Row:
+    return {"kind": kind, "path": dotted(path), "on": on, "value": value}
+
+
+def _law(function: Function, unit: str, mechanism: Mechanism) -> str:
+    if isinstance(function, Number):
+        return f"{number(function.parameter.value)} {unit}"
+    end = mechanism.simulation.end
+    found = law_range(function, end)
+    over = f"until t = {number(end)} s"
+    if found.period is not None:
+        over = f"in each period of {number(found.period)} s"
+    return f"{number(found.low)} to {number(found.high)} {unit} {over}"

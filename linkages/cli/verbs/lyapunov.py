@@ -1,0 +1,110 @@
+"""``lyapunov``: exponents with errors, their sum, how they settle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.swept import close_report, contact_content
+from linkages.cli.terminal import number, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BEYOND = 3.0
+"""Standard errors beyond which an exponent is said to differ from zero."""
+
+
+def run_lyapunov(request: Request) -> int:
+    """Compute exponents; returns the exit code."""
+    from linkages.chaos.growth.lyapunov import lyapunov
+
+    with request.computing("exponents of") as watch:
+        data = lyapunov(request.mechanism, watch=watch, **request.given)
+    with request.publishing() as place:
+        save_netcdf(data, place.folder / "lyapunov.nc")
+        columns = {"time (s)": data["time"].to_numpy()} | {
+            f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
+            for index in data["index"].to_numpy()
+        }
+        save_table(columns, place.folder / "lyapunov.csv")
+        if request.figures:
+            from linkages.plots.chaos import exponents
+
+            save_figures({"lyapunov": exponents.figure(data)}, place.folder, request.format)
+    rows, known, said = exponent_rows(data), certificate_rows(data), data.attrs
+    end = float(data["time"][-1])
+
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
+        screen.print(exponent_table(rows))
+        screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
+        if known:
+            heading, heads, cells = certificate_table(known)
+            screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
+        close_report(data, [said["warning"]] if said["warning"] else [], place.files)
+
+    content = {
+        "mechanism": said["name"],
+        "end": end,
+        "exponents": rows,
+        "sum": {"value": said["sum"], "error": said["sum_error"]},
+        "certificate": known,
+        "contact": contact_content(data),
+        "settled": bool(said["settled"]),
+        "warning": said["warning"] or None,
+    }
+    request.report(content, place.files, show)
+    return 0
+
+
+def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Each exponent with its error and what can be said about its sign."""
+    rows = []
+    for index in data["index"].to_numpy():
+        value = float(data["exponent"].sel(index=index))
+        error = float(data["error"].sel(index=index))
+        sign = "zero within its error"
+        if abs(value) > BEYOND * error:
+            sign = "positive" if value > 0 else "negative"
+        rows.append({"index": int(index), "value": value, "error": error, "sign": sign})
+    return rows
+
+
+def certificate_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """What is known of the exponents, and whether it holds."""
+    rows = []
+    for place, name in enumerate(data["invariant"].to_numpy()):
+        row = {key: float(data[key][place]) for key in ("found", "expected", "tolerance")}
+        holds = abs(row["found"] - row["expected"]) <= row["tolerance"]
+        rows.append({"name": str(name), **row, "holds": holds})
+    return rows
+
+
+def certificate_table(rows: list[dict[str, Any]]) -> tuple[str, list[str], list[list[str]]]:
+    """Heading, heads and cells of the same."""
+    cells = [
+        [
+            row["name"] + ("" if row["holds"] else ": VIOLATED"),
+            number(row["found"]),
+            number(row["expected"]),
+            f"{row['tolerance']:.2g}",
+        ]
+        for row in rows
+    ]
+    heads = ["invariant", "found (1/s)", "known (1/s)", "tolerance"]
+    return "Certificate of the exponents", heads, cells
+
+
+def exponent_table(rows: list[dict[str, Any]]) -> Any:
+    """The rows as a table."""
+    cells = [
+        [str(row["index"]), row["sign"], number(row["value"]), f"{row['error']:.2g}"]
+        for row in rows
+    ]
+    heads = ["exponent", "sign", "value (1/s)", "standard error"]
+    return table("Lyapunov exponents", heads, cells, numbers=2)

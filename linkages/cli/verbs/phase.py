@@ -1,0 +1,77 @@
+"""``phase``: two outputs of a motion against each other, as a figure and a table."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.simulated import as_far_as_possible
+from linkages.cli.terminal import number, table
+from linkages.errors import ComputationError
+from linkages.options.option import OptionError
+from linkages.options.run import SimulationOptions
+from linkages.solution.options import options_of
+
+FEWEST_SAMPLES = 10_001
+"""A curve through fewer points shows corners where a clearance turns fast."""
+
+
+def run_phase(
+    request: Request, x: str, y: str, wrap: bool, skip: float, samples: int | None
+) -> int:
+    """Simulate, and draw one series against another; returns the exit code."""
+    from linkages.kernel.system import System
+    from linkages.solution.values.series import TIME, find_series, system_series
+
+    mechanism = request.mechanism
+    with request.computing("phase diagram of") as watch:
+        known = system_series(System(mechanism))
+        across, up = find_series(known, x), find_series(known, y)
+        asked = options_of(SimulationOptions, mechanism, request.given)
+        if not 0 <= skip < asked.end:
+            raise OptionError(
+                "skip", f"skip must be from 0 to below {asked.end:g} s, found {skip:g}"
+            )
+        wanted = max(FEWEST_SAMPLES, asked.samples) if samples is None else samples
+        outputs = list(dict.fromkeys(s.variable for s in (across, up) if s.variable != TIME))
+        given = {**request.given, "samples": wanted, "outputs": outputs}
+        solution, failure, interrupted = as_far_as_possible(mechanism, watch=watch, **given)
+    data = solution.data.sel(time=slice(skip, None))
+    if not data.sizes["time"]:
+        raise ComputationError(f"stopped {failure}", time=solution.motion.stop_time)
+    columns = {"time (s)": data["time"].to_numpy()} | {
+        f"{series.name} ({data[series.variable].attrs['units']})": series.of(data).to_numpy()
+        for series in (across, up)
+        if series.variable != TIME
+    }
+    how = {"complete": failure is None, "interrupted": interrupted}
+    with request.publishing({**solution.options, **request.own, "samples": wanted}, **how) as place:
+        save_netcdf(data, place.folder / "phase_diagram.nc")
+        save_table(columns, place.folder / "phase_diagram.csv")
+        if request.figures:
+            from linkages.plots.motion import phase_pair
+
+            drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
+            save_figures(drawn, place.folder, request.format)
+    rows: list[dict[str, Any]] = [
+        {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
+        for head, values in columns.items()
+    ]
+
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(mechanism.name)}[/bold]: phase diagram")
+        cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
+        screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
+        screen.print(f"{len(place.files)} files in {place.files[0].parent}", markup=False)
+        if failure is not None:
+            print(f"stopped {failure}", file=sys.stderr)
+
+    content = {"mechanism": mechanism.name, "stopped": failure, "series": rows}
+    request.report(content, place.files, show)
+    return 0 if failure is None else 1

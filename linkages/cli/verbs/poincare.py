@@ -1,0 +1,105 @@
+"""``poincare``: points of a section, a table of where they lie, and a figure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
+from linkages.cli.swept import close_report, contact_content
+from linkages.cli.terminal import number, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TAKEN = ("period", "phase", "section", "direction")
+"""Attributes that say how points are taken."""
+
+
+def run_poincare(request: Request) -> int:
+    """Compute a section; returns the exit code."""
+    from linkages.chaos.sections.section import poincare
+
+    with request.computing("section of") as watch:
+        data = poincare(request.mechanism, watch=watch, **request.given)
+    with request.publishing() as place:
+        save_netcdf(data, place.folder / "poincare.nc")
+        columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
+        save_table(columns, place.folder / "poincare.csv")
+        if request.figures:
+            from linkages.plots.chaos import sections
+
+            save_figures({"poincare": sections.figure(data)}, place.folder, request.format)
+    rows, warning = section_rows(data), data.attrs["warning"]
+
+    def show(screen: Console) -> None:
+        screen.print(f"[bold]{escape(data.attrs['name'])}[/bold]: {escape(taken(data))}")
+        screen.print(section_table(rows))
+        close_report(data, [warning] if warning else [], place.files)
+
+    content = {
+        "mechanism": data.attrs["name"],
+        "points": data.sizes["crossing"],
+        "taken": {k: data.attrs[k] for k in TAKEN if k in data.attrs},
+        "first": float(data["time"][0]),
+        "last": float(data["time"][-1]),
+        "coordinates": rows,
+        "contact": contact_content(data),
+        "warning": warning or None,
+    }
+    request.report(content, place.files, show)
+    return 0
+
+
+def taken(data: xr.Dataset) -> str:
+    """How many points there are, and where they were taken."""
+    time, count = data["time"].to_numpy(), data.sizes["crossing"]
+    points = f"{count} point{'' if count == 1 else 's'}"
+    span = f"from t = {number(float(time[0]))} s to {number(float(time[-1]))} s"
+    if "period" in data.attrs:
+        return f"{points}, one per period of {number(data.attrs['period'])} s, {span}"
+    ways = {"up": "upwards", "down": "downwards", "both": "both ways"}
+    way = ways[data.attrs["direction"]]
+    return f"{points}, where {data.attrs['section']} is crossed {way}, {span}"
+
+
+def section_rows(data: xr.Dataset) -> list[dict[str, Any]]:
+    """Range and last value of every free coordinate and its rate."""
+    rows = []
+    for name, array in data.data_vars.items():
+        if "crossing" not in array.dims:
+            continue
+        dim = str(array.dims[1])
+        for element in data[dim].values:
+            values = array.sel({dim: element}).to_numpy()
+            rows.append(
+                {
+                    "variable": str(name),
+                    "element": str(element),
+                    "least": float(np.min(values)),
+                    "greatest": float(np.max(values)),
+                    "last": float(values[-1]),
+                    "units": array.attrs["units"],
+                    "long_name": array.attrs["long_name"],
+                }
+            )
+    return rows
+
+
+def section_table(rows: list[dict[str, Any]], title: str = "Where the points lie") -> Any:
+    """The rows as a table."""
+    cells = [
+        [
+            row["long_name"],
+            escape(row["element"]),
+            row["units"],
+            *(number(row[key]) for key in ("least", "greatest", "last")),
+        ]
+        for row in rows
+    ]
+    heads = ["quantity", "of", "unit", "least", "greatest", "last"]
+    return table(title, heads, cells, numbers=3)

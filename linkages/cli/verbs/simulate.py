@@ -1,0 +1,253 @@
+"""``simulate``: motion, files, figures and a table of maxima."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+
+from linkages.cli.requests import Request
+from linkages.cli.simulated import as_far_as_possible, how_far
+from linkages.cli.terminal import number, print_notes, table
+from linkages.kernel.outputs import VARIABLES
+from linkages.solution.moving.horizon import Horizon, cost_factor
+from linkages.solution.solution import Solution
+from linkages.solvers.choice import AUTO
+
+DEAREST = 3.0
+"""Runs are verified unasked if that makes them no more than this many times as expensive."""
+
+COARSE = 0.05
+"""Part of a largest value that may be missing between samples before a note says so."""
+
+RESOLVED = 1e-3
+"""Part that may be missing before the value is marked."""
+
+LATE, OPEN = "*", "~"
+"""Marks of values beyond the horizon, and of peaks that samples do not resolve."""
+
+SUMMARY = (
+    "slider_position_error",
+    "slider_velocity_error",
+    "slider_acceleration_error",
+    "drive_effort",
+    "load_force",
+    "load_torque",
+    "slider_position",
+    "slider_velocity",
+    "slider_acceleration",
+    "clearance_speed",
+    "clearance_force",
+    "energy_residual",
+    "closure_residual",
+)
+"""What the table of maxima shows, in its order, unless outputs were asked for; loads that vary."""
+
+WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
+"""What it shows besides where no slider tells how the mechanism moves."""
+
+
+def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> int:
+    """Simulate a file and save everything; returns the exit code."""
+    names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
+    with request.computing("simulating") as watch:
+        given = {**request.given, "outputs": names, "watch": watch}
+        solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
+    horizon = None
+    if not interrupted:  # whoever interrupts wants no second run
+        try:
+            horizon = _horizon(solution, verify)
+        except KeyboardInterrupt:
+            failure, interrupted = "interrupted before it was known until when this holds", True
+    rows = shown_maxima(solution, names)
+    _mark_late(solution, horizon)
+    notes = [*solution.notes, *_warnings(solution, rows)]
+    how = {"complete": failure is None, "interrupted": interrupted}
+    with request.publishing(solution.options, **how) as run:
+        solution.save(run.folder)
+        if request.figures:
+            from linkages.plots.figures import save_figures
+            from linkages.plots.motion.time_figures import QUANTITIES
+            from linkages.solution.resolved import resolved
+
+            dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
+            save_figures(solution.data, solution.mechanism, run.folder, request.format, dense=dense)
+
+    def show(screen: Console) -> None:
+        _print(solution, horizon, rows, screen)
+        print_notes(notes, screen)
+        if run.files:
+            screen.print(f"{len(run.files)} files in {run.files[0].parent}", markup=False)
+        if failure is not None:
+            print(f"stopped {failure}", file=sys.stderr)
+
+    content = {
+        **how_far(solution, failure),
+        "samples": int(solution.data.sizes["time"]),
+        "method": solution.motion.method or None,
+        "reason": solution.motion.reason or None,
+        "cost": solution.motion.cost,
+        "horizon": None if horizon is None else asdict(horizon),
+        "maxima": solution.maxima,
+        "notes": notes,
+    }
+    request.report(content, run.files, show)
+    return 0 if failure is None else 1
+
+
+def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
+    """Until when the solution holds, noted in its data for figures and files."""
+    if verify is None:
+        cheap = solution.settings.run.step is None and bool(solution.motion.method)
+        verify = cheap and cost_factor(solution.motion.method) < DEAREST
+    if not verify:
+        return None
+    horizon = solution.horizon
+    if horizon is not None and not horizon.whole:
+        solution.data.attrs["horizon"] = horizon.time
+    return horizon
+
+
+def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
+    """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
+    for row in solution.maxima:
+        late = None
+        if horizon is not None:
+            late = not horizon.whole and abs(row["time"]) > abs(horizon.time)
+        row["beyond_horizon"] = late
+
+
+def _marks(row: dict[str, Any]) -> str:
+    """What a reader of a value must know."""
+    late = LATE if row.get("beyond_horizon") else ""
+    return late + (OPEN if row["missed"] > RESOLVED else "")
+
+
+def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str]:
+    """What the marks in a table mean, those that are there."""
+    marks = {mark for row in rows for mark in _marks(row)}
+    found = []
+    if LATE in marks and horizon is not None:
+        found.append(
+            f"{LATE} later than t = {number(horizon.time)} s, to which the motion is predictable: "
+            "right in kind only, another run has another value"
+        )
+    if OPEN in marks:
+        found.append(f"{OPEN} a peak that samples do not resolve: it may be higher")
+    return found
+
+
+def shown_maxima(
+    solution: Solution, asked: Sequence[str] | str | None = None
+) -> list[dict[str, Any]]:
+    """Rows of the table: of what was asked for, else of a choice.
+
+    Parameters
+    ----------
+    solution
+        Whose maxima.
+    asked
+        Names of outputs, if some were.
+    """
+    kinds = {body.kind for body in solution.mechanism.bodies.values()}
+    summary = SUMMARY if "slider" in kinds else (*WITHOUT_SLIDERS, *SUMMARY)
+    if asked is None:
+        chosen: Sequence[str] = summary
+    elif asked == "all":
+        chosen = list(dict.fromkeys([*summary, *VARIABLES]))
+    else:
+        chosen = [asked] if isinstance(asked, str) else asked
+    rows = [row for name in chosen for row in solution.maxima if row["variable"] == name]
+    return rows if asked else [row for row in rows if _varies(solution, row)]
+
+
+def _varies(solution: Solution, row: dict[str, Any]) -> bool:
+    """Whether a row is worth its place unasked: all but loads that are constant."""
+    if row["variable"] not in ("load_force", "load_torque"):
+        return True
+    array = solution.data[row["variable"]]
+    return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
+
+
+def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
+    """What a reader of the table must know: peaks between samples, pins out of their holes."""
+    from linkages.chaos.sections.contact import contact_of
+
+    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution.data))]
+    return [text for text in found if text]
+
+
+def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
+    """A note on largest values that samples may miss."""
+    missed = [r for r in rows if r["missed"] > COARSE and not r["variable"].endswith("residual")]
+    if not missed:
+        return ""
+    worst = max(missed, key=lambda row: row["missed"])
+    of = f" of {worst['element']}" if worst["element"] else ""
+    more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
+    time = solution.data["time"].to_numpy()
+    return (
+        f"samples {number(float(time[1] - time[0]))} s apart do not resolve peaks: the largest "
+        f"{worst['long_name']}{of}{more} may be well above what is shown; raise simulate.samples"
+    )
+
+
+def _print(
+    solution: Solution,
+    horizon: Horizon | None,
+    rows: Sequence[dict[str, Any]],
+    screen: Console,
+) -> None:
+    screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
+    cells = [
+        [
+            row["long_name"],
+            row["element"],
+            number(row["value"]) + _marks(row),
+            row["units"],
+            number(row["time"]),
+        ]
+        for row in rows
+    ]
+    screen.print(
+        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], cells)
+    )
+    for line in _legend(rows, horizon):
+        screen.print(line, markup=False, soft_wrap=True)
+    if solution.settings.run.method == AUTO and solution.motion.reason:
+        screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")
+    if horizon is not None:
+        screen.print(_believable(horizon))
+
+
+def _believable(horizon: Horizon) -> str:
+    if not math.isfinite(horizon.error):
+        return "not predictable at all: a more accurate run goes elsewhere before the second sample"
+    error = f"{horizon.error:.1e} of its amplitude"
+    if horizon.whole:
+        return f"predictable throughout: the free motion is off by at most {error}"
+    return (
+        f"predictable to t = {number(horizon.time)} s: later fewer than three digits of the free "
+        f"motion are correct (off by up to {error})"
+    )
+
+
+def _how(solution: Solution) -> str:
+    time = solution.data["time"].to_numpy()
+    span = f"{len(time)} samples to t = {number(float(time[-1]))} s" if len(time) else "no samples"
+    if not solution.motion.method:
+        driven = solution.system.topology.driven
+        why = "all coordinates driven" if driven else "a structure, which cannot move"
+        return f"{span}, {why}, nothing integrated"
+    run, cost = solution.settings.run, solution.motion.cost
+    if run.step is not None:
+        how = f"{solution.motion.method}, step {number(run.step)} s"
+    else:
+        how = f"{solution.motion.method}, rtol {run.rtol:g}, {cost['rejected']} rejected"
+    return f"{span}, {how}, {cost['steps']} steps, {cost['evaluations']} evaluations"

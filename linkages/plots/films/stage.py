@@ -1,0 +1,187 @@
+"""Frames of an animation: a still background, and over it what moves, redrawn for each frame."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.films.film import Film
+from linkages.plots.films.layout import MARGIN, Layout
+from linkages.plots.films.moving import MovingPose, draw_moving, draw_still
+from linkages.plots.mechanism.bodies import outlines
+from linkages.plots.mechanism.insets import Contact, Inset, contacts
+from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
+from linkages.plots.mechanism.view import frame, gravity_arrow, pixels
+from linkages.plots.style import BLACK, fitted, line_style, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Frame = NDArray[np.uint8]
+
+LOOKS = 12
+"""Positions of the mechanism that names of traces keep clear of."""
+
+AHEAD = 0.25
+"""Opacity of the part of a trace that is still to come."""
+
+
+class Stage:
+    """Draws any sample of a solution as a picture.
+
+    Parameters
+    ----------
+    data
+        The samples of the film; with ``joint_position``.
+    mechanism
+        What moves.
+    film
+        For the times to be written.
+    size
+        Width and height in pixels; chosen by the mechanism if not given.
+    dpi
+        Pixels per inch: texts and symbols grow with it.
+
+    Raises
+    ------
+    ValueError
+        For data without joints, or a size too small for the picture.
+    """
+
+    def __init__(
+        self,
+        data: xr.Dataset,
+        mechanism: Mechanism,
+        film: Film,
+        size: tuple[int, int] | None,
+        dpi: float,
+    ) -> None:
+        self._moving = MovingPose(data, mechanism)
+        self._time = np.asarray(data["time"], dtype=float)
+        self._decimals = decimals(abs(film.step))
+        found = contacts(data, mechanism)
+        inches = None if size is None else (size[0] / dpi, size[1] / dpi)
+        with style():
+            layout = Layout.of(self._moving.box, len(found), inches)
+            self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
+            self._build(self._canvas.figure, layout, data, film, found)
+            self._canvas.draw()
+            self._background: Any = self._canvas.copy_from_bbox(self._canvas.figure.bbox)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels, both even: videos need that."""
+        width, height = self._canvas.get_width_height()
+        return width - width % 2, height - height % 2
+
+    def picture(self, index: int) -> Frame:
+        """The picture of one sample, shape (height, width, 4); valid until the next one."""
+        with style():
+            self._canvas.restore_region(self._background)
+            for artist in self._show(index):
+                artist.draw(self._canvas.get_renderer())
+        width, height = self.size
+        return np.asarray(self._canvas.buffer_rgba())[:height, :width]
+
+    def _build(
+        self, figure: Figure, layout: Layout, data: xr.Dataset, film: Film, found: list[Contact]
+    ) -> None:
+        """The background, and the artists that move in every picture."""
+        mechanism = self._moving.mechanism
+        ax = figure.add_axes(layout.main)
+        scale = frame(ax, self._moving.box, mechanism, MARGIN)
+        self._factor = scale.factor
+        self._first = self._moving.at(0).scaled(self._factor)
+        labels = Labels(ax)
+        draw_still(ax, self._first, labels)
+        self._draw_traces(ax, data, labels)
+        self._write_still(ax, film)
+        self._layer = _layer_over(ax)
+        width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
+        self._insets = [
+            Inset(panel, contact, float(width * panel.bbox.width / ax.bbox.width))
+            for contact, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
+        ]
+
+    def _draw_traces(self, ax: Axes, data: xr.Dataset, labels: Labels) -> None:
+        """All of every trace in pale, with its name; what has been run through is drawn later."""
+        mechanism = self._moving.mechanism
+        paths = {n: p * self._factor for n, p in moving_joints(data, mechanism).items()}
+        led = led_joints(mechanism)
+        self._runs = []
+        for number, (name, path) in enumerate(paths.items()):
+            look = {
+                "color": line_style(number)["color"],
+                "linewidth": LED if name in led else COUPLER,
+            }
+            ax.plot(*path.T, alpha=AHEAD, zorder=1.2, **look)
+            labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
+            (line,) = ax.plot([], [], zorder=1.3, **look)
+            line.set_animated(True)
+            self._runs.append((line, path))
+        for index in np.linspace(0, len(self._time) - 1, LOOKS).round().astype(int):
+            for _, corners in outlines(self._moving.at(int(index)).scaled(self._factor)):
+                labels.avoid_line(corners)
+        for (line, path), name in zip(self._runs, paths, strict=True):
+            finite = path[np.isfinite(path).all(axis=1)]
+            if name not in led and len(finite):
+                labels.beside_curve(name, finite, color=line.get_color(), weight="bold")
+
+    def _write_still(self, ax: Axes, film: Film) -> None:
+        """Name, pace and gravity; the time stands where the eye looks for it."""
+        mechanism = self._moving.mechanism
+        inches = ax.bbox.width / ax.figure.dpi
+        ax.set_title("", loc="right")
+        ax.set_title(fitted(mechanism.name, inches - 1.3))
+        arrow = gravity_arrow(mechanism)
+        below: dict[str, Any] = {"fontsize": 8, "color": "0.35", "va": "top"}
+        below["transform"] = ax.transAxes
+        offset = -0.21 / (ax.bbox.height / ax.figure.dpi)
+        ax.text(1.0, offset, film.pace, ha="right", **below)
+        ax.text(0.0, offset, f"gravity {arrow}" if arrow else "", ha="left", **below)
+        self._clock = ax.set_title("", loc="right", color=BLACK)
+        self._clock.set_animated(True)
+
+    def _show(self, index: int) -> list[Artist]:
+        """Everything that moves, as it is at one sample, in the order of drawing."""
+        for artist in [*self._layer.patches, *self._layer.lines]:
+            artist.remove()
+        for line, path in self._runs:
+            line.set_data(*path[: index + 1].T)
+        draw_moving(self._layer, self._moving.at(index).scaled(self._factor), self._first)
+        self._clock.set_text(f"t = {self._time[index]:.{self._decimals}f} s".replace("-", "−"))
+        for inset in self._insets:
+            inset.show(index)
+        symbols = sorted(self._layer.get_children(), key=lambda artist: artist.get_zorder())
+        drawn = {*self._layer.patches, *self._layer.lines}
+        return [
+            *(line for line, _ in self._runs),
+            *(artist for artist in symbols if artist in drawn),
+            self._clock,
+            *(artist for inset in self._insets for artist in inset.artists),
+        ]
+
+
+def _layer_over(ax: Axes) -> Axes:
+    """Empty axes with the same place and limits, which draw nothing by themselves."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    layer = figure.add_axes(ax.get_position().bounds)
+    layer.autoscale(False)
+    layer.set(xlim=ax.get_xlim(), ylim=ax.get_ylim())
+    layer.set_axis_off()
+    layer.set_visible(False)
+    return layer
+
+
+def decimals(step: float) -> int:
+    """Decimals of a time in seconds that tell frames apart."""
+    return int(np.clip(-np.floor(np.log10(step) + 1e-9), 0, 9))

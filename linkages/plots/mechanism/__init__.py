@@ -1,0 +1,1 @@
+"""Drawings of a mechanism in one position: bodies, pairs, loads, traces, modes."""

@@ -1,0 +1,151 @@
+"""Labels that keep clear of lines, symbols and each other."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.plots.mechanism.view import per_point, pixels
+
+Array = NDArray[np.float64]
+
+_AROUND = np.arange(16) * np.pi / 8
+# Diagonals first, upper right foremost: bars and axes run along them least often.
+_DIRECTIONS = np.column_stack((np.cos(_AROUND), np.sin(_AROUND)))[
+    [2, 14, 6, 10, 0, 4, 12, 8, 1, 15, 3, 13, 5, 11, 7, 9]
+]
+_FRACTIONS = (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82)
+_BESIDE = (4.5, 7.5, 12.0, 18.0)  # points from a line
+_HALO = 1.5  # points
+_CELL = 2  # pixels
+_INK = 0.72  # of the height of a line: most names have no descenders
+
+_COST_HIT, _COST_BOX, _COST_OUTSIDE, _COST_LATER = 10.0, 60.0, 1000.0, 0.35
+
+
+class Labels:
+    """Places labels one after the other in an axes whose limits are final.
+
+    Parameters
+    ----------
+    ax
+        Where to write.
+    """
+
+    def __init__(self, ax: Axes) -> None:
+        self.ax = ax
+        self._point = per_point(ax)
+        self._obstacles: list[Array] = []
+        self._boxes: list[Array] = []  # low and high corner
+        self._table: Array | None = None
+
+    def avoid(self, covered: Array) -> None:
+        """Keep clear of pixels, shape (n, 2)."""
+        self._obstacles.append(covered[np.isfinite(covered).all(axis=1)])
+        self._table = None
+
+    def avoid_line(self, points: ArrayLike) -> None:
+        """Keep clear of a polyline, shape (n, 2), in units of the axes."""
+        corners = pixels(self.ax, points)
+        for start, end in pairwise(corners):
+            length = np.hypot(*(end - start))
+            if np.isfinite(length):
+                steps = np.linspace(0, 1, int(min(length / 2, 2000)) + 2)[:, None]
+                self.avoid(start + steps * (end - start))
+
+    def beside_point(self, text: str, point: ArrayLike, gap: float = 5.0, **font: Any) -> None:
+        """Label a point; `gap` is the least distance in points."""
+        anchors = np.repeat(np.asarray(point, dtype=float)[None, :], 16, axis=0)
+        self._put(text, anchors, _DIRECTIONS, (gap, gap + 4, gap + 9, gap + 16), font)
+
+    def beside_segment(self, text: str, start: ArrayLike, end: ArrayLike, **font: Any) -> None:
+        """Label a segment on one of its sides, near its middle if possible."""
+        p, q = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        along = np.subtract(*pixels(self.ax, (q, p)))
+        normal = np.array([-along[1], along[0]]) / max(np.hypot(*along), 1e-12)
+        if normal[1] < 0:
+            normal = -normal
+        anchors = np.repeat([p + f * (q - p) for f in _FRACTIONS], 2, axis=0)
+        directions = np.tile((normal, -normal), (len(_FRACTIONS), 1))
+        self._put(text, anchors, directions, _BESIDE, font)
+
+    def in_polygon(self, text: str, corners: ArrayLike, **font: Any) -> None:
+        """Label a polygon of shape (n, 2): in its middle if there is room, or beside a side."""
+        points = np.asarray(corners, dtype=float)
+        ends = np.roll(points, -1, axis=0)
+        along = pixels(self.ax, ends) - pixels(self.ax, points)
+        lengths = np.hypot(*along.T)
+        order = np.argsort(-lengths, kind="stable")
+        anchors, directions = [points.mean(axis=0)], [np.zeros(2)]
+        for fraction in _FRACTIONS[:5]:
+            for side in order:
+                normal = np.array([-along[side, 1], along[side, 0]]) / max(lengths[side], 1e-12)
+                anchors += [points[side] + fraction * (ends[side] - points[side])] * 2
+                directions += [normal, -normal]
+        self._put(text, np.array(anchors), np.array(directions), _BESIDE, font)
+
+    def beside_curve(self, text: str, curve: ArrayLike, **font: Any) -> None:
+        """Label a curve of shape (n, 2) anywhere along it."""
+        points = np.asarray(curve, dtype=float)
+        points = points[np.linspace(0, len(points) - 1, 24).round().astype(int)]
+        anchors = np.repeat(points, 16, axis=0)
+        self._put(text, anchors, np.tile(_DIRECTIONS, (24, 1)), (4.0, 8.0), font)
+
+    def _put(
+        self, text: str, anchors: Array, directions: Array, gaps: tuple[float, ...], font: Any
+    ) -> None:
+        """Write at the cheapest candidate: anchors × gaps."""
+        artist = self.ax.annotate(
+            text,
+            anchors[0],
+            xytext=(0.0, 0.0),
+            textcoords="offset points",
+            horizontalalignment="center",
+            verticalalignment="center_baseline",
+            annotation_clip=False,
+            zorder=9,
+            path_effects=[withStroke(linewidth=2 * _HALO, foreground="white")],
+            **font,
+        )
+        extent = artist.get_window_extent()
+        half = 0.5 * np.array([extent.width, _INK * extent.height])
+        reach = np.abs(directions) @ half  # from the centre of the box to its edge
+        offsets = np.concatenate([(g * self._point + reach)[:, None] * directions for g in gaps])
+        places = np.tile(anchors, (len(gaps), 1))
+        centres = pixels(self.ax, places) + offsets
+        cost = self._costs(centres, half) + _COST_LATER * np.arange(len(centres))
+        best = int(np.argmin(np.where(np.isfinite(cost), cost, np.inf)))
+        artist.xy = tuple(places[best])
+        artist.set_position(tuple(offsets[best] / self._point))
+        self._boxes.append(np.array([centres[best] - half, centres[best] + half]))
+
+    def _costs(self, centres: Array, half: Array) -> Array:
+        """What it would cost to write with the centre of the text at each of these pixels."""
+        room = half + _HALO * self._point
+        cost = _COST_HIT * self._covered(centres - room, centres + room)
+        for low, high in self._boxes:
+            overlap = np.minimum(centres + room, high) - np.maximum(centres - room, low)
+            cost += _COST_BOX * np.prod(np.maximum(overlap, 0.0), axis=1) ** 0.5
+        window = self.ax.get_window_extent()
+        beyond = np.maximum(window.min - (centres - room), (centres + room) - window.max)
+        return cost + _COST_OUTSIDE * np.maximum(beyond, 0.0).sum(axis=1)
+
+    def _covered(self, low: Array, high: Array) -> Array:
+        """How many cells of each box lie on obstacles, by a summed-area table."""
+        if self._table is None:
+            shape = tuple(int(side) // _CELL + 1 for side in self.ax.get_window_extent().max)
+            taken = np.zeros(shape)
+            for pixels_taken in self._obstacles:
+                cells = (pixels_taken // _CELL).astype(int)
+                inside = ((cells >= 0) & (cells < shape)).all(axis=1)
+                taken[tuple(cells[inside].T)] = 1.0
+            self._table = np.pad(taken.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+        table, most = self._table, np.array(self._table.shape) - 1
+        x0, y0 = np.clip(low // _CELL, 0, most).astype(int).T
+        x1, y1 = np.clip(high // _CELL + 1, 0, most).astype(int).T
+        return table[x1, y1] - table[x0, y1] - table[x1, y0] + table[x0, y0]

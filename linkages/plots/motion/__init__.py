@@ -1,0 +1,1 @@
+"""Curves of a motion: over time, and of one quantity over another."""

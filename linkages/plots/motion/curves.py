@@ -1,0 +1,166 @@
+"""Curves over time: thinned without losing a peak, and with their peak marked."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from linkages.plots.prefixes import Scale
+from linkages.plots.style import BLACK
+from linkages.solution.resolved import turning_points
+from linkages.solution.values.peaks import largest
+
+Array = NDArray[np.float64]
+
+MANY = 20_000
+BINS = 4_000  # about four to every pixel of an axis
+STEADY = 1e-6  # of the values: a smaller change is not drawn as one
+BUSY = 80  # turning points, beyond which a thinner line shows more
+
+
+class Peak(NamedTuple):
+    """Where a curve is farthest from zero, in SI units, and whether that is not predictable."""
+
+    time: float
+    value: float
+    late: bool = False
+
+
+def peak_of(
+    time: Array, values: Array, horizon: float | None = None, *, smooth: bool = True
+) -> Peak | None:
+    """Where a curve is farthest from zero; None if no sample is finite.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,), times equally spaced.
+    horizon
+        Time to which the motion is predictable, if that is known and not its end.
+    smooth
+        Whether there may be a peak between samples.
+
+    Returns
+    -------
+    As `linkages.solution.values.peaks.largest` locates it between samples; the largest sample where
+    some are not finite, or the curve is not smooth.
+    """
+    finite = np.isfinite(values)
+    if not finite.any():
+        return None
+    if finite.all():
+        found = largest(values, 0.0 if smooth else np.inf)
+        place, value = found.time, found.value
+    else:
+        place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
+        value = float(values[int(place)])
+    at = float(np.interp(place, np.arange(len(time)), time))
+    return Peak(at, value, horizon is not None and abs(at) > abs(horizon))
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """The same curve with fewer samples: the least and the largest of each short stretch.
+
+    Curves of up to `MANY` samples are returned as they are. Samples that are not finite are
+    left out of a stretch, unless it has no others.
+    """
+    count = len(values)
+    if count <= MANY:
+        return time, values
+    size = -(-count // BINS)
+    whole = count - count % size
+    stretches = values[:whole].reshape(-1, size)
+    finite = np.isfinite(stretches)
+    low = np.argmin(np.where(finite, stretches, np.inf), axis=1)
+    high = np.argmax(np.where(finite, stretches, -np.inf), axis=1)
+    pairs = np.sort(np.column_stack((low, high)), axis=1)
+    starts = np.arange(0, whole, size)[:, None]
+    kept = np.concatenate(((pairs + starts).ravel(), np.arange(whole, count)))
+    return time[kept], values[kept]
+
+
+def draw_curve(
+    ax: Axes, time: Array, values: Array, scales: tuple[Scale, Scale], **line: Any
+) -> Line2D:
+    """Draw a curve in shown units; a lone sample becomes a dot.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    time, values
+        Shape (n,), SI units.
+    scales
+        Of the time and of the values.
+    line
+        Properties of the line.
+    """
+    x, y = thinned(time, values)
+    lone = "." if len(x) == 1 else ""
+    if turning_points(y) > BUSY:
+        line = {"linewidth": 0.7, **line}
+    (curve,) = ax.plot(x * scales[0].factor, y * scales[1].factor, marker=lone, **line)
+    return curve
+
+
+def show_steady(ax: Axes, values: Array) -> None:
+    """Show values that are constant but for round-off as constant.
+
+    Parameters
+    ----------
+    ax
+        Where `values` are drawn.
+    values
+        In the units of the axes.
+    """
+    finite = values[np.isfinite(values)]
+    if not len(finite):
+        return
+    low, high = float(finite.min()), float(finite.max())
+    size = max(abs(low), abs(high))
+    if high - low < STEADY * size:
+        ax.set_ylim(low - 0.1 * size, high + 0.1 * size)
+
+
+def mark_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale], colour: str = BLACK) -> None:
+    """Mark where a curve is farthest from zero with a small ring."""
+    x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
+    ax.plot(
+        [x],
+        [y],
+        "o",
+        markersize=4,
+        markerfacecolor="white",
+        markeredgecolor=colour,
+        clip_on=False,
+        zorder=4,
+    )
+
+
+def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
+    """Write a peak's value and time beyond the curve: above its top or below its bottom."""
+    x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
+    low, high = ax.get_xlim()
+    place = (x - low) / (high - low)
+    side = 1 if peak.value >= 0 else -1
+    # beside the ring rather than over it near an end: else the text begins on the frame
+    aligned, aside = ("left", 5) if place < 0.2 else ("right", -5) if place > 0.8 else ("center", 0)
+    ax.annotate(
+        peak_text(peak, scales),
+        (x, y),
+        xytext=(aside, 5 * side),
+        textcoords="offset points",
+        horizontalalignment=aligned,
+        verticalalignment="bottom" if side > 0 else "top",
+        fontsize=8,
+    )
+
+
+def peak_text(peak: Peak, scales: tuple[Scale, Scale]) -> str:
+    """A peak in words; with the star of tables where it is not predictable."""
+    text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
+    return f"{text} *" if peak.late else text

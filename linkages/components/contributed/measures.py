@@ -185,7 +185,7 @@ class Load:
     def energy(self) -> Function:
         """The potential energy that it has in a closed form, a function of `X` (J)."""
         if self.stores is not None:
-            return self.stores
+            return folded(self.stores)
         return sum_of(energy for term in addends(self.force) if (energy := stored(term)))
 
     @cached_property

@@ -16,7 +16,16 @@ from linkages.spec import dimensions
 from linkages.spec.dimensions import Dimension
 from linkages.spec.formulas import Call, Clock, Constant, Formula, Node
 from linkages.spec.laws import LawRule
-from linkages.spec.quantities import Angle, AngularSpeed, Force, Length, Speed, Torque
+from linkages.spec.quantities import (
+    Angle,
+    AngularSpeed,
+    Force,
+    Length,
+    Pressure,
+    Speed,
+    Torque,
+    Voltage,
+)
 
 GROUP = "linkages.laws"
 """Entry points that name laws of other packages by the keys that tell them."""
@@ -37,6 +46,8 @@ AngleLaw = Annotated[Law, _rule(dimensions.ANGLE, Angle, AngularSpeed)]
 LengthLaw = Annotated[Law, _rule(dimensions.LENGTH, Length, Speed)]
 ForceLaw = Annotated[Law, _rule(dimensions.FORCE, Force)]
 TorqueLaw = Annotated[Law, _rule(dimensions.TORQUE, Torque)]
+PressureLaw = Annotated[Law, _rule(dimensions.PRESSURE, Pressure)]
+VoltageLaw = Annotated[Law, _rule(dimensions.VOLTAGE, Voltage)]
 
 
 def function_of(law: Law, path: Path) -> Function:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from linkages.components.contributed.functions import Number
 from linkages.components.contributed.measures import BodyAxis, Coordinate, Load, Turn
-from linkages.components.contributed.state_laws import variables
+from linkages.components.contributed.state_laws import NOTHING, variables
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.mechanism.bodies import ground_direction
@@ -41,8 +41,8 @@ def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
     for ends, load in by_kind(pose.mechanism.loads).lines:
         if {ends.first, ends.second} <= set(pose.positions):
             found = lines.setdefault(tuple(sorted((ends.first, ends.second))), [])
-            found += [True] * (load.elastic or load.stores is not None)
-            thrusts = load.given and not load.passive and not load.absent
+            found += [True] * (load.elastic or (load.passive and load.energy != NOTHING))
+            thrusts = not (load.passive or load.absent)
             found += [False] * (load.dissipates or thrusts)
     for (first, second), parts in lines.items():
         start, end = pose.positions[first], pose.positions[second]

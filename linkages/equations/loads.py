@@ -11,6 +11,7 @@ import sympy as sp
 
 from linkages.components.contributed.functions import Function, Measured, Number
 from linkages.components.contributed.measures import (
+    BodyAxis,
     Coordinate,
     Distance,
     Load,
@@ -129,7 +130,7 @@ class ActingLoads:
 
     def _force(self, load: Load, along: Along) -> sp.Expr:
         """What works along a measure beyond the stored energy."""
-        if isinstance(load.measure, Coordinate) and isinstance(load.law, Number):
+        if isinstance(load.measure, Coordinate | BodyAxis) and isinstance(load.law, Number):
             entry = load.path[-1]
             number = str(entry + 1) if isinstance(entry, int) else load.measure.joint
             notation = ("F", number, "xy"[load.measure.axis])
@@ -163,6 +164,13 @@ class ActingLoads:
                 slopes = {
                     q: [(p.length, part(p.angle)) for p in derivative(place, q)] for q in rates
                 }
+            case BodyAxis(joint, body, axis):
+                value, part = sp.S.NaN, (sp.cos, sp.sin)[axis]
+                place, turned = places.joint(joint), places.orientation(body)
+                slopes = {
+                    q: [(p.length, part(p.angle - turned)) for p in derivative(place, q)]
+                    for q in rates
+                }
             case _:
                 assert_never(measure)
         slopes = slopes or {q: [(sp.S.One, sp.diff(value, q))] for q in rates}
@@ -180,4 +188,4 @@ def _work(parts: Sequence[tuple[sp.Expr, Along]], coordinate: sp.Symbol) -> sp.E
 
 
 def _joint(load: Load) -> str | None:
-    return load.measure.joint if isinstance(load.measure, Coordinate) else None
+    return load.measure.joint if isinstance(load.measure, Coordinate | BodyAxis) else None

@@ -6,6 +6,7 @@ from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
 from linkages.components.contributed.measures import (
+    BodyAxis,
     Coordinate,
     Distance,
     Load,
@@ -77,6 +78,11 @@ def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
             vector, jacobian, _ = gap(layout.carrier(first), layout.carrier(second))(state)
             distance = np.hypot(*vector)
             return distance, vector / distance @ jacobian
+        case BodyAxis(joint, body, axis):
+            point, turned = layout.carrier(joint), angles(layout, [(body, 1.0)])(state).value[0]
+            direction = np.array([np.cos(turned), np.sin(turned)])
+            across = np.array([-direction[1], direction[0]])
+            return np.nan, (across if axis else direction) @ state.jacobian(point)
     raise TypeError(f"no such measure: {measure}")
 
 

@@ -71,14 +71,15 @@ class Volumes:
     def potential(self) -> bool:
         """Whether all forces without rates in them follow from an energy, that of time perhaps.
 
-        Along a single coordinate any force does. Of several, one that depends on others than it
-        acts along follows from none, as far as these are no functions of time.
+        Along a single coordinate any force does. Of several, one that turns with a body follows
+        from none; nor does one that depends on more than it acts along, unless that is a function
+        of time.
         """
         if self._size == 1:
             return True
         moving = {m for m, nodes in self._model.sensed.items() if nodes.changing}
         loads = self._model.mechanism.loads
-        return not any(load.follows and moving & set(load.sensed) for load in loads)
+        return not any(load.follows or moving & set(load.sensed) for load in loads)
 
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""

@@ -17,7 +17,14 @@ from linkages.components.contributed.functions import (
     Operation,
     Time,
 )
-from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.state_laws import (
     Monomial,
@@ -28,12 +35,17 @@ from linkages.components.contributed.state_laws import (
 )
 from linkages.components.contributed.terms import Path
 from linkages.components.gear import Gear
+from linkages.components.laws.law import function_of
+from linkages.components.laws.named import NamedLaw
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
 from linkages.components.weld import Weld
 from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
 from linkages.reading.wording import listed
 from linkages.solution.remarks.law_ranges import law_range
+from linkages.spec.annotations import written_fields
+from linkages.spec.formulas import Formula
 
 Row = dict[str, str]
 
@@ -76,7 +88,10 @@ def loads(mechanism: Mechanism) -> list[Row]:
     found = []
     for (path, given), same in groupby(mechanism.loads, lambda load: (load.path, load.given)):
         parts = list(same)
-        if given:  # both components of a force at a joint stand in one row
+        if parts[0].called:
+            keys = _keys(mechanism, path)
+            found += [_row(p.called, keys, path, _on(p)) for p in parts if not p.absent]
+        elif given:  # both components of a force at a joint stand in one row
             found.append(_row(*_given(parts, mechanism), path, _on(parts[0])))
         else:
             found += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
@@ -99,6 +114,8 @@ def _on(load: Load) -> str:
             return f"{body}, along its axis" if load.given else f"{body} in its guide"
         case Coordinate(joint, axis):
             return f"joint {joint}" if load.given else f"{'xy'[axis]} of joint {joint}"
+        case BodyAxis(joint, body):
+            return f"joint {joint}, turning with {body}"
         case _:
             assert_never(load.measure)
 
@@ -119,6 +136,8 @@ def _terms(load: Load) -> Iterator[str]:
     """The numbers of terms that are constant or linear, and what all others depend on."""
     unit = load.unit
     per, relaxed = ("rad", "angle ") if load.twists else ("m", "length ")
+    if isinstance(load.measure, Slide):
+        relaxed = "position "
     damping = "" if isinstance(load.measure, Slide) else "damping "
     viscous: list[str] = []
     others: list[Function] = []
@@ -138,6 +157,20 @@ def _terms(load: Load) -> Iterator[str]:
     yield from viscous
     if others:
         yield f"a law of {listed(variables(sum_of(others)), 'and')}"
+
+
+def _keys(mechanism: Mechanism, path: Path) -> str:
+    """The numbers and laws of a component, as its entry in the definition has them."""
+    component = next(c for c in mechanism.components if c.path == path)
+    found = []
+    for key, value in (written_fields(component) or {}).items():
+        unit = unit_at(mechanism.definition, dotted((*path, key)))
+        match value:
+            case float():
+                found.append(f"{key} {number(value)} {unit}".rstrip())
+            case Formula() | NamedLaw():
+                found.append(f"{key} {_law(function_of(value, (*path, key)), unit, mechanism)}")
+    return ", ".join(text.replace("_", " ") for text in found)
 
 
 def _row(kind: str, value: str, path: Path, on: str) -> Row:

@@ -30,6 +30,7 @@ from linkages.components.contributed.state_laws import (
     stored,
     sum_of,
     time_functions,
+    variables,
     winding,
 )
 from linkages.components.contributed.terms import Parameter, Path
@@ -82,8 +83,23 @@ class Coordinate:
     axis: int
 
 
+@dataclass(frozen=True)
+class BodyAxis:
+    """An axis of a body's own frame, at a joint: `axis` 0 is its first one, 1 its second.
+
+    A force along it turns with the body. It has a rate, the joint's velocity along the axis, but no
+    value: what such a force does depends on the way.
+    """
+
+    unit: ClassVar[str] = "N"
+
+    joint: str
+    body: str
+    axis: int
+
+
 # A closed union: `assert_never` behind a match finds a measure that somebody forgot.
-Measure = Distance | Turn | Slide | Coordinate
+Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
@@ -99,15 +115,22 @@ class Load:
         other measures.
     path
         Where it stands in the definition file.
+    called
+        What reports call it; empty where its measure and the form of its law say that.
     applied
         Whether outputs list it with forces and torques from outside, though it depends on the
-        state.
+        state: a motor, a cylinder.
+    stores
+        The potential energy, a function of `X` (J), of all terms of the law without v and t, where
+        their form does not give it.
     """
 
     measure: Measure
     law: Function
     path: Path
+    called: str = ""
     applied: bool = False
+    stores: Function | None = None
 
     def __post_init__(self) -> None:
         """What the law senses of its own measure is its value and its rate."""
@@ -138,20 +161,20 @@ class Load:
         return not any(True for _ in measured_in(self.law))
 
     @property
-    def passive(self) -> bool:
-        """Whether outputs list it with springs and dampers."""
-        return not (self.given or self.applied)
-
-    @property
     def sensed(self) -> tuple[Measure, ...]:
         """Other measures that the force depends on."""
         found = (leaf.measure for leaf in measured_in(self.force))
         return tuple(dict.fromkeys(measure for measure in found if measure is not None))
 
     @property
+    def passive(self) -> bool:
+        """Whether outputs list it with springs and dampers."""
+        return self.stores is not None or not (self.given or self.applied)
+
+    @property
     def follows(self) -> bool:
-        """Whether no energy says what it does along a way: it depends on other measures."""
-        return bool(self.sensed)
+        """Whether it turns with a body: no energy then says what it does along a way."""
+        return isinstance(self.measure, BodyAxis) and not self.absent
 
     @cached_property
     def force(self) -> Function:
@@ -198,12 +221,19 @@ class Load:
     @cached_property
     def energy(self) -> Function:
         """The potential energy that it has in a closed form, a function of `X` (J)."""
+        if self.stores is not None:
+            return folded(self.stores)
         return sum_of(energy for term in addends(self.force) if (energy := stored(term)))
 
     @cached_property
     def working(self) -> Function:
         """The part of the force whose work is in no `energy`."""
-        return sum_of(term for term in addends(self.force) if stored(term) is None)
+        return sum_of(term for term in addends(self.force) if not self._stored(term))
+
+    def _stored(self, term: Function) -> bool:
+        if self.stores is not None:
+            return variables(term) in (["x"], [])
+        return stored(term) is not None
 
     @cached_property
     def still(self) -> Function:

@@ -8,6 +8,7 @@ from typing import assert_never
 
 from linkages.components.contributed.functions import Measured
 from linkages.components.contributed.measures import (
+    BodyAxis,
     Coordinate,
     Distance,
     Load,
@@ -73,6 +74,8 @@ def words(measure: Measure, order: int) -> str:
             return f"{body}.{'velocity' if order else 'position'}"
         case Coordinate(joint, axis):
             return f"{joint}.{'v' * order}{'xy'[axis]}"
+        case BodyAxis(joint, body):
+            return f"the velocity of {joint} along {body}"
         case _:
             assert_never(measure)
 

@@ -23,11 +23,13 @@ from linkages.spec.quantities import (
     Damping,
     Force,
     Length,
+    Pressure,
     Speed,
     Stiffness,
     Torque,
     TorsionalDamping,
     TorsionalStiffness,
+    Voltage,
 )
 
 GROUP = "linkages.laws"
@@ -59,6 +61,8 @@ StiffnessLaw = Annotated[Law, _factor(dimensions.STIFFNESS, Stiffness)]
 DampingLaw = Annotated[Law, _factor(dimensions.DAMPING, Damping)]
 TorsionalStiffnessLaw = Annotated[Law, _factor(dimensions.TORSIONAL_STIFFNESS, TorsionalStiffness)]
 TorsionalDampingLaw = Annotated[Law, _factor(dimensions.TORSIONAL_DAMPING, TorsionalDamping)]
+PressureLaw = Annotated[Law, _rule(dimensions.PRESSURE, Pressure)]
+VoltageLaw = Annotated[Law, _rule(dimensions.VOLTAGE, Voltage)]
 
 
 def function_of(law: Law, path: Path) -> Function:

@@ -25,8 +25,6 @@ class DistanceNodes(LoadNodes):
     force is nan.
     """
 
-    sign = -1.0  # positive where it pulls
-
     def __init__(self, model: Model, load: Load, index: int, measure: Distance) -> None:
         super().__init__(model, load, index)
         self.first, self.second = measure.first, measure.second
@@ -34,6 +32,11 @@ class DistanceNodes(LoadNodes):
             f"its ends {self.first} and {self.second} meet, so its force has no direction; "
             "expected ends that are apart, or a spring relaxed there: 'length: 0'"
         )
+
+    @property
+    def sign(self) -> float:
+        """Springs and dampers are positive where they pull, forces as they are given."""
+        return -1.0 if self.load.passive else 1.0
 
     @property
     def _between(self) -> Vector:

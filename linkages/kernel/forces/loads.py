@@ -46,8 +46,6 @@ class LoadNodes(ABC):
         Its place, as `linkages.kernel.numbers.parameters.wound_angles` counts.
     """
 
-    sign = 1.0
-    """With which the force is an output."""
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
 
@@ -101,6 +99,11 @@ class LoadNodes(ABC):
         if self.load.passive:
             return "torsional_spring" if self.load.twists else "spring"
         return "torque" if self.load.twists else "force"
+
+    @property
+    def sign(self) -> float:
+        """With which the force is an output."""
+        return 1.0
 
     @property
     def label(self) -> str:

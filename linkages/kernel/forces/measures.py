@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
 from linkages.kernel.forces.distances import DistanceNodes
 from linkages.kernel.forces.loads import Forces, LoadNodes, Torques, Velocities
 from linkages.kernel.graph.scalars import Scalar
@@ -90,6 +97,37 @@ class _Coordinate(LoadNodes):
         return [(self.model.mechanism.carrier(self.joint), self.joint, vector)]
 
 
+class _BodyAxis(LoadNodes):
+    """Along an axis of a body."""
+
+    def __init__(self, model: Model, load: Load, index: int, measure: BodyAxis) -> None:
+        super().__init__(model, load, index)
+        self.measure = measure
+
+    @property
+    def label(self) -> str:
+        return f"{super().label}.{'xy'[self.measure.axis]}"
+
+    @property
+    def _direction(self) -> Vector:
+        unit = self.model.positions.unit(self.measure.body)
+        return unit.turned if self.measure.axis else unit
+
+    @property
+    def displacement(self) -> Scalar:
+        raise ValueError(f"{self.label}: a force that turns with a body is measured along no way")
+
+    def rate(self, velocities: Velocities) -> Scalar:
+        return velocities.joints[self.measure.joint].dot(self._direction)
+
+    def forces(self) -> Forces:
+        """On the body itself, if it has the joint."""
+        joint, body = self.measure.joint, self.measure.body
+        mechanism, force = self.model.mechanism, self._direction * self.value(self.load.force)
+        own = joint in mechanism.bodies[body].points
+        return [(body if own else mechanism.carrier(joint), joint, force)]
+
+
 def load_nodes(model: Model, load: Load, index: int) -> LoadNodes:
     """The nodes of a load, or of a measure that others sense; see `LoadNodes`."""
     match load.measure:
@@ -101,5 +139,7 @@ def load_nodes(model: Model, load: Load, index: int) -> LoadNodes:
             return _Slide(model, load, index, measure)
         case Coordinate() as measure:
             return _Coordinate(model, load, index, measure)
+        case BodyAxis() as measure:
+            return _BodyAxis(model, load, index, measure)
         case _ as measure:
             assert_never(measure)

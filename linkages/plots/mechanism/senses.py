@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.contributed.measures import Coordinate, Load
+from linkages.components.contributed.measures import BodyAxis, Coordinate, Load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
 
@@ -43,9 +43,11 @@ def drive_sense(mechanism: Mechanism, name: str) -> int:
 
 
 def force_direction(
-    force: Iterable[tuple[Coordinate, Load]], mechanism: Mechanism
+    force: Iterable[tuple[Coordinate | BodyAxis, Load]], mechanism: Mechanism
 ) -> tuple[float, int]:
     """Direction of a force where it is largest, in radians, and its sense along that (or 0).
+
+    That of a force that turns with a body is the one in the body's own frame.
 
     One that depends on the motion acts both ways along the first axis in which it does.
     """

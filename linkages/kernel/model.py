@@ -19,6 +19,7 @@ from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
+from linkages.kernel.switches import Switches
 from linkages.topology.topology import Topology
 
 MOST_EVALUATORS = 128
@@ -51,6 +52,7 @@ class Model:
         paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
+        self.switches = Switches(self)
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
@@ -200,7 +202,8 @@ class Model:
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
         matrix = self.mass_matrix
-        forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+        with self.switches.collecting():
+            forces = [-self.required_force(self.bias, partial) for partial in self.partials]
         solution = solve_symmetric(matrix, forces)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:

@@ -72,6 +72,8 @@ class Piece:
         they were counted.
     flipped
         Blocks that are in the other assembly mode than at the start, shape (samples,) each.
+    held
+        Modes of the switches, then what is remembered, shape (h, samples).
     samples
         Where outputs are wanted if not at `time`: they are interpolated, for there they could only
         be computed with large round-off (near a change point).
@@ -87,6 +89,7 @@ class Piece:
     work: Floats | None = None
     counted: Mapping[str, Floats] = field(default_factory=dict)
     flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
+    held: Floats | None = None
     samples: Floats | None = None
     crossing: float = 0.0
 
@@ -106,6 +109,7 @@ class Piece:
             work=None if self.work is None else self.work[part],
             counted={name: angles[part] for name, angles in self.counted.items()},
             flipped={block: where[part] for block, where in self.flipped.items()},
+            held=None if self.held is None else self.held[:, part],
             samples=None,
         )
 
@@ -127,6 +131,7 @@ class Piece:
             work=None if self.work is None else self.interpolated(self.work),
             counted={name: self.interpolated(angles) for name, angles in self.counted.items()},
             flipped={**modes, **kept},
+            held=None if self.held is None else np.repeat(self.held[:, :1], len(beyond), axis=1),
             samples=None,
         )
 

@@ -63,9 +63,18 @@ class Volumes:
         return [-entry for row in derivative(forces, rates) for entry in row]
 
     @cached_property
+    def switched(self) -> bool:
+        """Whether forces may jump where a speed has some value: volumes then change at once."""
+        model = self._model
+        _ = model.free_accelerations
+        rates = [model.inputs.rate(i) for i in range(self._size)]
+        found = derivative(model.switches.functions, rates)
+        return any(entry.constant != 0.0 for row in found for entry in row)
+
+    @cached_property
     def conservative(self) -> bool:
         """Whether no force depends on velocities."""
-        return all(entry.constant == 0.0 for entry in self._damping)
+        return not self.switched and all(entry.constant == 0.0 for entry in self._damping)
 
     @cached_property
     def potential(self) -> bool:

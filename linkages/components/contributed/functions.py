@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from linkages.components.contributed.interpolation import Interpolation
+from linkages.components.contributed.interpolation import Joined
 from linkages.components.contributed.terms import Parameter, Path
 
 if TYPE_CHECKING:
@@ -127,10 +127,25 @@ class Table(Arithmetic):
     places: tuple[float, ...]
     values: tuple[float, ...]
     periodic: bool = False
-    interpolation: Interpolation = "spline"
+    interpolation: Joined = "spline"
     held: bool = False
     over: Function = TIME
     turning: bool = False
+
+    @property
+    def corners(self) -> Table | None:
+        """A function of the same that is zero where straight lines meet; None without any.
+
+        Its sign alternates, so one that repeats after an odd number of lines has two rounds of it.
+        """
+        if self.interpolation != "linear":
+            return None
+        places = self.places
+        if self.periodic and len(places) % 2 == 0:
+            span = places[-1] - places[0]
+            places = (*places, *(place + span for place in places[1:]))
+        path, none = (*self.path, "corners"), (0.0,) * len(places)
+        return Table(path, places, none, self.periodic, "corners", over=self.over)
 
 
 Function: TypeAlias = Number | Time | Measured | Operation | Table

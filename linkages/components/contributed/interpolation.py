@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 Interpolation: TypeAlias = Literal["linear", "pchip", "spline"]
 
+Joined: TypeAlias = Interpolation | Literal["corners"]
+"""What joins values, and what is zero at the corners of straight lines."""
+
 Floats = NDArray[np.float64]
 
 
@@ -71,7 +74,18 @@ def _spline(times: Floats, values: Floats, periodic: bool) -> Floats:
     return np.asarray(CubicSpline(times, values, bc_type=ends).c)
 
 
-_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline}
+def _corners(places: Floats, values: Floats, periodic: bool) -> Floats:  # noqa: ARG001
+    """Parabolas of alternating sign that are zero, with a slope of ±1, where straight lines meet.
+
+    With one continuous derivative: a crossing of zero is a corner, and nothing else is.
+    """
+    lengths = np.diff(places)
+    signs = (-1.0) ** np.arange(len(lengths))
+    zero = np.zeros(len(lengths))
+    return np.array([zero, -signs / lengths, signs, zero])
+
+
+_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline, "corners": _corners}
 
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:

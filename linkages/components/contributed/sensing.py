@@ -6,7 +6,14 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import assert_never
 
-from linkages.components.contributed.functions import Measured
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Table,
+    Time,
+)
 from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
@@ -18,6 +25,7 @@ from linkages.components.contributed.measures import (
 )
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.state_laws import exchanged, measured_in
+from linkages.operations import ATOM, ELEMENTARY
 from linkages.spec.formulas import Sensed
 
 _RATES = ("velocity", "speed", "vx", "vy")
@@ -82,6 +90,53 @@ def words(measure: Measure, order: int) -> str:
 
 def _rate(text: str, order: int) -> str:
     return f"rate({text})" if order else text
+
+
+def written(function: Function, own: Measure) -> str:
+    """A function as sentences show it, shortened.
+
+    Parameters
+    ----------
+    function
+        Part of the law of a load.
+    own
+        What the load acts along.
+    """
+    text = _written(function, own)[0]
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+
+
+_LONGEST = 60
+
+
+def _written(function: Function, own: Measure) -> tuple[str, int]:
+    """Text, and how strongly it binds."""
+    match function:
+        case Number(parameter):
+            return f"{parameter.value:.6g}", ATOM if parameter.value >= 0.0 else 1
+        case Time():
+            return "t", ATOM
+        case Measured(order, measure):
+            return words(own if measure is None else measure, order), ATOM
+        case Table():
+            return f"table({_written(function.over, own)[0]})", ATOM
+        case Operation("where", (difference, *_)):
+            return f"where({_written(difference, own)[0]} >= 0)", ATOM
+        case Operation("power", (base, Number(exponent))):
+            return f"{_bound(base, own, ATOM)}**{exponent.value:.0f}", 3
+        case Operation(name, arguments):
+            form = ELEMENTARY[name].operator if name in ELEMENTARY else None
+            if form is None:
+                return f"{name}({', '.join(_written(a, own)[0] for a in arguments)})", ATOM
+            parts = (_bound(a, own, s) for a, s in zip(arguments, form.operands, strict=False))
+            return form.template.format(*parts), form.strength
+        case _:
+            assert_never(function)
+
+
+def _bound(function: Function, own: Measure, strength: int) -> str:
+    text, own_strength = _written(function, own)
+    return text if own_strength >= strength else f"({text})"
 
 
 def depends_on(load: Load) -> list[str]:

@@ -115,7 +115,7 @@ class DistanceNodes(LoadNodes):
         def measured(found: Measured) -> Scalar:
             return own[found] if found in own else self.measured(found)
 
-        return direction * value_of(term, self.model.inputs, measured)
+        return direction * value_of(term, self.model.inputs, measured, self.mode)
 
     def _selected(self, condition: Scalar, first: Vector, second: Vector) -> Vector:
         select = self.graph.select

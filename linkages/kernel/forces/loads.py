@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from linkages.components.contributed.functions import Function, Measured
 from linkages.components.contributed.measures import Load
+from linkages.components.contributed.sensing import written
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
@@ -74,7 +75,12 @@ class LoadNodes(ABC):
 
     def value(self, law: Function) -> Scalar:
         """What a law gives, such as the force or the energy."""
-        return value_of(law, self.model.inputs, self.measured)
+        return value_of(law, self.model.inputs, self.measured, self.mode)
+
+    def mode(self, part: Function, node: Scalar) -> Scalar:
+        """On which side of zero the motion is of what makes a part of the law jump or turn."""
+        name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
+        return self.model.switches.add(name, node)
 
     def measured(self, found: Measured) -> Scalar:
         """The displacement, its actual rate, or that of another measure."""

@@ -42,7 +42,7 @@ def value_of(
     function: Function,
     inputs: Inputs,
     measured: Callable[[Measured], Scalar] = _of_time_alone,
-    apply: Callable[..., Scalar] | None = None,
+    mode: Callable[[Function, Scalar], Scalar] = lambda _, node: node,
 ) -> Scalar:
     """The node of a function.
 
@@ -54,11 +54,11 @@ def value_of(
         Arguments of the kernel.
     measured
         Values and rates of measures.
-    apply
-        Applies elementary operations; those of the graph if not given.
+    mode
+        Part of the function and a node in it, at whose zero the part has a jump or a corner → what
+        tells both sides apart; the node itself if not given.
     """
     graph = inputs.graph
-    apply = graph.apply if apply is None else apply
     match function:
         case Number(parameter):
             return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
@@ -67,21 +67,34 @@ def value_of(
         case Measured():
             return measured(function)
         case Table():
-            place = inputs.parameters[*function.path, "spline", 0]
-            count = (len(table_numbers(function)) - 1) // 5
-            over = value_of(function.over, inputs, measured, apply)
-            return graph.spline(over, place, count, function.periodic)[0]
+            over = value_of(function.over, inputs, measured, mode)
+            if function.corners is not None:
+                mode(function, _of_table(function.corners, over, inputs))
+            return _of_table(function, over, inputs)
         case Operation("power", (base, Number(exponent))):
             found = COMPOSITE["power"].expanded
-            base_value = value_of(base, inputs, measured, apply)
+            base_value = value_of(base, inputs, measured, mode)
             return graph.lift(found(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
-            values = [value_of(argument, inputs, measured, apply) for argument in arguments]
-            if name in COMPOSITE:
-                return graph.lift(COMPOSITE[name].expanded(apply, *values))
-            return apply(name, *values)
+            values = [value_of(argument, inputs, measured, mode) for argument in arguments]
+            if name not in COMPOSITE:
+                return graph.apply(name, *values)
+
+            def apply(name: str, *operands: Scalar | float) -> Scalar:
+                if name != "select":
+                    return graph.apply(name, *operands)
+                condition, *both = map(graph.lift, operands)
+                return graph.select(mode(function, condition), *both)
+
+            return graph.lift(COMPOSITE[name].expanded(apply, *values))
         case _:
             assert_never(function)
+
+
+def _of_table(table: Table, over: Scalar, inputs: Inputs) -> Scalar:
+    place = inputs.parameters[*table.path, "spline", 0]
+    count = (len(table_numbers(table)) - 1) // 5
+    return inputs.graph.spline(over, place, count, table.periodic)[0]
 
 
 def law_of(function: Function, inputs: Inputs) -> Law:

@@ -68,7 +68,7 @@ def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
         case Table(path):
             for place, value in enumerate(table_numbers(item)):
                 yield (*path, "spline", place), value
-            yield from numbers_in(item.over)
+            yield from numbers_in(item.over if item.corners is None else item.corners)
         case tuple():
             for part in item:
                 yield from numbers_in(part)

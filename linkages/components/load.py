@@ -84,6 +84,7 @@ class FollowerForce(ListedComponent):
                 BodyAxis(self.joint, self.on, axis),
                 function_of(law, (*self.path, "force", axis)),
                 self.path,
+                applied=True,
             )
             for axis, law in enumerate(self.force)
         )
@@ -121,7 +122,7 @@ class ForceBetweenJoints(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One force."""
         force = function_of(self.force, (*self.path, "force"))
-        return (Load(Distance(*self.between), force, self.path),)
+        return (Load(Distance(*self.between), force, self.path, applied=True),)
 
 
 @component

@@ -81,7 +81,8 @@ def law_of(
 
 
 def _applied(name: str, *operands: Any) -> Any:
-    return _on_symbols(name)(*map(sp.sympify, operands))
+    found = (exact(o) if isinstance(o, float) else o for o in operands)
+    return _on_symbols(name)(*found)
 
 
 def _on_symbols(name: str) -> Callable[..., Any]:

@@ -172,6 +172,11 @@ class Load:
         return self.stores is not None or not (self.given or self.applied)
 
     @property
+    def pushes(self) -> bool:
+        """Whether it is a force or torque from outside, for drawings and reports."""
+        return self.given or (self.applied and not self.called)
+
+    @property
     def follows(self) -> bool:
         """Whether it turns with a body: no energy then says what it does along a way."""
         return isinstance(self.measure, BodyAxis) and not self.absent

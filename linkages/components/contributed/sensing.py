@@ -24,7 +24,7 @@ from linkages.components.contributed.measures import (
     Turn,
 )
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.state_laws import exchanged, measured_in
+from linkages.components.contributed.state_laws import exchanged, measured_in, variables
 from linkages.operations import ATOM, ELEMENTARY
 from linkages.spec.formulas import Sensed
 
@@ -139,10 +139,12 @@ def _bound(function: Function, own: Measure, strength: int) -> str:
     return text if own_strength >= strength else f"({text})"
 
 
-def depends_on(load: Load) -> list[str]:
-    """What a load depends on, as formulas call it; t comes last."""
-    found = (
-        words(load.measure if leaf.measure is None else leaf.measure, leaf.order)
-        for leaf in measured_in(load.law)
+def named(function: Function, own: Measure | None = None) -> list[str]:
+    """What a function depends on, t last: own measures are x and v unless they are given."""
+    found = dict.fromkeys(
+        "xv"[leaf.order] if (of := leaf.measure or own) is None else words(of, leaf.order)
+        for leaf in measured_in(function)
     )
-    return list(dict.fromkeys(found))
+    ordered = [name for name in ("x", "v") if name in found]
+    timed = ["t"] if "t" in variables(function) else []
+    return [*ordered, *(name for name in found if name not in ordered), *timed]

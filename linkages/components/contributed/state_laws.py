@@ -73,6 +73,22 @@ def rated(function: Function) -> bool:
     return any(leaf.order for leaf in measured_in(function))
 
 
+_EVERYWHERE = (
+    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "where", "select", "sin",
+    "cos", "atan", "tanh",
+)  # fmt: skip
+
+
+def everywhere(function: Function) -> bool:
+    """Whether a function has a value wherever its measures have one."""
+    match function:
+        case Operation(name, arguments):
+            return name in _EVERYWHERE and all(map(everywhere, arguments))
+        case Table():
+            return everywhere(function.over)
+    return True
+
+
 def _of_state(function: Function) -> bool:
     return any(True for _ in measured_in(function))
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from linkages.components.contributed.functions import Function, Measured
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
+from linkages.components.contributed.state_laws import everywhere, measured_in, rated
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
@@ -125,6 +126,14 @@ class LoadNodes(ABC):
     def given(self) -> list[Scalar]:
         """What of it follows from time and positions: not finite where the load has no value."""
         return self._components(self.load.still)
+
+    @property
+    def doubtful(self) -> list[Scalar]:
+        """Its force, then what it depends on, if it may have no value where all of that has one."""
+        force = self.load.force
+        if everywhere(force) or not rated(force):
+            return []
+        return [self.value(force), *map(self.measured, dict.fromkeys(measured_in(force)))]
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""

@@ -181,6 +181,12 @@ class Switches:
         """Whose signs the modes are."""
         return [switch.function for switch in self.switches]
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of everything that is held: modes, then memories."""
+        modes = (f"mode {switch.name}" for switch in self.switches)
+        return (*modes, *(f"memory {memory.name}" for memory in self.memories))
+
     def rates(self, nodes: Sequence[Scalar], accelerations: Sequence[Scalar]) -> list[Scalar]:
         """Derivatives of nodes with respect to time along the motion.
 

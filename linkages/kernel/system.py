@@ -217,6 +217,19 @@ class System:
                 held[number] = 1.0 if rising else -1.0
         return np.asarray(held)
 
+    def holding(self, named: Mapping[str, float]) -> System:
+        """The same with modes and memories from another motion, by their names.
+
+        Without, where that had other ones: then they follow from the state.
+        """
+        if not named:
+            return self
+        _ = self.model.free_accelerations
+        names = self.model.switches.names
+        if not set(names) <= named.keys():
+            return self
+        return self._with(held=np.array([named[name] for name in names]))
+
     def modes(self) -> list[Assembly]:
         """All assembly modes at the initial values of drives and free coordinates."""
         return all_modes(self._place)

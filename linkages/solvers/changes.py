@@ -23,6 +23,8 @@ class Changes:
         In seconds.
     which : (m,) of int
         Numbers of the switches.
+    rises : (m,) of bool
+        Whether the function rose through zero; with an impact the mode may be −1 behind it as well.
     state : (m, 2n)
         Coordinates and speeds before the change; rotating coordinates lie within [-π, π].
     turns : (m, n) of int
@@ -35,6 +37,7 @@ class Changes:
 
     time: NDArray[np.float64]
     which: NDArray[np.int64]
+    rises: NDArray[np.bool_]
     state: NDArray[np.float64]
     turns: NDArray[np.int64]
     held: NDArray[np.float64]
@@ -54,6 +57,7 @@ class ChangeLog:
     flow: Flow
     time: NDArray[np.float64] = field(init=False)
     which: NDArray[np.int64] = field(init=False)
+    rises: NDArray[np.int64] = field(init=False)
     state: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
     held: NDArray[np.float64] = field(init=False)
@@ -65,6 +69,7 @@ class ChangeLog:
         arrays: dict[str, NDArray] = {
             "time": np.empty(rows),
             "which": np.empty(rows, dtype=np.int64),
+            "rises": np.empty(rows, dtype=np.int64),
             "state": np.empty((rows, 2 * n)),
             "turns": np.empty((rows, n), dtype=np.int64),
             "held": np.empty((rows, self.flow.held)),
@@ -81,6 +86,7 @@ class ChangeLog:
         return Changes(
             time=self.time[rows].copy(),
             which=self.which[rows].copy(),
+            rises=self.rises[rows] > 0,
             state=self.state[rows].copy(),
             turns=self.turns[rows].copy(),
             held=self.held[rows].copy(),

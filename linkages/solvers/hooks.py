@@ -110,6 +110,7 @@ def switching(
         noted=memory.integers(changes.noted),
         time=memory.floats(changes.time),
         which=memory.integers(changes.which),
+        rises=memory.integers(changes.rises),
         state=memory.floats(changes.state),
         turns=memory.integers(changes.turns),
         held=memory.floats(changes.held),

@@ -40,8 +40,8 @@ class Layout:
     parameters
         Path of each entry of the parameter array.
     modes, memories
-        Names of switches, and of what a motion remembers from them. They are held beside the
-        vector, ``[modes, memories, memories of the first tangent, …]``, shape (h,).
+        Names of modes, and of what a motion remembers. They are held beside the vector, ``[modes,
+        memories, memories of the first tangent, …]``, shape (h,).
     """
 
     free: tuple[str, ...]
@@ -111,14 +111,13 @@ class Layout:
         """What is held by its name, for other free coordinates: a memory with its tangents."""
         modes, memories = held[: len(self.modes)], held[len(self.modes) :]
         rows = memories.reshape(1 + self.tangents, len(self.memories)).T if self.held else ()
-        found = {f"mode {name}": modes[k : k + 1] for k, name in enumerate(self.modes)}
-        return found | {f"memory {n}": row for n, row in zip(self.memories, rows, strict=True)}
+        found = {name: modes[k : k + 1] for k, name in enumerate(self.modes)}
+        return found | dict(zip(self.memories, rows, strict=True))
 
     def holding(self, named: Mapping[str, Floats]) -> Floats:
         """What is held in this layout, from its names, shape (h,)."""
-        modes = [named[f"mode {name}"] for name in self.modes]
-        memories = [named[f"memory {name}"] for name in self.memories]
-        return np.concatenate([*modes, np.array(memories).T.ravel()])
+        modes = [named[name] for name in self.modes]
+        return np.concatenate([*modes, np.array([named[name] for name in self.memories]).T.ravel()])
 
     @property
     def work_row(self) -> int | None:

@@ -19,7 +19,7 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.determined import is_determined
 from linkages.solution.moving.guards import Guard, Watched
-from linkages.solution.moving.motion import Motion, Piece, Settings, Watch
+from linkages.solution.moving.motion import Changed, Motion, Piece, Settings, Watch
 from linkages.solution.moving.passage import Crossing, Passage
 from linkages.solution.moving.plan import Plan
 from linkages.solution.moving.renormalising import Renormalised
@@ -31,6 +31,7 @@ from linkages.solution.moving.switching import (
     tangent_map,
 )
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
+from linkages.solvers.changes import Changes
 from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow, Switching
 from linkages.solvers.integration import integrate
@@ -148,6 +149,15 @@ class March:
     def tangents(self, values: Floats) -> None:
         self._vector[self.layout.tangent_rows] = values
 
+    @property
+    def held(self) -> dict[str, Floats]:
+        """Modes and what is remembered by their names, the latter with its tangents."""
+        return self.layout.named(self._held)
+
+    @held.setter
+    def held(self, values: Mapping[str, Floats]) -> None:
+        self._held = self.layout.holding(values)
+
     def tangents_of(self, free: tuple[str, ...]) -> Floats:
         """The same in other free coordinates and their rates, shape (2n, k)."""
         if free == self.layout.free:
@@ -251,6 +261,7 @@ class March:
         self._begun = self.time
         self._pieces: list[Piece] = []
         self._notes: list[str] = []
+        self._changes: dict[str, Changed] = {}
         self._renormalised = renormalised
         self._watched = [Watched(guard) for guard in guards]
         self._least = self._thresholds()
@@ -274,6 +285,7 @@ class March:
             reason=trajectory.reason,
             notes=tuple(self._notes),
             crossings={watched.guard.name: watched.motion for watched in self._watched},
+            changes=self._changes,
         )
 
     def _require_past(self, switching: Switching) -> None:
@@ -339,6 +351,29 @@ class March:
             self._renormalised.add(trajectory, self.layout)
         for watched, found in zip(self._watched, trajectory.crossings, strict=True):
             watched.add(self._crossed(found))
+        names = () if self._plan.switching is None else self._plan.switching.names
+        for number, name in enumerate(names):
+            self._changed(name, number, trajectory.changes)
+
+    def _changed(self, name: str, number: int, changes: Changes) -> None:
+        """Keep the changes of a mode in an integration."""
+        here = changes.which == number
+        found = Crossings(
+            time=changes.time[here],
+            state=changes.state[here],
+            turns=changes.turns[here],
+            angles=np.zeros((int(here.sum()), len(self._angles))),
+            held=changes.held[here],
+            count=int(changes.count[number]),
+        )
+        before = self._changes.get(name)
+        old = (before.pieces, before.rises, before.count) if before else ((), (), 0)
+        self._changes[name] = Changed(
+            # whole turns of dependent angles are not counted there
+            pieces=(*old[0], replace(self._crossed(found), counted={})),
+            rises=np.concatenate([np.asarray(old[1], dtype=bool), changes.rises[here]]),
+            count=old[2] + found.count,
+        )
 
     def _piece(
         self, time: Floats, state: Floats, turns: NDArray, angles: Floats, held: Floats
@@ -402,7 +437,7 @@ class March:
             f"{_exchange_words(movable(old), movable(better))}, which is better conditioned there"
         )
         tangents = self.tangents_of(better.topology.free) if self.layout.tangents else self.tangents
-        self._enter(better, self._present_angles(), tangents, self.layout.named(self._held))
+        self._enter(better, self._present_angles(), tangents, self.held)
         self._least = self._thresholds()
         return True
 

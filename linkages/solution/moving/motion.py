@@ -142,6 +142,31 @@ class Piece:
         return np.asarray(rows @ cardinals(self.time, self.samples).T)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Changed:
+    """Changes of a mode.
+
+    Parameters
+    ----------
+    pieces
+        States just before the changes, with the modes and memories behind them; without
+        accelerations.
+    rises
+        Whether the function rose through zero, shape (changes,).
+    count
+        Number of changes, of which the first are kept.
+    """
+
+    pieces: tuple[Piece, ...]
+    rises: NDArray[np.bool_]
+    count: int
+
+    @property
+    def time(self) -> Floats:
+        """In seconds, shape (changes,)."""
+        return np.concatenate([piece.time for piece in self.pieces])
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Motion:
     """What was reached of a motion, piece by piece.
@@ -165,6 +190,8 @@ class Motion:
         What happened on the way: change points passed, coordinates changed.
     crossings
         Name of a guard → states at which it was crossed, without accelerations.
+    changes
+        Name of a switch → changes of its mode.
     """
 
     pieces: tuple[Piece, ...]
@@ -176,6 +203,7 @@ class Motion:
     reason: str = ""
     notes: tuple[str, ...] = ()
     crossings: Mapping[str, Motion] = field(default_factory=dict)
+    changes: Mapping[str, Changed] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ended = "" if self.failure is None else f", stopped at t = {self.stop_time:g} s"

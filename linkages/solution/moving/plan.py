@@ -167,11 +167,12 @@ class Plan:
             layout = Layout.of(topology, work, tangents, counting)
             source = kernel_source(topology, layout)
             switches = source.model.switches
+            modes = len(switches.switches)
             layout = replace(
                 layout,
                 parameters=tuple(source.model.inputs.parameters),
-                modes=tuple(switch.name for switch in switches.switches),
-                memories=tuple(memory.name for memory in switches.memories),
+                modes=switches.names[:modes],
+                memories=switches.names[modes:],
             )
             bodies, names = system.mechanism.bodies, layout.coordinates
             rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in names]

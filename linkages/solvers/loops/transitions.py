@@ -40,7 +40,7 @@ from linkages.solvers.watched.switches import (
 # A rate behind a change that is this small beside that before is zero: the motion touches.
 GRAZING = 1e-9
 # So many changes within this part of the time until then, and time goes on no more.
-CHANGES, SPAN = 200, 1e-10
+CHANGES, SPAN = 100, 1e-10
 
 
 @compiled
@@ -140,7 +140,9 @@ def cross_tangents(
 
 
 @compiled
-def note_change(system: System, switches: Switches, record: Record, switch: int, t: float) -> None:
+def note_change(
+    system: System, switches: Switches, record: Record, switch: int, rises: bool, t: float
+) -> None:
     """Record a change with the state before it."""
     n, noted = system.n, integers(switches.noted)
     integers(switches.found)[switch] += 1
@@ -150,6 +152,7 @@ def note_change(system: System, switches: Switches, record: Record, switch: int,
         return
     floats(switches.time)[place] = t
     integers(switches.which)[place] = switch
+    integers(switches.rises)[place] = int(rises)
     state = switches.state + WORD * place * 2 * n
     for i in range(2 * n):
         floats(state)[i] = floats(switches.before)[i]
@@ -189,7 +192,10 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
         status = new_values(system, switches, t_end)
         if status != 0:
             return outcome_of(record, status)
-    held[switch] = -held[switch]
+    if jumped >= 0 and forward * rate <= 0.0:
+        jumped = -1  # round-off: it moves away already
+    else:
+        held[switch] = -held[switch]
     if rises:
         remember(system, switches, switch, rate)
     if jumped >= 0:
@@ -207,7 +213,7 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
     if not finite(system, 0, 3 * n):
         return DIVERGED
     behind = forward * held[switch] * functions[switches.modes + switch]
-    note_change(system, switches, record, switch, t_end)
+    note_change(system, switches, record, switch, rises, t_end)
     if behind < -GRAZING * abs(rate):
         return SLIDING
     if chatters(switches, t_end):

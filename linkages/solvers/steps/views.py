@@ -144,6 +144,7 @@ class Switches(NamedTuple):
     noted: int  # (1,) of int64: all changes
     time: int  # (capacity,) of float64
     which: int  # (capacity,) of int64
+    rises: int  # (capacity,) of int64, 0 or 1
     state: int  # (capacity, 2n) of float64, before the change
     turns: int  # (capacity, n) of int64
     held: int  # (capacity, h) of float64, behind the change

@@ -97,7 +97,8 @@ def turning(model: Model) -> dict[int, Scalar]:
     given = {*topology.driven, *topology.free}
     found: dict[int, Scalar] = {}
     for index, load in enumerate(model.loads):
-        masters = {m for body in load.load.turned for m in topology.orientations[body].masters}
+        owners = (m for body in load.load.turned for m in topology.orientations[body].masters)
+        masters = {m for m in owners if topology.mechanism.bodies[m].rotates}
         if not masters <= given:
             found[index] = load.displacement
     return found

@@ -25,7 +25,7 @@ class SliderForce(ListedComponent):
     slider
         Slider name.
     force
-        Newtons, positive along the axis, or a law of time. What carries the axis gets the
+        Newtons, positive along the axis, or a law. What carries the axis gets the
         opposite force.
     """
 
@@ -42,7 +42,7 @@ class SliderForce(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One force."""
         force = function_of(self.force, (*self.path, "force"))
-        return (Load(Slide(self.slider), force, self.path),)
+        return (Load(Slide(self.slider), force, self.path, applied=True),)
 
 
 @component
@@ -84,6 +84,7 @@ class FollowerForce(ListedComponent):
                 BodyAxis(self.joint, self.on, axis),
                 function_of(law, (*self.path, "force", axis)),
                 self.path,
+                applied=True,
             )
             for axis, law in enumerate(self.force)
         )
@@ -121,7 +122,7 @@ class ForceBetweenJoints(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One force."""
         force = function_of(self.force, (*self.path, "force"))
-        return (Load(Distance(*self.between), force, self.path),)
+        return (Load(Distance(*self.between), force, self.path, applied=True),)
 
 
 @component
@@ -135,7 +136,7 @@ class JointForce(ListedComponent):
     joint
         A joint that moves.
     force
-        Two numbers in newtons, or laws of time.
+        Two numbers in newtons, or laws.
     """
 
     section: ClassVar[str] = "loads"
@@ -156,6 +157,7 @@ class JointForce(ListedComponent):
                 Coordinate(self.joint, axis),
                 function_of(law, (*self.path, "force", axis)),
                 self.path,
+                applied=True,
             )
             for axis, law in enumerate(self.force)
         )

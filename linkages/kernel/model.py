@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.components.contributed.measures import Load, Measure
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.inertia import Inertia
@@ -17,6 +19,7 @@ from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
+from linkages.kernel.switches import Switches
 from linkages.topology.topology import Topology
 
 MOST_EVALUATORS = 128
@@ -49,6 +52,7 @@ class Model:
         paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
+        self.switches = Switches(self)
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
@@ -69,7 +73,16 @@ class Model:
     @cached_property
     def loads(self) -> list[LoadNodes]:
         """Forces, torques, springs and dampers."""
-        return [load_nodes(self, index) for index in range(len(self.mechanism.loads))]
+        return [load_nodes(self, load, place) for place, load in enumerate(self.mechanism.loads)]
+
+    @cached_property
+    def sensed(self) -> dict[Measure, LoadNodes]:
+        """What laws depend on beside what their loads act along; no force is along them here."""
+        first = len(self.mechanism.loads)
+        return {
+            measure: load_nodes(self, Load(measure, NOTHING, ()), place)
+            for place, measure in enumerate(self.mechanism.sensed, first)
+        }
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:
@@ -189,7 +202,8 @@ class Model:
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
         matrix = self.mass_matrix
-        forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+        with self.switches.collecting():
+            forces = [-self.required_force(self.bias, partial) for partial in self.partials]
         solution = solve_symmetric(matrix, forces)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:

@@ -55,10 +55,13 @@ def certificate(
     - The sum of all exponents is the mean rate at which volumes of states change. It is computed
       from the mass matrix and the loads, along the same motion.
     - Where no force depends on velocities, exponents come in pairs λ and −λ; where momenta decay at
-      the same rate γ in all directions, in pairs whose sum is −γ [1]_. Forces that turn with a body
-      follow from no energy and part the pairs.
+      the same rate γ in all directions, in pairs whose sum is −γ [1]_. Forces that follow from no
+      energy part the pairs.
     - Where accelerations do not depend on time, an exponent is zero unless the motion comes to rest
       [2]_; a second one if energy is conserved.
+
+    Where forces may jump as a speed changes its sign, volumes and momenta change at once there, and
+    nothing is said of the sum and of pairs.
 
     Parameters
     ----------
@@ -79,8 +82,8 @@ def certificate(
     numeric = STEPS * tangents.tolerance / float(np.diff(exponents.times).min())
     floor = max(SMALL * float(exponents.errors.max()), numeric)
     traces = np.trace(damping, axis1=1, axis2=2)
-    found = [_sum(exponents, traces, logarithms, parts, floor)]
-    rate = volumes.uniform(damping)
+    found = [] if volumes.switched else [_sum(exponents, traces, logarithms, parts, floor)]
+    rate = None if volumes.switched else volumes.uniform(damping)
     if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
     rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]

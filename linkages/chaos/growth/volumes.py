@@ -63,14 +63,32 @@ class Volumes:
         return [-entry for row in derivative(forces, rates) for entry in row]
 
     @cached_property
+    def switched(self) -> bool:
+        """Whether forces may jump where a speed has some value: volumes then change at once."""
+        model = self._model
+        _ = model.free_accelerations
+        rates = [model.inputs.rate(i) for i in range(self._size)]
+        found = derivative(model.switches.functions, rates)
+        return any(entry.constant != 0.0 for row in found for entry in row)
+
+    @cached_property
     def conservative(self) -> bool:
         """Whether no force depends on velocities."""
-        return all(entry.constant == 0.0 for entry in self._damping)
+        return not self.switched and all(entry.constant == 0.0 for entry in self._damping)
 
-    @property
+    @cached_property
     def potential(self) -> bool:
-        """Whether all forces without rates in them follow from an energy, that of time perhaps."""
-        return not any(load.load.follows for load in self._model.loads)
+        """Whether all forces without rates in them follow from an energy, that of time perhaps.
+
+        Along a single coordinate any force does. Of several, one that turns with a body follows
+        from none; nor does one that depends on more than it acts along, unless that is a function
+        of time.
+        """
+        if self._size == 1:
+            return True
+        moving = {m for m, nodes in self._model.sensed.items() if nodes.changing}
+        loads = self._model.mechanism.loads
+        return not any(load.follows or moving & set(load.sensed) for load in loads)
 
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""

@@ -26,11 +26,14 @@ class CompiledKernel:
         Parameters, followed by what `prepare` derived from them.
     timed
         Number of values that depend on time alone.
+    held
+        Number of modes, and of what is remembered: the last entries of `parameters`.
     """
 
     module: ModuleType
     parameters: np.ndarray
     timed: int
+    held: int = 0
 
     @property
     def clock(self) -> int:
@@ -49,18 +52,19 @@ class Printed:
 
     Parameters
     ----------
-    text, parameters, timed
+    text, parameters, timed, held
         As `linkages.kernel.code.program.Program` has them.
     """
 
     text: str
     parameters: tuple[int, int]
     timed: int
+    held: int = 0
 
     @classmethod
     def of(cls, program: Program) -> Printed:
         """Without the nodes that it was printed from."""
-        return cls(program.text, program.parameters, program.timed)
+        return cls(program.text, program.parameters, program.timed, program.held)
 
 
 def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
@@ -74,10 +78,10 @@ def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledK
         Values in the order of the model's inputs, shape (parameters,).
     """
     module, prepare = _loaded(program.text)
-    values = np.zeros(max(1, sum(program.parameters)))
+    values = np.zeros(max(1, sum(program.parameters) + program.held))
     values[: program.parameters[0]] = parameters
     prepare(values.ctypes.data)
-    return CompiledKernel(module, values, program.timed)
+    return CompiledKernel(module, values, program.timed, program.held)
 
 
 @lru_cache(maxsize=256)

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 
 from linkages.components.contributed.functions import Number
 from linkages.components.contributed.measures import BodyAxis, Coordinate, Load, Turn
-from linkages.components.contributed.state_laws import NOTHING, variables
+from linkages.components.contributed.sensing import named
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.mechanism.bodies import ground_direction
@@ -101,7 +102,7 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
     for slide, axial in kinds.slides:
         place, size = block_place(pose, slide.body), _size([axial])
         sense, turned = load_sense(axial, pose.mechanism), pose.angle(slide.body)
-        if axial.given and place and size and sense and turned is not None:
+        if axial.pushes and place and size and sense and turned is not None:
             side = force_side(pose, slide.body, sense)
             yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
     for turn, torque in kinds.turns:
@@ -133,7 +134,7 @@ def _size(loads: list[Load]) -> str:
     turning = loads[0].twists
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
-        found = dict.fromkeys(name for load in loads for name in variables(load.law))
+        found = dict.fromkeys(name for load in loads for name in named(load.law))
         return f"{'M' if turning else 'F'}({', '.join(found)})"
     size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
     return scale_for(size, "N·m" if turning else "N").text(size) if size else ""

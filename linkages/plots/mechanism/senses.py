@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.components.contributed.functions import Table
 from linkages.components.contributed.measures import BodyAxis, Coordinate, Load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
@@ -33,8 +34,13 @@ def sense_of(values: ArrayLike) -> int:
 
 
 def load_sense(load: Load, mechanism: Mechanism) -> int:
-    """Which way a force or torque acts during the run: both ways if it depends on the motion."""
-    return sense_of(law_values(load.law, run_times(mechanism))) if load.given else BOTH
+    """Which way a force or torque acts during the run.
+
+    One that depends on the motion acts both ways, unless all values of its table have one sign.
+    """
+    if load.given:
+        return sense_of(law_values(load.law, run_times(mechanism)))
+    return sense_of(load.law.values) if isinstance(load.law, Table) else BOTH
 
 
 def drive_sense(mechanism: Mechanism, name: str) -> int:

@@ -119,7 +119,7 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
         if not mechanism.bodies[name].rotates:
             _beside(ax, pose, name, drive_sense(mechanism, name), DRIVEN, labels)
     for slide, load in by_kind(mechanism.loads).slides:
-        if load.given:
+        if load.pushes:
             _beside(ax, pose, slide.body, load_sense(load, mechanism), LOAD, labels)
 
 
@@ -129,6 +129,8 @@ def draw_guide_springs(ax: Axes, pose: Pose, labels: Labels, first: Pose | None 
     of_slider: dict[str, list[bool]] = {}
     for slide, load in by_kind(pose.mechanism.loads).slides:
         found = of_slider.setdefault(slide.body, [])
+        if load.pushes:
+            continue
         found += [True] * load.elastic + [False] * load.dissipates
     for name, parts in of_slider.items():
         place, angle, before = block_place(pose, name), pose.angle(name), first.angle(name)
@@ -168,7 +170,7 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
     slides = by_kind(pose.mechanism.loads).slides
-    forces = [load for slide, load in slides if slide.body == name and load.given]
+    forces = [load for slide, load in slides if slide.body == name and load.pushes]
     side = force_side(pose, name, -1)
     stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
     return -side if side in stands else side

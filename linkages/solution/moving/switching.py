@@ -21,6 +21,8 @@ from linkages.errors import InputError
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Piece
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
 BETTER = 2.0
@@ -98,6 +100,17 @@ def tangent_map(
     where = {block: np.array([True]) for block in flipped}
     values = system.evaluate(entries, time, state[:, None], flipped=where)
     return values.reshape(2 * count, 2 * count)
+
+
+def keeps_modes(piece: Piece) -> bool:
+    """Whether the functions of all switches keep the signs that they have within a piece."""
+    switches = piece.system.model.switches.switches
+    if piece.held is None or not len(piece.held):
+        return True
+    values = evaluate_nodes(piece, [switch.function for switch in switches])
+    modes = piece.held[: len(switches)]
+    watched = [s.active is None or modes[s.active, 0] > 0.0 for s in switches]
+    return bool((values * modes >= 0.0)[watched].all())
 
 
 class _Configuration:

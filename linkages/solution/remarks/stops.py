@@ -85,6 +85,9 @@ def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PAS
     outcome = trajectory.outcome
     if outcome in (Outcome.DONE, Outcome.EVENT):
         return None
+    if trajectory.switch >= 0:
+        name = system.model.switches.switches[trajectory.switch].name
+        return f"at t = {trajectory.stop_time:.9g} s, {name}: {outcome}"
     if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
         singular = outcome is Outcome.SINGULAR
         where = (trajectory.block, trajectory.stop_time)

@@ -31,6 +31,7 @@ from linkages.solvers.steps.views import (
     STOP,
     Hook,
     Record,
+    Switching,
     System,
     Table,
 )
@@ -48,6 +49,7 @@ def adaptive_steps(
     table: Table,
     record: Record,
     hook: Hook,
+    switching: Switching,
     start: float,
     end: float,
     rtol: float,
@@ -94,7 +96,15 @@ def adaptive_steps(
             accepted = error <= 1.0
             if accepted and turns_too_far(system, table.end, h):
                 accepted, factor = False, SHRINK_TURNING
-        if accepted:
+        changing = False
+        if accepted and switching.look != 0:
+            part = call_hook(switching.look, switching.context, t, h, t_end)
+            changing = part <= 1.0
+            if part < 1.0:
+                h *= part
+                t_end = t + h
+                next_carry = (t_end - t) - (h - carry)
+        if accepted and h != 0.0:
             part = check_margins(system, table, record, t, h, t_end)
             if part < 1.0:
                 return cut_short(system, table, record, t, h, part, SINGULAR)
@@ -113,6 +123,12 @@ def adaptive_steps(
             t, carry, before = t_end, next_carry, error
             h *= min(factor, 1.0) if rejected else factor
             trouble, rejected = 0, False
+            if changing and outcome == DONE:
+                outcome = int(call_hook(switching.change, switching.context, t, end - start, t))
+                if outcome == DONE and t != end:
+                    counters[EVALUATIONS] += 1
+                    h = first_step(system, t, end - t, order, rtol, atol, zeros)
+                    before = 1.0
         else:
             counters[REJECTED] += 1
             rejected = True

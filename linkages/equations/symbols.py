@@ -52,6 +52,15 @@ _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("racks", "ratio", "inverse"): ("i", "inverse"),
     ("racks", "offset"): ("s", "0"),
     ("racks", "offset", "inverse"): ("phi",),
+    ("stops", "stiffness"): ("k",),
+    ("stops", "damping"): ("d",),
+    ("stops", "lower"): ("x", "lower"),
+    ("stops", "upper"): ("x", "upper"),
+    ("friction", "torque"): ("M",),
+    ("friction", "force"): ("F",),
+    ("friction", "static"): ("F", "static"),
+    ("friction", "stribeck_speed"): ("v", "Stribeck"),
+    ("friction", "slip_speed"): ("v", "slip"),
 }
 """Section and keys → letter and further subscripts, behind the name or number of the entry."""
 

@@ -34,7 +34,7 @@ class Rack(ListedComponent):
     """
 
     section: ClassVar[str] = "racks"
-    opens: ClassVar[Section] = Section("list", "{slider: rack, bar: pinion, radius: 20 mm}")
+    opens: ClassVar[Section] = Section("list", "{slider: piston, bar: crank, radius: 20 mm}")
 
     index: int
     slider: Name

@@ -88,7 +88,7 @@ class GuideStop(_Stop):
     """
 
     section: ClassVar[str] = "stops"
-    opens: ClassVar[Section] = Section("list", "{slider: ram, upper: 0.3, stiffness: 1e6}")
+    opens: ClassVar[Section] = Section("list", "{slider: piston, upper: 0.3, stiffness: 1e6}")
 
     index: int
     slider: Name

@@ -56,9 +56,10 @@ def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
 
 
 def test_where_it_sticks_the_run_ends_and_says_so():
+    text = block(0, 3).replace("stiffness: 50", "stiffness: 0")
+    mechanism = linkages.loads(text + "- {slider: block, force: 4}\n")
     with pytest.raises(linkages.IncompleteError) as caught:
-        text = block(0, 3).replace("stiffness: 50", "stiffness: 0")
-        linkages.simulate(linkages.loads(text + "- {slider: block, force: 4}\n"), end=2.0)
+        linkages.simulate(mechanism, end=2.0)
     assert "friction[0]" in str(caught.value)
     last = float(caught.value.solution.data.time[-1])
     assert 1.498 <= last <= 1.5  # samples are 2 ms apart; it rests at 1.5 s

@@ -176,8 +176,8 @@ def test_tangents_lose_a_direction_in_sticking():
     flow = rhs.flow(tangents=2, rtol=1e-12)
     own, aside = flow.advance(rhs.state, 0.0, 4.0), np.array([1e-6, 0.0])
     ends = [flow.advance(rhs.state + s * aside, 0.0, 4.0).y for s in (1, -1)]
-    assert own.tangents[:, 0] == pytest.approx((ends[0] - ends[1]) / 2e-6, abs=1e-6)
-    assert np.abs(own.tangents[1]).max() < 1e-9
+    assert own.tangents[:, 0] == pytest.approx((ends[0] - ends[1]) / 2e-6, abs=1e-7)
+    assert np.abs(own.tangents[1]).max() < 1e-12
 
 
 def test_samples_change_nothing():
@@ -228,8 +228,8 @@ def test_tangents_cross_changes(law, method):
         found[:, column] = (ends[0] - ends[1]) / 2e-6
     scale = np.abs(found).max()
     assert scale > 1.5 or law is rubbing
-    # tangents are integrated with a tolerance of 1e-6 a step
-    assert np.abs(own.tangents - found).max() < 2e-5 * scale
+    # differences of 1e-6 have errors of 1e-12/1e-6 by tolerance, and square ones of bends
+    assert np.abs(own.tangents - found).max() < 1e-6 * scale
 
 
 def test_tangents_of_an_impact():
@@ -251,7 +251,7 @@ def test_memory_is_a_part_of_tangents():
     assert touch.y[0] < 0.0
     half = flow.advance(touch.y, 0.487, 1.4, touch.tangents, touch.held)
     assert half.y == pytest.approx(whole.y, abs=1e-9)
-    assert half.tangents == pytest.approx(whole.tangents, abs=2e-4)
+    assert half.tangents == pytest.approx(whole.tangents, abs=1e-7)
     # and without it there is another motion
     assert np.abs(flow.advance(touch.y, 0.487, 1.4).y - whole.y).max() > 1e-3
 

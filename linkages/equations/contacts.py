@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import sympy as sp
 
 from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.functions import FIRST
+from linkages.components.contributed.functions import FIRST, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
@@ -67,6 +68,11 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     return ContactForces(tuple(definitions), {q: force for q, force in total.items() if force != 0})
 
 
+def _picked(*values: sp.Expr) -> Callable[[Measured], sp.Expr]:
+    """What laws are measured by, by its order."""
+    return lambda found: values[found.order]
+
+
 class _Contact:
     """One contact; where its gap is open the distance counts as its size: nothing is 0/0."""
 
@@ -86,7 +92,7 @@ class _Contact:
         pin, hole = map(self._turning, bodies)
         self._deepening = (x * dx + y * dy) / apart
         self._slip = (x * dy - y * dx) / apart + radius * pin - (radius + apart) * hole
-        measured = (apart - size, self._define("v", name, self._deepening))
+        measured = _picked(apart - size, self._define("v", name, self._deepening))
         force = law_of(normal.force, symbols, measured)
         if normal.pressing is not None:
             force = Select(law_of(normal.pressing, symbols, measured), force, sp.S.Zero)
@@ -94,7 +100,7 @@ class _Contact:
         self._friction: sp.Expr = sp.S.Zero
         if contact.friction is not None:
             slip = self._define("w", name, self._slip)
-            part = law_of(contact.friction.coefficient, symbols, (slip, slip))
+            part = law_of(contact.friction.coefficient, symbols, _picked(slip, slip))
             self._friction = self._define("F", name, self._force * part)
 
     def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:

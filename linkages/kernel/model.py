@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.components.contributed.measures import Load, Measure
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.contacts import ContactNodes
@@ -72,7 +74,16 @@ class Model:
     @cached_property
     def loads(self) -> list[LoadNodes]:
         """Forces, torques, springs and dampers."""
-        return [load_nodes(self, index) for index in range(len(self.mechanism.loads))]
+        return [load_nodes(self, load, place) for place, load in enumerate(self.mechanism.loads)]
+
+    @cached_property
+    def sensed(self) -> dict[Measure, LoadNodes]:
+        """What laws depend on beside what their loads act along; no force is along them here."""
+        first = len(self.mechanism.loads)
+        return {
+            measure: load_nodes(self, Load(measure, NOTHING, ()), place)
+            for place, measure in enumerate(self.mechanism.sensed, first)
+        }
 
     @cached_property
     def contacts(self) -> list[ContactNodes]:

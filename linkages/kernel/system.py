@@ -153,7 +153,9 @@ class System:
         """Loads must have a value at the start, as the laws of drives must."""
         found = []
         for load in self.model.loads:
-            if not np.isfinite(self._place.values(load.given, self.assembly)).all():
+            given = np.isfinite(self._place.values(load.given, self.assembly))
+            rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
+            if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 found.append((load.load.path, message))
         if found:

@@ -11,6 +11,7 @@ from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Body, Displacement, Path, Relation
 from linkages.components.mechanisms.coordinates import coordinate_findings
 from linkages.components.mechanisms.declared import Declared, expected_one_of
+from linkages.components.mechanisms.formulas import formula_findings
 from linkages.components.mechanisms.guides import circular_guides, sliders_on_air
 
 __all__ = ["Declared", "Finding", "findings"]
@@ -26,6 +27,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
         found += _missing_points(components, declared)
         found += sliders_on_air(declared)
         found += _ambiguous_frictions(declared)
+        found += formula_findings(components, declared)
     found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)

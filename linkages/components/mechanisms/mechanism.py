@@ -16,7 +16,8 @@ from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
 from linkages.components.contributed.listed import numbered
-from linkages.components.contributed.measures import Friction, Load
+from linkages.components.contributed.measures import Friction, Load, Measure
+from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
@@ -250,11 +251,18 @@ class Mechanism:
     def loads(self) -> tuple[Load, ...]:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
         bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
-        return tuple(
+        sliders = {name for name, body in bodies.items() if not body.rotates}
+        found = (
             resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
+        return tuple(with_sliders(load, sliders) for load in found)
+
+    @cached_property
+    def sensed(self) -> tuple[Measure, ...]:
+        """What loads depend on beside what they act along, each once."""
+        return tuple(dict.fromkeys(measure for load in self.loads for measure in load.sensed))
 
     def carrier(self, joint: str) -> str | None:
         """The body that loads and masses at a joint belong to: the first there, or None."""

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.functions import Function
+from linkages.components.contributed.functions import Function, Measured
 from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
@@ -124,8 +124,8 @@ class ContactNodes(Acting):
         """What a law gives, such as the force or the energy."""
         return value_of(law, self.model.inputs, self._measured)
 
-    def _measured(self, order: int) -> Scalar:
-        return getattr(self, ("pressed", "speed", "first_rate")[order])
+    def _measured(self, found: Measured) -> Scalar:
+        return getattr(self, ("pressed", "speed", "first_rate")[found.order])
 
     @cached_property
     def speed(self) -> Scalar:

@@ -43,7 +43,7 @@ from linkages.plots.mechanism.senses import drive_sense
 from linkages.plots.mechanism.sliders import (
     block_place,
     draw_axial,
-    draw_guide_dampers,
+    draw_guide_springs,
     draw_sliders,
 )
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
@@ -122,7 +122,7 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
     for name in shown.mechanism.prescribed:
         _drive(ax, shown, name, labels)
     draw_axial(ax, shown, labels)
-    draw_guide_dampers(ax, shown, labels)
+    draw_guide_springs(ax, shown, labels)
     draw_forces(ax, shown, labels)
 
 

@@ -157,6 +157,9 @@ class ContactClearance(Component):
     def _of_friction(self) -> Iterator[tuple[str, str]]:
         if not self.friction:
             return
+        if "stiffness" not in self.law.needs:
+            yield "friction", f"{self.law.name} has no friction; expected the law of a force"
+            return
         for key, words in (("pin_radius", "radius of the pin"), ("slip", "velocity of slip")):
             if getattr(self, key) is None:
                 yield "friction", f"missing key {key!r}: friction needs the {words}"

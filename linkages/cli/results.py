@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from linkages.chaos.sections.free_states import PAIRS
 from linkages.reading.replacing import replaced
 from linkages.solution.files import save_netcdf
 
@@ -54,7 +55,7 @@ def free_columns(data: xr.Dataset) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     for name, array in data.data_vars.items():
         dim = str(array.dims[-1])
-        if "crossing" not in array.dims or dim not in ("bar", "clearance", "slider"):
+        if "crossing" not in array.dims or dim not in PAIRS:
             continue
         for element in data[dim].values:
             series = array.sel({dim: element}).to_numpy().ravel()

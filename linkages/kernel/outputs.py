@@ -68,6 +68,8 @@ class Variable:
         after; taken as they are if not given.
     compared
         The output that it compares with that of the same mechanism without clearances.
+    flags
+        What the numbers 0, 1, … of a variable mean that has no other values.
     opening
         Whether it is there for mechanisms with a clearance that opens only.
     """
@@ -87,6 +89,7 @@ class Variable:
     reciprocal: bool = False
     reduced: Callable[[Floats], Floats] | None = None
     compared: str = ""
+    flags: tuple[str, ...] = ()
     opening: bool = False
 
     @property
@@ -133,6 +136,11 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return tuple(term.name for term in model.mechanism.displacements)
     kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "offset": ("offset",)}[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
+
+
+def links(model: Model) -> tuple[str, ...]:
+    """Clearances whose pin and hole stay in contact: massless links."""
+    return tuple(name for name in labels(model, "clearance") if name in model.mechanism.bodies)
 
 
 def _components(vectors: Sequence[Vector]) -> list[Scalar]:

@@ -91,6 +91,10 @@ OUTPUTS = {
         ("clearance",), "W", "power lost by friction along the wall",
         _scalars(lambda contact: contact.friction_loss), opening=True, smooth=False,
     ),
+    "clearance_state": Variable(
+        ("clearance",), "1", "state of the contact", None, default=True, opening=True,
+        smooth=False, flags=("free", "impact", "following"),
+    ),
     "offset_position": Variable(
         ("offset",), "m", "offset along an axis", _offsets("positions"),
         coordinate=True, rate="offset_rate",

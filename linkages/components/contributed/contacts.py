@@ -34,6 +34,8 @@ class NormalForce:
         In newtons, positive where it presses.
     elastic, energy
         The part of it that follows from an energy (N), and that energy (J).
+    numbers
+        K and n of the elastic part K·dⁿ.
     pressing
         Negative where the force would pull, which no contact does: it is none then. None for a law
         that always presses.
@@ -44,6 +46,7 @@ class NormalForce:
     force: Function
     elastic: Function
     energy: Function
+    numbers: tuple[Parameter, Parameter]
     pressing: Function | None = None
     least_rate: Parameter | None = None
 
@@ -75,8 +78,8 @@ def elastic_law(name: str) -> ContactLaw:
     """K dⁿ."""
 
     def force(numbers: Numbers) -> NormalForce:
-        elastic, energy = elastic_part(numbers)
-        return NormalForce(elastic, elastic, energy)
+        elastic, energy, own = elastic_part(numbers)
+        return NormalForce(elastic, elastic, energy, own)
 
     return ContactLaw(name, ("stiffness",), force)
 
@@ -85,9 +88,9 @@ def dissipative_law(name: str) -> ContactLaw:
     """K dⁿ (1 + a d')."""
 
     def force(numbers: Numbers) -> NormalForce:
-        elastic, energy = elastic_part(numbers)
+        elastic, energy, own = elastic_part(numbers)
         factor = 1.0 + Number(numbers["dissipation"]) * V
-        return NormalForce(elastic * factor, elastic, energy, factor)
+        return NormalForce(elastic * factor, elastic, energy, own, factor)
 
     return ContactLaw(name, ("stiffness", "dissipation"), force)
 
@@ -96,9 +99,9 @@ def restitution_law(name: str, factor: Callable[[float], float]) -> ContactLaw:
     """K dⁿ (1 + χ d'/d'₀), with the rate d'₀ of the last touch and a factor χ of restitution."""
 
     def force(numbers: Numbers) -> NormalForce:
-        elastic, energy = elastic_part(numbers)
+        elastic, energy, own = elastic_part(numbers)
         damped = 1.0 + Number(numbers["restitution"]) * V / FIRST
-        return NormalForce(elastic * damped, elastic, energy, damped, numbers["least_rate"])
+        return NormalForce(elastic * damped, elastic, energy, own, damped, numbers["least_rate"])
 
     needs = ("stiffness", "restitution")
     return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor)
@@ -108,20 +111,19 @@ def viscous_law(name: str) -> ContactLaw:
     """K d + D d'."""
 
     def force(numbers: Numbers) -> NormalForce:
-        elastic = Number(numbers["stiffness"]) * X
+        elastic, energy, own = elastic_part(numbers)
         total = elastic + Number(numbers["damping"]) * V
-        return NormalForce(total, elastic, 0.5 * elastic * X, total)
+        return NormalForce(total, elastic, energy, own, total)
 
     return ContactLaw(name, ("stiffness", "damping"), force, ())
 
 
-def elastic_part(numbers: Numbers) -> tuple[Function, Function]:
-    """Force K dⁿ and energy K dⁿ⁺¹/(n + 1) for d > 0."""
-    exponent = numbers["exponent"]
-    force = Number(numbers["stiffness"]) * raised(exponent)
-    if halves(exponent) is None:
-        return force, force * X / (1.0 + Number(exponent))
-    return force, force * X / (1.0 + exponent.value)
+def elastic_part(numbers: Numbers) -> tuple[Function, Function, tuple[Parameter, Parameter]]:
+    """Force K dⁿ and energy K dⁿ⁺¹/(n + 1) for d > 0, and their numbers K and n."""
+    stiffness, exponent = numbers["stiffness"], numbers["exponent"]
+    force = Number(stiffness) * raised(exponent)
+    power = 1.0 + (exponent.value if halves(exponent) is not None else Number(exponent))
+    return force, force * X / power, (stiffness, exponent)
 
 
 def halves(exponent: Parameter) -> int | None:
@@ -192,6 +194,11 @@ class Contact:
     pin_radius: Parameter
     friction: GapFriction | None
     path: Path
+
+    @property
+    def dissipates(self) -> bool:
+        """Whether impacts or slip lose energy."""
+        return self.normal.force != self.normal.elastic or self.friction is not None
 
     @property
     def axes(self) -> tuple[str, str]:

@@ -99,7 +99,7 @@ class ContactNodes(Acting):
     @property
     def touching(self) -> Scalar:
         """Mode: whether pin and hole touch."""
-        return self.model.switches.add(self._touch, self._squares * (0.5 / self.size))
+        return self.model.switches.add(self.touch, self._squares * (0.5 / self.size))
 
     @property
     def pressing(self) -> Scalar:
@@ -111,7 +111,8 @@ class ContactNodes(Acting):
         return self.model.switches.add(name, self.value(law), active=touching)
 
     @property
-    def _touch(self) -> str:
+    def touch(self) -> str:
+        """Name of the mode of touching."""
         return f"{self.contact.name}: touch"
 
     @cached_property
@@ -138,7 +139,7 @@ class ContactNodes(Acting):
         least = self.model.inputs.parameter(self.contact.normal.least_rate)
         kept = self.graph.select(self.speed - least, self.speed, least)
         _ = self.touching
-        return self.model.switches.memory(self._touch, kept)
+        return self.model.switches.memory(self.touch, kept)
 
     def _while_touching(self, value: Scalar) -> Scalar:
         return self.graph.select(self.touching, value, self.graph.zero)

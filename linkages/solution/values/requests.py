@@ -9,6 +9,7 @@ from linkages.kernel.system import System
 from linkages.reading.wording import suggestion
 
 REACTION = "joint_reaction"
+STATE = "clearance_state"
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:

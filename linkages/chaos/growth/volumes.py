@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
+from linkages.kernel.switches import Switches
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Piece
@@ -43,15 +44,27 @@ class Volumes:
         return self.system.model
 
     @property
+    def _switches(self) -> Switches:
+        """Those of the accelerations, which are built first."""
+        _ = self._model.free_accelerations
+        return self._model.switches
+
+    @property
     def _size(self) -> int:
         return len(self.system.topology.free)
 
     @cached_property
     def autonomous(self) -> bool:
-        """Whether the accelerations do not depend on time."""
+        """Whether the accelerations do not depend on time, nor what changes modes."""
         model = self._model
         clock = model.inputs.time.index
-        return all(node.index != clock for node in reachable(model.free_accelerations))
+        needed = [*model.free_accelerations, *self._switches.nodes]
+        return all(node.index != clock for node in reachable(needed))
+
+    @cached_property
+    def told(self) -> bool:
+        """Whether mass matrix and loads say all of it: where modes change volumes may jump."""
+        return self.conservative or not self._switches.switches
 
     @cached_property
     def _damping(self) -> list[Scalar]:
@@ -64,8 +77,14 @@ class Volumes:
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether no force depends on velocities."""
-        return all(entry.constant == 0.0 for entry in self._damping)
+        """Whether no force depends on velocities, nor what changes modes."""
+        switches = self._switches
+        if any(switch.jump for switch in switches.switches) or switches.memories:
+            return False
+        rates = [self._model.inputs.rate(i) for i in range(self._size)]
+        bends = derivative(switches.functions, rates)
+        entries = [*self._damping, *(entry for row in bends for entry in row)]
+        return all(entry.constant == 0.0 for entry in entries)
 
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""

@@ -27,6 +27,10 @@ _BY_KEY = {
     "torque": "M",
     "stiffness": "k",
     "damping": "d",
+    "dissipation": "a",
+    "friction": "mu",
+    "pin_radius": "R",
+    "slip": "w",
 }
 _AXES = ("x", "y")
 

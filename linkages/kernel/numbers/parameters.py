@@ -108,6 +108,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.point_masses,
         laws,
         mechanism.loads,
+        mechanism.contacts,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = (*(load.measure for load in mechanism.loads), *mechanism.sensed)

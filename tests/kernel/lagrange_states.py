@@ -94,12 +94,10 @@ class Kernel:
     def _rates(field, followers):
         return field.bodies | {name: field.turning(name) for name in followers}
 
-    def _evaluate(self, groups, **inputs):
-        """Values of nodes; modes are the signs of their functions."""
-        evaluator = Evaluator(node for group in groups.values() for node in group.values())
-        if evaluator.switched:
-            inputs |= self.model.switches.signed(inputs)
-        values = iter(evaluator(**inputs))
+    @staticmethod
+    def _evaluate(groups, **inputs):
+        nodes = [node for group in groups.values() for node in group.values()]
+        values = iter(Evaluator(nodes)(**inputs))
         return {key: {name: next(values) for name in group} for key, group in groups.items()}
 
     def states(self, seed):

@@ -190,7 +190,7 @@ def test_what_is_known_of_exponents_beforehand(torque, conservative, potential):
     """Forces that are no gradient part pairs of exponents; a jump at a speed changes volumes."""
     volumes = Volumes(System(linkages.loads(f"{TWO}loads: [{{bar: upper, torque: '{torque}'}}]")))
     assert (volumes.conservative, volumes.potential) == (conservative, potential)
-    assert volumes.switched == ("sign" in torque)
+    assert volumes.told == ("sign" not in torque)
 
 
 def test_of_one_coordinate_any_force_is_a_gradient():

@@ -62,17 +62,21 @@ class Places:
         if guide is not None:
             carrier = sp.S.Zero if guide.body is None else self.orientation(guide.body)
             return carrier + self._angle(guide.angle, whole_turns=False)
+        return self.coordinate(name)
+
+    def coordinate(self, name: str) -> sp.Expr:
+        """A body's own coordinate: its angle in radians, or its displacement in metres."""
         if name in self._topology.slaves:
             return self._following(name)
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
-        """The angle is offset + Σ ratio·θ_other."""
-        relation = self._topology.slaves[name]
-        total = self._angle(relation.offset)
+        """It is offset + Σ ratio·q_other."""
+        relation, turns = self._topology.slaves[name], self._body(name).rotates
+        total = (self._angle if turns else self._symbols.parameter)(relation.offset)
         for other, ratio in relation.parts:
             factor = sp.S.One if ratio.value == 1.0 else self._symbols.parameter(ratio)
-            total += factor * self.orientation(other)
+            total += factor * self.coordinate(other)
         return total
 
     def _angle(self, angle: Parameter, whole_turns: bool = True) -> sp.Expr:
@@ -88,7 +92,7 @@ class Places:
         places, own = self._mechanism.attachments[step.body], self._body(step.body).axis
         slid: Terms = ()
         if own in (step.start, step.end):
-            along = Polar(self._symbols.coordinates[step.body], self.orientation(step.body))
+            along = Polar(self.coordinate(step.body), self.orientation(step.body))
             slid = (along if step.start == own else -along,)
         origin = next(iter(places.values()))
         within = self._within(

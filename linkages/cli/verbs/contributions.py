@@ -42,6 +42,7 @@ from linkages.components.laws.law import function_of
 from linkages.components.laws.named import NamedLaw
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.units import unit_at
+from linkages.components.rack import Rack, Rope
 from linkages.components.weld import Weld
 from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
@@ -54,7 +55,7 @@ Row = dict[str, str]
 
 
 def relations(mechanism: Mechanism) -> list[Row]:
-    """Welds and gears: ``kind, path, on, value``."""
+    """Welds, gears, racks and ropes: ``kind, path, on, value``."""
     found: list[Row] = []
     for part in mechanism.components:
         if isinstance(part, Weld):
@@ -65,6 +66,15 @@ def relations(mechanism: Mechanism) -> list[Row]:
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
             found.append(_row("gear", value, part.path, " and ".join(part.bars)))
+        elif isinstance(part, Rack):
+            value = f"{part.slider} moves {number(part.radius)} m per radian of {part.bar}"
+            if part.carrier not in (None, GROUND):
+                value += f", seen from {part.carrier}"
+            found.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Rope):
+            first, second = part.sliders
+            value = f"{second} moves {number(part.ratio)} times as fast as {first}"
+            found.append(_row("rope", value, part.path, f"{first} and {second}"))
     return found
 
 

@@ -5,8 +5,8 @@ Lengths are metres, angles radians (counter-clockwise from +x), masses kilograms
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -161,24 +161,51 @@ class Displacement:
 
 @dataclass(frozen=True)
 class Relation:
-    """The angle of a body follows from others: θ = offset + Σ ratio·θ_other (welds, gears).
+    """The coordinate of a body follows from others: q = offset + Σ ratio·q_other.
+
+    Welds and gears tie angles, racks an angle and a displacement.
 
     Parameters
     ----------
     body
-        A body that turns.
+        A body that turns or slides.
     parts
-        Other bodies that turn, with their ratios. A ratio of exactly 1 is structure.
+        Other bodies with their ratios. Between angles a ratio of exactly 1 is structure.
     offset
-        In radians.
+        In radians or metres.
     path
         Where it stands in the definition file.
+    inverse
+        The same for another body, which is taken where something else gives that of `body`.
     """
 
     body: str
     parts: tuple[tuple[str, Parameter], ...]
     offset: Parameter
     path: Path
+    inverse: Relation | None = None
+
+
+def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Relation]:
+    """Relations as they are taken where the coordinates of some bodies are driven or free.
+
+    One that has an inverse gives the coordinate that nothing else gives, as far as there is one.
+    """
+    found = list(relations)
+    given = {*known, *(relation.body for relation in found if relation.inverse is None)}
+    left = [place for place, relation in enumerate(found) if relation.inverse is not None]
+    while left:
+        place = next((p for p in left if {found[p].body, _back(found[p]).body} & given), left[0])
+        left.remove(place)
+        own, back = found[place], _back(found[place])
+        found[place] = back if own.body in given else replace(own, inverse=None)
+        given.add(found[place].body)
+    return found
+
+
+def _back(relation: Relation) -> Relation:
+    assert relation.inverse is not None
+    return relation.inverse
 
 
 @dataclass(frozen=True)

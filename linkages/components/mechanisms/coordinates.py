@@ -28,7 +28,9 @@ def _related_twice(declared: Declared) -> list[Finding]:
     remedy = "turn the relation round, with the inverse ratio"
     for relation in declared.relations:
         name = relation.body
-        start = f"the angle of {name!r} follows from this relation"
+        body = declared.by_name.get(name)
+        what = "angle" if body is None or body.rotates else "position"
+        start = f"the {what} of {name!r} follows from this relation"
         if name in seen:
             found.append((relation.path, f"{start} and from another one; expected one: {remedy}"))
         elif name in declared.driven or name in declared.free:
@@ -47,7 +49,7 @@ def _cycles(relations: list[Relation]) -> list[Finding]:
         if chain and not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
-            found.append((relation.path, f"angles follow from each other: {listed}"))
+            found.append((relation.path, f"coordinates follow from each other: {listed}"))
     return found
 
 

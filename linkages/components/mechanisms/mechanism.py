@@ -32,6 +32,7 @@ from linkages.components.contributed.terms import (
     Prescribed,
     Relation,
     axis_label,
+    oriented,
 )
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.mechanisms.consistency import Declared, findings
@@ -288,8 +289,9 @@ class Mechanism:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Welds and gears."""
-        return tuple(t for t in self.terms if isinstance(t, Relation))
+        """Welds, gears and racks."""
+        known = {*self.prescribed, *self.initial}
+        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
 
     @cached_property
     def gravity(self) -> Gravity:

@@ -79,17 +79,21 @@ class Frames:
         guide = self._mechanism.bodies[name].guide
         if guide is not None:
             return {} if guide.body is None else self.ratios(guide.body)
+        return self.moves(name)
+
+    def moves(self, name: str) -> dict[str, Scalar]:
+        """How fast a body's own coordinate changes with each that it depends on."""
         if name not in self._topology.slaves:
             return {name: self._inputs.graph.one}
         total: dict[str, Scalar] = {}
         for other, factor in self.follows(name):
-            for master, value in self.ratios(other).items():
+            for master, value in self.moves(other).items():
                 added = factor * value
                 total[master] = total[master] + added if master in total else added
         return total
 
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
-        """Bodies that a follower turns with, and in which ratios."""
+        """Bodies that a follower moves with, and in which ratios."""
         parts = self._topology.slaves[name].parts
         return [(other, self._ratio(ratio)) for other, ratio in parts]
 

@@ -53,10 +53,14 @@ class _Field(ABC):
         guide = self.topology.mechanism.bodies[name].guide
         if guide is not None:
             return self.graph.zero if guide.body is None else self.turning(guide.body)
+        return self.moving(name)
+
+    def moving(self, name: str) -> Scalar:
+        """Derivative of a body's own coordinate: its angle, or its displacement."""
         if name not in self.topology.slaves:
             return self.bodies[name]
         parts = self.positions.frames.follows(name)
-        return self.graph.total(factor * self.turning(other) for other, factor in parts)
+        return self.graph.total(factor * self.moving(other) for other, factor in parts)
 
     def _add(self, block: Block) -> None:
         if block.unknowns:
@@ -140,7 +144,7 @@ class Rates(_Field):
         rate = link.turned * self.turning(name)
         sliding, axis = self._slides(step)
         if sliding:
-            rate = rate + axis * self.bodies[name]
+            rate = rate + axis * self.moving(name)
         if name == self._stretch:
             points = tuple(self.topology.mechanism.bodies[name].points)
             unit = self.positions.unit(name)
@@ -168,10 +172,12 @@ class Rates(_Field):
     def _column_rate(self, block: Block, index: int, name: str) -> Vector:
         total = Vector(self.graph.zero, self.graph.zero)
         for step in block.loops[index].steps:
-            if name == step.body and not self.topology.mechanism.bodies[name].rotates:
-                sliding, axis = self._slides(step)
-                total = total + (axis.turned * self.turning(name) if sliding else axis)
-            elif name in self.topology.orientations[step.body].masters:
+            orientation = self.topology.orientations[step.body]
+            sliding, axis = self._slides(step)
+            if sliding and name in orientation.moved:
+                ratio = self.positions.frames.moves(step.body)[name]
+                total = total + axis.turned * self.turning(step.body) * ratio
+            if name in orientation.masters:
                 ratio = self.positions.frames.ratios(step.body)[name]
                 total = total + self._along(step).turned * ratio
         return total
@@ -207,8 +213,8 @@ class Accelerations(_Field):
             result = result - link * (rate * rate)
         sliding, axis = self._slides(step)
         if sliding:
-            result = result + axis * self.bodies[name]
-            result = result + axis.turned * (2.0 * self.rates.bodies[name] * rate)
+            result = result + axis * self.moving(name)
+            result = result + axis.turned * (2.0 * self.rates.moving(name) * rate)
         return result
 
     def _inward(self, block: Block, name: str) -> bool:

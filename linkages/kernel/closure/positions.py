@@ -33,7 +33,7 @@ class Positions:
     joints
         Point → position.
     displacements
-        Slider → displacement.
+        Slider → displacement, of those that do not follow from others.
     units, links
         How a body is turned: its unit vector, or one of its vectors in its own frame and in the
         plane.
@@ -120,7 +120,7 @@ class Positions:
         sliding = self.frames.sliding(name, start, end)
         if not sliding:
             return vector
-        displacement = self.displacements[name]
+        displacement = self.displacement(name)
         return Vector(vector.x + (displacement if sliding > 0 else -displacement), vector.y)
 
     def along(self, name: str, start: str, end: str) -> Vector:
@@ -173,10 +173,7 @@ class Positions:
             turned = self.inputs.parameter(guide.angle)
             return turned if guide.body is None else self.angle(guide.body) + turned
         if name in self.topology.slaves:
-            parts = self.frames.follows(name)
-            offset = self.inputs.parameter(self.topology.slaves[name].offset)
-            total = self.graph.total(factor * self.angle(other) for other, factor in parts)
-            return total + offset
+            return self._following(name)
         if name in self._angles:
             return self._angles[name]
         unit = self.unit(name)
@@ -204,4 +201,15 @@ class Positions:
 
     def coordinate(self, name: str) -> Scalar:
         """A body's own coordinate: its angle, or its displacement."""
-        return self.angle(name) if self.body(name).rotates else self.displacements[name]
+        return self.angle(name) if self.body(name).rotates else self.displacement(name)
+
+    def displacement(self, name: str) -> Scalar:
+        """The displacement of a slider."""
+        following = name in self.topology.slaves
+        return self._following(name) if following else self.displacements[name]
+
+    def _following(self, name: str) -> Scalar:
+        """A coordinate that follows from others."""
+        parts = self.frames.follows(name)
+        offset = self.inputs.parameter(self.topology.slaves[name].offset)
+        return self.graph.total(factor * self.coordinate(other) for other, factor in parts) + offset

@@ -27,11 +27,14 @@ Torques = list[tuple[str | None, Scalar]]
 class Velocities(Protocol):
     """Velocities, actual or partial."""
 
-    bodies: dict[str, Scalar]
     joints: dict[str, Vector]
 
     def turning(self, name: str) -> Scalar:
         """Angular speed of a body."""
+        ...
+
+    def moving(self, name: str) -> Scalar:
+        """Rate of a body's own coordinate."""
         ...
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.gear import Gear
+from linkages.components.rack import Rack
 from linkages.components.weld import Weld
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.bodies import body_colour
@@ -68,12 +69,11 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> Place | None:
 def reach_of_gears(pose: Pose) -> Array:
     """Corners of all pitch circles, shape (n, 2)."""
     found = [wheels(pose, gear) for gear in gears(pose)]
-    corners = [
-        np.asarray(place) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
-        for pair in found
-        if pair is not None
-        for place, radius in zip(pair.places, pair.radii, strict=True)
-    ]
+    circles = [c for p in found if p is not None for c in zip(p.places, p.radii, strict=True)]
+    pinions = ((_centre(pose, rack), abs(rack.radius) * pose.unit) for rack in racks(pose))
+    circles += [(place, radius) for place, radius in pinions if place is not None]
+    square = np.array([[-1.0, -1.0], [1.0, 1.0]])
+    corners = [np.asarray(place) + radius * square for place, radius in circles]
     return np.vstack(corners) if corners else np.empty((0, 2))
 
 
@@ -93,6 +93,41 @@ def draw_gears(ax: Axes, pose: Pose, labels: Labels) -> None:
             labels.avoid_line(np.asarray(place) + radius * ring)
         if pair.belt:
             _belt(ax, pair, labels)
+
+
+def draw_racks(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """The pitch circle of each pinion, and the line that it rolls on."""
+    for rack in racks(pose):
+        place, angle = _centre(pose, rack), pose.angle(rack.slider)
+        block = next(iter(pose.shown(rack.slider).values()), None)
+        if place is None or angle is None or block is None:
+            continue
+        rolls = place == block  # the wheel goes with the slider, its rack stands still
+        colour = body_colour(pose.mechanism, rack.bar)
+        style = {"edgecolor": colour, "linestyle": PITCH, "linewidth": 1.0}
+        radius = rack.radius * pose.unit
+        ax.add_patch(Circle(place, abs(radius), fill=False, zorder=1.8, **style))
+        along = np.array([np.cos(angle), np.sin(angle)])
+        out = np.array([along[1], -along[0]]) * (-radius if rolls else radius)
+        meshing = np.asarray(place) + out
+        reach = float((np.asarray(block) - meshing) @ along)
+        first, last = min(reach, -2.0 * abs(radius)), max(reach, 2.0 * abs(radius))
+        line = np.array([meshing + first * along, meshing + last * along])
+        colour = PASSIVE if rolls else body_colour(pose.mechanism, rack.slider)
+        ax.plot(*line.T, color=colour, linewidth=1.6, zorder=1.9)
+        labels.avoid_line(line)
+
+
+def _centre(pose: Pose, rack: Rack) -> Place | None:
+    """Where a pinion turns: on its carrier, or on the slider itself as a wheel that rolls."""
+    place = _axis(pose, rack.bar, rack.carrier)
+    own, slid = pose.shown(rack.bar), pose.shown(rack.slider)
+    return next((own[j] for j in own if j in slid), None) if place is None else place
+
+
+def racks(pose: Pose) -> list[Rack]:
+    """All racks of a mechanism with their pinions."""
+    return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:

@@ -174,21 +174,23 @@ class _Statics:
         rows[:, self._row[body] + 2] += torque
 
     def _effort_columns(self) -> Iterator[Floats]:
-        """Efforts of drives (of free coordinates too, which come out as zero), welds and gears."""
+        """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
         for name in (*self._topology.driven, *self._topology.free):
-            body = self._system.mechanism.bodies[name]
-            if body.rotates:
-                column = self._column()
-                self._add_torque(column, name, 1.0)
-                yield column
-            else:
-                yield self._along_guide(body, across=False)
+            yield self._effort(name)
         for relation in self._system.mechanism.relations:
-            column = self._column()
-            self._add_torque(column, relation.body, 1.0)
+            column = self._effort(relation.body)
             for other, ratio in relation.parts:
-                self._add_torque(column, other, -ratio.value)
+                column -= ratio.value * self._effort(other)
             yield column
+
+    def _effort(self, name: str) -> Floats:
+        """A unit torque on a body that turns, or force along the axis of one that slides."""
+        body = self._system.mechanism.bodies[name]
+        if not body.rotates:
+            return self._along_guide(body, across=False)
+        column = self._column()
+        self._add_torque(column, name, 1.0)
+        return column
 
     def _reference(self, body: str) -> Floats:
         """The point that moments of a body are taken about: its first joint."""

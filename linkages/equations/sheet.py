@@ -88,6 +88,7 @@ def sections(equations: Equations) -> tuple[Section, ...]:
         Section("Closure, loop by loop", tuple(_closure(equations))),
         Section("Centres of mass", tuple(_centres(equations))),
         Section("Lengths of springs and dampers", tuple(_distances(equations))),
+        Section("Clearances that open", tuple(_definitions(iter(equations.contacts)))),
         Section("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
         Section("Potential energy", (Line((Formula("V", "V"), _potential(equations))),)),
         Section("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),

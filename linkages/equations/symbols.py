@@ -27,6 +27,10 @@ _BY_KEY = {
     "torque": "M",
     "stiffness": "k",
     "damping": "d",
+    "dissipation": "a",
+    "friction": "mu",
+    "pin_radius": "R",
+    "slip": "w",
 }
 _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("motors", "stall_torque"): ("M", "0"),

@@ -10,8 +10,9 @@ from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
+from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.forces.inertia import Inertia
-from linkages.kernel.forces.loads import LoadNodes
+from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
@@ -85,6 +86,16 @@ class Model:
         }
 
     @cached_property
+    def contacts(self) -> list[ContactNodes]:
+        """What presses in clearances that open."""
+        return [ContactNodes(self, contact) for contact in self.mechanism.contacts]
+
+    @property
+    def acting(self) -> list[Acting]:
+        """All that acts beside drives and gravity."""
+        return [*self.loads, *self.contacts]
+
+    @cached_property
     def known_rates(self) -> dict[str, Scalar]:
         """Rates of driven and free coordinates."""
         driven = {name: law.rate for name, law in self.positions.laws.items()}
@@ -132,7 +143,7 @@ class Model:
         """
         with section(f"projection on {partial.label}"):
             force = self.inertia.product(accelerations, partial, self.gravity)
-            for load in self.loads:
+            for load in self.acting:
                 force = force - load.power(partial)
         return force
 
@@ -233,12 +244,12 @@ class Model:
     @property
     def load_power(self) -> Scalar:
         """Power of all loads but of what they store."""
-        return self.graph.total(load.working for load in self.loads)
+        return self.graph.total(load.working for load in self.acting)
 
     @property
     def potential_energy(self) -> Scalar:
         """Of gravity and springs; zero for centres of mass at the origin and relaxed springs."""
-        elastic = self.graph.total(load.potential for load in self.loads)
+        elastic = self.graph.total(load.potential for load in self.acting)
         return elastic - self.gravity.dot(self.inertia.moment_of_mass())
 
 

@@ -182,6 +182,12 @@ class Switches:
         return [switch.function for switch in self.switches]
 
     @property
+    def nodes(self) -> list[Scalar]:
+        """All that changes of modes depend on."""
+        jumps = [rate for switch in self.switches for rate in switch.jump]
+        return [*self.functions, *(memory.node for memory in self.memories), *jumps]
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Of everything that is held: modes, then memories."""
         modes = (f"mode {switch.name}" for switch in self.switches)

@@ -79,10 +79,10 @@ def switching(
     """What finds and makes changes of modes; nothing where there are none."""
     own = job.flow.switching
     if own is None:
-        return Switching(0, 0, 0)
+        return Switching(0, 0, 0, 0, 0, 0)
     # Compiled by the first run that has modes.
     from linkages.solvers.loops.transitions import change
-    from linkages.solvers.watched.switches import look
+    from linkages.solvers.watched.switches import guess, look
 
     changes, n = job.changes, job.flow.coordinates
     # events have left their copies there
@@ -104,6 +104,7 @@ def switching(
         events=0 if found is None else found.events,
         values_of_events=0 if found is None else found.values,
         pending=memory.integers(np.zeros(2)),
+        kind=memory.integers(np.zeros(1)),
         since=memory.floats([job.start]),
         capacity=len(changes.time),
         found=memory.integers(changes.found),
@@ -116,4 +117,7 @@ def switching(
         held=memory.floats(changes.held),
     )
     context = memory.integers([*system, *table, *record, *switches])
-    return Switching(look.address, change.address, context)
+    first_steps = memory.floats(np.zeros(2 * len(own.names)))
+    return Switching(
+        look.address, guess.address, change.address, context, switches.kind, first_steps
+    )

@@ -215,8 +215,8 @@ def test_tables_that_are_none(inside, found):
         ("20 dgree*sin(t)", "unknown unit 'dgree'; did you mean 'degree'? (character 4)"),
         (
             "20 deg*sin(t)",
-            "expected an angle (rad), found '20 deg*sin(t)': 'sin' takes an angle or a pure number, "
-            "found a time (s) in 'sin(t)'; multiply it by a rate, such as 2 rad/s (character 8)",
+            "expected an angle (rad), found '20 deg*sin(t)': 'sin' takes an angle or a pure "
+            "number, found a time (s) in 'sin(t)'; multiply it by a rate, such as 2 rad/s (char",
         ),
         ("20 deg*sin(crank.angle)", "'crank.angle' is refused (character 12): a drive prescribes"),
         ("{rose: cycloidal}", "found a mapping with 'rose'; did you mean 'rise'?"),

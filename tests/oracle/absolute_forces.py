@@ -5,6 +5,7 @@ from absolute_bodies import Layout, Point, State, pair
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
+from linkages.components.contributed.functions import Measured
 from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
@@ -57,8 +58,12 @@ def weight(mechanism: Mechanism, state: State) -> np.ndarray:
 
 def generalised(load: Load, state: State) -> np.ndarray:
     """Generalised force of one load."""
-    value, row = _along(load.measure, state)
-    return jet(load.law, state.time, (value, row @ state.rates))[0] * row
+
+    def sensed(found: Measured) -> float:
+        value, row = _along(load.measure if found.measure is None else found.measure, state)
+        return float(row @ state.rates) if found.order else value
+
+    return jet(load.law, state.time, sensed)[0] * _along(load.measure, state)[1]
 
 
 def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:

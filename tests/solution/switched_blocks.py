@@ -15,8 +15,9 @@ BLOCK = """name: {name}
 joints: {{O: [0, 0]}}
 bars: {{rod: {{joints: [B, C], length: 1, inertia: 1}}}}
 sliders: {{{name}: {{joint: B, through: O, mass: 1}}}}
-loads: [{{slider: {name}, force: 1 N}}]
-free: {{{name}: {{position: {position}, speed: {speed}}}, rod: {{angle: 0, speed: 0}}}}
+loads: [{{slider: {name}, force: {outside}}}]
+drives: {{rod: {{angle: 0, speed: 0}}}}
+free: {{{name}: {{position: {position}, speed: {speed}}}}}
 """
 
 
@@ -29,6 +30,7 @@ def forces_by_nodes():
         bodies = [name for name in self.model.mechanism.bodies if name in LAWS]
         if not bodies or (law is not self.load.force and law is not self.load.working):
             return own(self, law)
+        self.outside = own(self, law)
         return LAWS[bodies[0]](self)
 
     LoadNodes.value = value
@@ -38,11 +40,11 @@ def forces_by_nodes():
         LoadNodes.value = own
 
 
-def block(force, position, speed):
+def block(force, position, speed, outside="1 N"):
     """A block of 1 kg; its name is its own, for equal structures share their equations."""
     name = f"{force.__name__}{next(_NUMBERS)}"
     LAWS[name] = force
-    return loads(BLOCK.format(name=name, position=position, speed=speed))
+    return loads(BLOCK.format(name=name, position=position, speed=speed, outside=outside))
 
 
 def floor(load, g=9.81, stiffness=1e4):
@@ -78,7 +80,7 @@ def impacts(load, g=9.81, restitution=0.8):
     inputs, free = load.model.inputs, load.model.topology.free
     rates = [inputs.rate(i) for i in range(len(free))]
     own = free.index(load.body)
-    rates[own] = -restitution * rates[own]
+    rates[own] *= -restitution
     load.model.switches.add("floor: impact", -load.displacement, jump=rates)
     return load.graph.number(-g)
 
@@ -87,6 +89,24 @@ def rubbing(load, stiffness=100.0, friction=0.5):
     """A spring, and friction of constant magnitude."""
     sign = load.model.switches.add("block: sign(speed)", load.measured(1))
     return -stiffness * load.displacement - friction * sign
+
+
+def forced_wall(load, stiffness=1e4, damping=20.0, gap=0.01):
+    """A spring, a force from outside, and a wall as spring and damper at some distance."""
+    x, v = load.measured(0), load.measured(1)
+    touch = load.model.switches.add("wall: touch", x - gap)
+    pressed = -stiffness * (x - gap) - damping * v
+    return load.graph.select(touch, pressed, load.graph.zero) - 100.0 * x - 0.5 * v + load.outside
+
+
+def forced_impacts(load, stiffness=100.0, damping=0.5, gap=0.01, restitution=0.7):
+    """A spring, a damper, a force from outside, and a rigid wall at some distance."""
+    inputs, free = load.model.inputs, load.model.topology.free
+    x, v = load.measured(0), load.measured(1)
+    rates = [inputs.rate(i) for i in range(len(free))]
+    rates[free.index(load.body)] *= -restitution
+    load.model.switches.add("wall: impact", x - gap, jump=rates)
+    return -stiffness * x - damping * v + load.outside
 
 
 def bounced(times, height, g=9.81, stiffness=1e4):

@@ -147,7 +147,7 @@ def test_tangents_cross_changes(law, method):
     """Against differences of the motion itself."""
     start = (0.1, 0.03) if law is rubbing else (1.0, 0.3)
     rhs = linkages.compile(block(law, *start))
-    flow = rhs.flow(tangents=4, rtol=1e-12, method=method)
+    flow = rhs.flow(tangents=2, rtol=1e-12, method=method)
     own, size = flow.advance(rhs.state, 0.0, 1.4), len(rhs.state)
     found = np.empty((size, size))
     for column in range(size):
@@ -164,22 +164,19 @@ def test_tangents_of_an_impact():
     """For speed v of approach the saltation matrix is [[-e, 0], [(1 + e) g/v, -e]]."""
     g, e, height = 9.81, 0.8, 1.0
     fall = math.sqrt(2 * height / g)
-    found, _ = march(block(impacts, height, 0.0), [1.5 * fall], tangents=4)
+    found, _ = march(block(impacts, height, 0.0), [1.5 * fall], tangents=2)
     across = np.array([[-e, 0.0], [(1 + e) / fall, -e]])
     expected = [[1.0, 0.5 * fall], [0.0, 1.0]] @ across @ [[1.0, fall], [0.0, 1.0]]
-    bodies = found.system.mechanism.bodies
-    own = [bodies[name].kind for name in found.layout.free].index("slider")
-    places = [own, own + 2]
-    assert found.tangents[np.ix_(places, places)] == pytest.approx(expected, abs=1e-9)
+    assert found.tangents == pytest.approx(expected, abs=1e-9)
 
 
 def test_memory_is_a_part_of_tangents():
     """Halves with what is remembered, and its tangents, equal the whole."""
     rhs = linkages.compile(block(remembering_floor, 1.0, 0.3))
-    flow = rhs.flow(tangents=4, rtol=1e-12)
+    flow = rhs.flow(tangents=2, rtol=1e-12)
     whole = flow.advance(rhs.state, 0.0, 1.4)
     touch = flow.advance(rhs.state, 0.0, 0.487)
-    assert touch.y[rhs.names.index(next(n for n in rhs.names if "position" in n))] < 0.0
+    assert touch.y[0] < 0.0
     half = flow.advance(touch.y, 0.487, 1.4, touch.tangents, touch.held)
     assert half.y == pytest.approx(whole.y, abs=1e-9)
     assert half.tangents == pytest.approx(whole.tangents, abs=2e-4)
@@ -208,9 +205,8 @@ def test_methods_that_cannot_change_modes(method):
 
 def test_right_hand_side_takes_modes():
     rhs = linkages.compile(block(rubbing, 0.1, 0.2))
-    place = next(i for i, name in enumerate(rhs.names) if "velocity" in name)
-    assert rhs(0.0, rhs.state)[place] == pytest.approx(-10.5)
-    assert rhs(0.0, rhs.state, {"mode block: sign(speed)": -1.0})[place] == pytest.approx(-9.5)
+    assert rhs(0.0, rhs.state)[1] == pytest.approx(-10.5)
+    assert rhs(0.0, rhs.state, {"mode block: sign(speed)": -1.0})[1] == pytest.approx(-9.5)
     assert rhs.held(0.0, -rhs.state) == {"mode block: sign(speed)": -1.0}
     both = rhs.batch(0.0, np.column_stack([rhs.state, -rhs.state]))
-    assert both[place] == pytest.approx([-10.5, 10.5])
+    assert both[1] == pytest.approx([-10.5, 10.5])

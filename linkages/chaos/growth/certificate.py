@@ -82,8 +82,8 @@ def certificate(
     numeric = STEPS * tangents.tolerance / float(np.diff(exponents.times).min())
     floor = max(SMALL * float(exponents.errors.max()), numeric)
     traces = np.trace(damping, axis1=1, axis2=2)
-    found = [] if volumes.switched else [_sum(exponents, traces, logarithms, parts, floor)]
-    rate = None if volumes.switched else volumes.uniform(damping)
+    found = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
+    rate = volumes.uniform(damping) if volumes.told else None
     if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
     rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]

@@ -17,7 +17,7 @@ from linkages.chaos.sections.strobe import strobe
 from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
@@ -159,7 +159,7 @@ def stroboscopic_points(
         end_of(system, motion, place) if asked and place is not None else None
         for place, asked in zip(places, ends, strict=True)
     )
-    names = labels(system.model, "clearance")
+    names = links(system.model)
     return Visited(
         values=found.values(options.wrap)
         | (contact_values(found.contacts, names) if names else {}),

@@ -65,7 +65,7 @@ class Measured(Arithmetic):
     Parameters
     ----------
     order
-        0 or 1.
+        0 or 1; laws of contact may also use the rate at which x became positive the last time (2).
     measure
         Whose; None for the one that the load itself acts along.
     """
@@ -74,7 +74,7 @@ class Measured(Arithmetic):
     measure: Measure | None = None
 
 
-X, V = Measured(0), Measured(1)
+X, V, FIRST = Measured(0), Measured(1), Measured(2)
 
 
 @dataclass(frozen=True)

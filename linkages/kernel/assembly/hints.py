@@ -244,7 +244,7 @@ def _meeting_joint(model: Model, block: Block) -> str:
     has the axis point of a slider.
     """
     loop = block.loops[0]
-    displaced = {[*b.points][1] for b in model.mechanism.bodies.values() if b.kind == "clearance"}
+    displaced = {term.renamed for term in model.mechanism.displacements}
     inner = [step.end for step in loop.steps[:-1]]
     named = [joint for joint in model.topology.joints if joint not in displaced]
     return next((joint for joint in (loop.apex, *inner) if joint in named), loop.apex)

@@ -38,7 +38,33 @@ class Velocities(Protocol):
         ...
 
 
-class LoadNodes(ABC):
+class Acting(ABC):
+    """What acts on a mechanism, whatever it is: its power, its forces, what it stores."""
+
+    @abstractmethod
+    def power(self, velocities: Velocities) -> Scalar:
+        """Power at some velocities: its generalised force if they are partial ones."""
+
+    @property
+    @abstractmethod
+    def potential(self) -> Scalar:
+        """Energy that it stores."""
+
+    @property
+    @abstractmethod
+    def working(self) -> Scalar:
+        """Power of what it does not store, at the actual velocities."""
+
+    @abstractmethod
+    def forces(self) -> Forces:
+        """It as forces on bodies, as far as it consists of them."""
+
+    @abstractmethod
+    def torques(self) -> Torques:
+        """It as torques on bodies, as far as it consists of them."""
+
+
+class LoadNodes(Acting):
     """A load: what its measure is and does, for whatever law.
 
     Parameters

@@ -112,6 +112,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         laws,
         mechanism.loads,
         mechanism.cams.values(),
+        mechanism.contacts,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
     measures = (*(load.measure for load in mechanism.loads), *mechanism.sensed)

@@ -84,7 +84,9 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Coordinate]:
         for dimension, kind in KINDS.items()
         if set(kind.variables[:2]) <= set(data.data_vars)
         for name in data[dimension].values
-        if dimension == "clearance" or name in mechanism.initial or f" {name} " in free
+        if (dimension == "clearance" and name in mechanism.bodies)
+        or name in mechanism.initial
+        or f" {name} " in free
     ]
 
 

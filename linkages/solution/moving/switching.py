@@ -25,6 +25,9 @@ from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Piece
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
+CLEARANCES = ("clearance", "offset")
+"""Kinds of bodies whose coordinates are always free."""
+
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
 
@@ -35,7 +38,7 @@ SAME_PLACE = 1e-6
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
-    return tuple(name for name in system.topology.free if bodies[name].kind != "clearance")
+    return tuple(name for name in system.topology.free if bodies[name].kind not in CLEARANCES)
 
 
 def passes(system: System, run: RunOptions) -> bool:
@@ -167,7 +170,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind != "clearance"
+            if name not in topology.slaves and bodies[name].kind not in CLEARANCES
         ]
         for given in movable(self._system):
             for candidate in candidates:

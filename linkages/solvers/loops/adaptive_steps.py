@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from linkages.solvers.loops.commit import (
     DONE,
     EVENT,
@@ -17,6 +19,7 @@ from linkages.solvers.loops.commit import (
 )
 from linkages.solvers.loops.step_size import (
     SHRINK_BLOCKED,
+    SHRINK_FRESH,
     SHRINK_TURNING,
     error_norm,
     first_step,
@@ -74,7 +77,7 @@ def adaptive_steps(
     h = first_step(system, start, end - start, order, rtol, atol, zeros)
     t, carry, first = start, 0.0, abs(h)
     trouble, rejected, before = 0, False, 1.0
-    error = 0.0
+    error, fresh, kind = 0.0, False, 0
     while outcome == DONE and t != end:
         if control[STOP] != 0.0:
             return INTERRUPTED
@@ -121,16 +124,29 @@ def adaptive_steps(
             commit(system, table, record, t_end)
             outcome = margin_outcome(system, record)
             t, carry, before = t_end, next_carry, error
+            if fresh and not changing and t != end:
+                floats(switching.first_steps)[kind] = abs(h)
             h *= min(factor, 1.0) if rejected else factor
-            trouble, rejected = 0, False
+            trouble, rejected, fresh = 0, False, False
             if changing and outcome == DONE:
                 outcome = int(call_hook(switching.change, switching.context, t, end - start, t))
                 if outcome == DONE and t != end:
                     counters[EVALUATIONS] += 1
                     h = first_step(system, t, end - t, order, rtol, atol, zeros)
-                    before = 1.0
+                    kind = integers(switching.kind)[0]
+                    last = floats(switching.first_steps)[kind]
+                    if last > 0.0 and abs(h) > 2.0 * last:
+                        h = math.copysign(2.0 * last, h)
+                    before, fresh = 1.0, True
         else:
             counters[REJECTED] += 1
+            if switching.look != 0:
+                if fresh:
+                    factor = min(factor, SHRINK_FRESH)
+                elif not rejected:
+                    # beyond a change forces may bend: errors there say nothing of those before
+                    part = call_hook(switching.guess, switching.context, t, h, t_end)
+                    factor = min(factor, part)
             rejected = True
             h *= factor
             if abs(h) < SMALLEST_STEP * max(abs(t), first):

@@ -184,6 +184,7 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
     functions = floats(functions_of(system, switches.modes, 0))
     rate = functions[switches.modes + switch]
     rises = held[switch] < 0.0
+    integers(switches.kind)[0] = 2 * switch + int(rises)
     jumped = integers(switches.jumps)[switch] if rises else -1
     for i in range(3 * n):
         floats(switches.before)[i] = rows[i]

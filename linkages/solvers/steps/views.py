@@ -138,6 +138,7 @@ class Switches(NamedTuple):
     events: int  # number of events
     values_of_events: int  # see `Events.values`
     pending: int  # (2,) of int64: the switch that changes next; changes in a row
+    kind: int  # see `Switching`
     since: int  # (1,) of float64: time of the first of them
     capacity: int  # of the record of changes
     found: int  # (m,) of int64: changes of each switch
@@ -179,14 +180,18 @@ class Switching(NamedTuple):
     """Compiled functions that find and make the changes of modes; 0 if there are none.
 
     ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
-    changes, with the workspace holding the step up to there, or more than 1. Then ``change`` of the
-    same arguments makes the change at the state in row 0 and returns an `Outcome`. `context` is the
-    address of a `System`, `Table`, `Record` and `Switches` in a row.
+    changes, with the workspace holding the step up to there, or more than 1; `guess` about the
+    same for a rejected step. Then ``change`` of the same arguments makes the change at the state in
+    row 0 and returns an `Outcome`. `context` is the address of a `System`, `Table`, `Record` and
+    `Switches` in a row.
     """
 
     look: int
+    guess: int
     change: int
     context: int
+    kind: int  # (1,) of int64: what the last change was, 2·switch, and 1 more for a rise
+    first_steps: int  # (2m,) of float64: lengths of the steps behind the last changes of each kind
 
 
 # When a row is evaluated: at the time of the row before, at its node, at the end of the step.

@@ -29,6 +29,8 @@ GO_ON = 2.0
 EXACT = 1e-14
 # Repetitions of a step: far more than cubics need, enough to halve it down to its last digit.
 SEARCHES, DIPS = 60, 8
+# Where a rejected step is repeated up to a change, so that it lies within.
+BEHIND = 1.001
 # A stage is this far below zero, beside the ends of its step, before it is looked at.
 BELOW = 1e-9
 
@@ -214,4 +216,24 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
     if last < 0:
         return GO_ON
     integers(switches.pending)[0] = last
+    return part
+
+
+@callback
+def guess(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
+    """About at which fraction of the rejected step in the workspace the first mode changes.
+
+    A little behind it; more than 1 where none does.
+    """
+    system = system_at(context)
+    table = table_at(context + WORD * SYSTEM_WORDS)
+    switches = switches_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS))
+    active, held = integers(switches.active), floats(system.held)
+    part = GO_ON
+    for switch in range(switches.modes):
+        if active[switch] < 0 or held[active[switch]] > 0.0:
+            start, rise = seen(system, switches.modes, 0, switch)
+            end, fall = seen(system, switches.modes, table.end, switch)
+            if start > 0.0 and end < 0.0:
+                part = min(part, BEHIND * first_zero(start, h * rise, end, h * fall))
     return part

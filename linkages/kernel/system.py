@@ -329,9 +329,9 @@ class System:
 
     @property
     def axes(self) -> dict[str, Floats]:
-        """Slider → unit vector of its axis at the initial state."""
+        """Slider → unit vector of its axis at the initial state, for a cam times its slope."""
         sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
-        units = [self.model.positions.unit(name) for name in sliders]
+        units = [self.model.positions.travel(name) for name in sliders]
         nodes = [node for unit in units for node in (unit.x, unit.y)]
         return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 

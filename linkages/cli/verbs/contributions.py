@@ -10,6 +10,7 @@ from typing import assert_never
 import numpy as np
 
 from linkages.cli.terminal import number
+from linkages.components.cam import Cam
 from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.functions import (
     Function,
@@ -72,6 +73,10 @@ def relations(mechanism: Mechanism) -> list[Row]:
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
             found.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Cam):
+            low, high = extremes(part.table, part.angles[0], part.angles[-1])
+            value = f"{part.slider} is lifted by {number(low)} to {number(high)} m"
+            found.append(_row("cam", value, part.path, f"{part.bar} and {part.slider}"))
         elif isinstance(part, Rope):
             first, second = part.sliders
             value = f"{second} moves {number(part.ratio)} times as fast as {first}"

@@ -23,6 +23,7 @@ from linkages.plots.mechanism.bodies import (
     slots_of,
 )
 from linkages.plots.mechanism.gears import (
+    draw_cams,
     draw_gears,
     draw_racks,
     draw_welds,
@@ -113,6 +114,7 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
         labels.avoid_line(np.vstack((corners, corners[:1])))
     draw_gears(ax, shown, labels)
     draw_racks(ax, shown, labels)
+    draw_cams(ax, shown, labels)
     note_gears(ax, shown)
     draw_springs(ax, shown, labels)
     draw_sliders(ax, shown, labels)

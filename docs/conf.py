@@ -97,7 +97,7 @@ def _keys(_app, page, source):
 
         source[0] = source[0].replace("<!-- tables of keys -->", tables())
     if page == "api":
-        from linkages.components.registry import components
+        from linkages.components.mechanisms.registry import components
 
         listed = "\n\n".join(f".. autoclass:: linkages.{name}" for name in components())
         marker = ".. all components of the package: conf.py puts them here"

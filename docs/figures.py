@@ -27,7 +27,7 @@ import linkages
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES, write_figure
 from linkages.plots.style import line_style, panels, styled
-from linkages.solution.plan import build_flow
+from linkages.solution.moving.plan import build_flow
 from linkages.solution.resolved import resolved
 from linkages.solvers.integration import integrate
 

@@ -27,7 +27,7 @@ from linkages.chaos.growth.lyapunov import characteristic_period
 from linkages.chaos.sweeps.sweep import Threads
 from linkages.chaos.verdicts.report import verdict
 from linkages.kernel.system import System
-from linkages.solution.plan import build_flow
+from linkages.solution.moving.plan import build_flow
 from linkages.solvers.integration import integrate
 
 NUMBERS = STATIC / "analyses.json"

@@ -22,7 +22,7 @@ from figures_stability import write
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots.work_precision import figure
-from linkages.solvers.methods import METHODS
+from linkages.solvers.methods.named import METHODS
 
 START = ["drives.crank1.angle=0.5", "drives.crank4.angle=1.0", "clearances.r1.angle=0"]
 CASES = {

@@ -16,10 +16,10 @@ from figures import machine
 from figures_stability import write
 
 import linkages
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.plan import Plan, kernel_source
+from linkages.solution.moving.plan import Plan, kernel_source
 
 ROUNDS = 5
 MANY = 256

@@ -17,14 +17,14 @@ from figures_stability import write
 
 import linkages
 from linkages.benchmark.calls import seconds_per_evaluation
-from linkages.kernel.counting import report_kernel
-from linkages.kernel.layout import Layout
+from linkages.kernel.code.counting import report_kernel
+from linkages.kernel.graph.scalars import Level, reachable
+from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.scalars import Level, reachable
 from linkages.kernel.system import System
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.plan import build_flow, kernel_source
-from linkages.solution.reactions import joint_reactions
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.plan import build_flow, kernel_source
+from linkages.solution.values.reactions import joint_reactions
 
 ROUNDS = 101
 LIGHT = {

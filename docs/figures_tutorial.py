@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.chaos.sweeps.varied import parse_range
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos import bifurcations
 from linkages.plots.motion import phase
 from linkages.plots.style import style

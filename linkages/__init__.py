@@ -45,7 +45,7 @@ def __getattr__(name: str) -> Any:
     # what was registered, or is not in the list; modules of the package are imported by themselves
     if not name.startswith("_") and find_spec(f"{__name__}.{name}") is None:
         from linkages.analyses import analyses
-        from linkages.components.registry import components
+        from linkages.components.mechanisms.registry import components
 
         found: dict[str, Any] = {**components(), **analyses()}
         if name in found:

@@ -12,8 +12,6 @@ from linkages.components.bar import Bar as Bar
 from linkages.components.clearance import Clearance as Clearance
 from linkages.components.damper import GuideDamper as GuideDamper
 from linkages.components.damper import LineDamper as LineDamper
-from linkages.components.definition import load as load
-from linkages.components.definition import loads as loads
 from linkages.components.drive import Drive as Drive
 from linkages.components.drive import SliderDrive as SliderDrive
 from linkages.components.free import FreeAngle as FreeAngle
@@ -24,7 +22,9 @@ from linkages.components.ground import GroundJoint as GroundJoint
 from linkages.components.load import JointForce as JointForce
 from linkages.components.load import SliderForce as SliderForce
 from linkages.components.mass import JointMass as JointMass
-from linkages.components.mechanism import Mechanism as Mechanism
+from linkages.components.mechanisms.definition import load as load
+from linkages.components.mechanisms.definition import loads as loads
+from linkages.components.mechanisms.mechanism import Mechanism as Mechanism
 from linkages.components.plate import Plate as Plate
 from linkages.components.simulation import SimulationDefaults as SimulationDefaults
 from linkages.components.slider import Slider as Slider
@@ -45,11 +45,11 @@ from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
 from linkages.registering import unregister as unregister
+from linkages.solution.functions.propagator import Propagator as Propagator
+from linkages.solution.functions.rhs import Equations as Equations
+from linkages.solution.functions.rhs import compile as compile  # noqa: A004
 from linkages.solution.opened import Opened as Opened
 from linkages.solution.opened import open as open  # noqa: A004
-from linkages.solution.propagator import Propagator as Propagator
-from linkages.solution.rhs import Equations as Equations
-from linkages.solution.rhs import compile as compile  # noqa: A004
 from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution

@@ -7,7 +7,7 @@ from inspect import isfunction
 from typing import Any
 
 from linkages import analyses
-from linkages.components import registry
+from linkages.components.mechanisms import registry
 from linkages.kernel import outputs
 
 

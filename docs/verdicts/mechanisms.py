@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from verdicts.known import Known, of_mechanism
 

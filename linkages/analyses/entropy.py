@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from linkages.components.mechanism import Mechanism
+    from linkages.components.mechanisms.mechanism import Mechanism
 
 ORDERS = (2, 7)
 """Fewest and most values whose order is compared: 7! = 5040 patterns need 25,000 points."""

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.compiled import call_clock, call_rates, entry
 from linkages.solvers.flow import Flow
+from linkages.solvers.steps.compiled import call_clock, call_rates, entry
 
 
 @entry

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
-from linkages.kernel.scalars import reachable
+from linkages.kernel.graph.scalars import reachable
 from linkages.operations import ELEMENTARY
 
 SCIPY_LEAST_RTOL = 2.3e-14

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.plan import build_flow
-from linkages.solution.stops import failure_text
+from linkages.solution.moving.plan import build_flow
+from linkages.solution.remarks.stops import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate
 

@@ -11,7 +11,7 @@ from linkages.benchmark.calls import seconds_per_evaluation
 from linkages.benchmark.costs import Costs, measure_costs
 from linkages.benchmark.problem import Problem
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.errors import Problem as InputProblem
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from linkages.benchmark.peers import PEERS
 from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
-from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS
+from linkages.solvers.methods.named import ADAPTIVE_METHODS, FIXED_STEP_METHODS
 
 TOLERANCES = tuple(10.0**-k for k in range(4, 15))
 TINY = 1e-300

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from linkages.components.definition import load
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.definition import load
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
 

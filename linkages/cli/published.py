@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from linkages import interrupts
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import LinkagesError
 from linkages.reading.replacing import prefix, remove_leftovers, replaced
 from linkages.solution.files import stamp

@@ -16,7 +16,7 @@ from rich.markup import escape
 from linkages.cli.loading import each_read, mechanism_from, overrides, require_folder
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import console, print_json, progress
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from linkages.components.component import Component, component
-from linkages.components.references import References
-from linkages.components.terms import Hint
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Hint
 from linkages.spec.quantities import Name, Point
 
 SIDES = {"left": 1, "right": -1}

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from linkages.components.component import Component, Section, component
-from linkages.components.listed import TURNING
-from linkages.components.references import References
-from linkages.components.terms import ZERO, Body, Parameter, Path, Relation
+from linkages.components.contributed.component import Component, Section, component
+from linkages.components.contributed.listed import TURNING
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import ZERO, Body, Parameter, Path, Relation
 from linkages.spec.quantities import Angle, Inertia, Mass, Name, PositiveLength
 
 _ONE = Parameter((), 1.0, structural=True)

@@ -6,11 +6,11 @@ from typing import Any, ClassVar
 
 from pydantic import model_validator
 
-from linkages.components.component import Component, component
-from linkages.components.functions import Function, linear
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.functions import Function, linear
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Parameter, Path, Prescribed
 from linkages.components.laws.law import AngleLaw, Law, LengthLaw, function_of
-from linkages.components.references import References
-from linkages.components.terms import Parameter, Path, Prescribed
 from linkages.spec.quantities import Angle, AngularSpeed, Length, Name, Speed
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import Component, component
-from linkages.components.terms import GroundPin
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.terms import GroundPin
 from linkages.spec.quantities import Name, Point
 
 

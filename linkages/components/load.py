@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import component
+from linkages.components.contributed.component import component
+from linkages.components.contributed.listed import ListedComponent
+from linkages.components.contributed.measures import Coordinate, Load, Slide
+from linkages.components.contributed.references import References
 from linkages.components.laws.law import ForceLaw, function_of
-from linkages.components.listed import ListedComponent
-from linkages.components.measures import Coordinate, Load, Slide
-from linkages.components.references import References
 from linkages.spec.quantities import Name
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import Component, component
-from linkages.components.references import References
-from linkages.components.terms import Parameter, PointMass
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Parameter, PointMass
 from linkages.spec.quantities import Mass, Name
 
 

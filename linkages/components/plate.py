@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import combinations
 from typing import ClassVar
 
-from linkages.components.component import Component, component
-from linkages.components.terms import Body, Parameter, Path
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.terms import Body, Parameter, Path
 from linkages.spec.quantities import Inertia, Mass, Name, Point
 
 

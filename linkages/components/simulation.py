@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import Component, component
+from linkages.components.contributed.component import Component, component
 from linkages.options.run import SimulationOptions
 from linkages.spec.quantities import Duration
 

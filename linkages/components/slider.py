@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
-from linkages.components.component import Component, component
-from linkages.components.references import References
-from linkages.components.terms import ZERO, Body, Guide, Origin, Parameter, Path
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import ZERO, Body, Guide, Origin, Parameter, Path
 from linkages.spec.quantities import Angle, Inertia, Mass, Name, Point
 
 

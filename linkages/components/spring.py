@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import component
-from linkages.components.listed import ListedComponent
-from linkages.components.measures import Distance, Load, spring_law
-from linkages.components.references import References
-from linkages.components.terms import Path
+from linkages.components.contributed.component import component
+from linkages.components.contributed.listed import ListedComponent
+from linkages.components.contributed.measures import Distance, Load, spring_law
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Path
 from linkages.spec.quantities import Damping, Name, NonNegativeLength, Stiffness
 
 

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import component
+from linkages.components.contributed.component import component
+from linkages.components.contributed.listed import (
+    TURNING,
+    ListedComponent,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.measures import Load, Turn
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Path
 from linkages.components.laws.law import TorqueLaw, function_of
-from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
-from linkages.components.measures import Load, Turn
-from linkages.components.references import References
-from linkages.components.terms import Path
 from linkages.spec.quantities import Name
 
 

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import component
-from linkages.components.listed import TURNING, ListedComponent, reference, turning, two_bodies
-from linkages.components.measures import Load, Turn, spring_law
-from linkages.components.references import References
-from linkages.components.terms import Path
+from linkages.components.contributed.component import component
+from linkages.components.contributed.listed import (
+    TURNING,
+    ListedComponent,
+    reference,
+    turning,
+    two_bodies,
+)
+from linkages.components.contributed.measures import Load, Turn, spring_law
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Path
 from linkages.spec.quantities import Angle, Name, TorsionalDamping, TorsionalStiffness
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from linkages.components.component import Component, component
-from linkages.components.listed import reference, turning, two_bodies
-from linkages.components.references import References
-from linkages.components.terms import Parameter, Path, Relation
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.listed import reference, turning, two_bodies
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Parameter, Path, Relation
 from linkages.spec.quantities import Angle, Name
 
 _ONE = Parameter((), 1.0, structural=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.terms import axis_label
+from linkages.components.contributed.terms import axis_label
 from linkages.equations.places import Places
 from linkages.equations.polar import Polar, Terms, collected, components
 from linkages.equations.symbols import Symbols

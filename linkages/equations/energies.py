@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.places import Places
 from linkages.equations.polar import Terms, components
 from linkages.equations.symbols import Symbols

@@ -9,7 +9,14 @@ from typing import Any, assert_never
 
 import sympy as sp
 
-from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Table,
+    Time,
+)
 from linkages.equations.symbols import Symbols
 from linkages.operations import ELEMENTARY
 

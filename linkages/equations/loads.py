@@ -9,8 +9,8 @@ from typing import assert_never
 
 import sympy as sp
 
-from linkages.components.functions import Function, Number
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.functions import Function, Number
+from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
 from linkages.equations.laws import law_of
 from linkages.equations.places import Places
 from linkages.equations.polar import Terms, collected, derivative, dot

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from linkages.components.terms import Body, Parameter, axis_label
+from linkages.components.contributed.terms import Body, Parameter, axis_label
 from linkages.equations.polar import Polar, Terms, in_frame
 from linkages.equations.symbols import Symbols
 from linkages.topology.blocks import Step

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from linkages.components.interpolation import cubic, polynomials
+from linkages.components.contributed.interpolation import cubic, polynomials
 from linkages.equations.derivation import Equations
 from linkages.equations.python_functions import FunctionWriter
 from linkages.operations import ELEMENTARY

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from linkages.components.functions import Table
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, Parameter, Path
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.terms import Body, Parameter, Path
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.reading.paths import dotted
 
 _BY_KEY = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from linkages.kernel.differentiation import derivative
+from linkages.kernel.code.program import Program, write_program
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.scalars import Scalar, section
 from linkages.kernel.model import Model
-from linkages.kernel.program import Program, write_program
-from linkages.kernel.scalars import Scalar, section
 
 
 @section("derivatives of the accelerations")

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.inertia import Inertia
-from linkages.kernel.inputs import Inputs
-from linkages.kernel.loads import LoadNodes
-from linkages.kernel.measures import load_nodes
-from linkages.kernel.motion import Accelerations, Rates
-from linkages.kernel.parameters import chosen_paths, definition_numbers
-from linkages.kernel.positions import Positions
-from linkages.kernel.remembered import Remembered
-from linkages.kernel.scalars import Scalar, ScalarGraph, section
-from linkages.kernel.vectors import Vector
+from linkages.kernel.closure.motion import Accelerations, Rates
+from linkages.kernel.closure.positions import Positions
+from linkages.kernel.forces.inertia import Inertia
+from linkages.kernel.forces.loads import LoadNodes
+from linkages.kernel.forces.measures import load_nodes
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.remembered import Remembered
+from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
+from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.numbers.inputs import Inputs
+from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
 from linkages.topology.topology import Topology
 
 MOST_EVALUATORS = 128

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.discovery import modules_of, plugged
-from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks
+from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar
-from linkages.kernel.vectors import Vector
 from linkages.topology.blocks import Block, Step
 from linkages.topology.jacobian import ground_loop
 

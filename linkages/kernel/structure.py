@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 
-from linkages.components.mechanism import Mechanism
-from linkages.kernel.iteration import block_size
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.closure.iteration import block_size
+from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.model import Model
-from linkages.kernel.parameters import structure_key
-from linkages.kernel.remembered import Remembered
+from linkages.kernel.numbers.parameters import structure_key
 from linkages.topology.blocks import ITERATED
 from linkages.topology.orientation import slaves
 from linkages.topology.topology import Topology, build_topology

@@ -10,16 +10,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import point_words
+from linkages.components.contributed.terms import point_words
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.assembly import SeveralPlacesError, assemble
-from linkages.kernel.choose import possible_choices
-from linkages.kernel.layout import Layout
-from linkages.kernel.modes import Assembly, Place, all_modes, assembled
-from linkages.kernel.parameters import definition_vector
-from linkages.kernel.redundancy import require_consistent
-from linkages.kernel.scalars import Scalar
+from linkages.kernel.assembly.free import possible_choices
+from linkages.kernel.assembly.hints import SeveralPlacesError, assemble
+from linkages.kernel.assembly.modes import Assembly, Place, all_modes, assembled
+from linkages.kernel.assembly.redundancy import require_consistent
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.structure import Structure, structure_of, topology_of
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.explanation import explained

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from linkages.kernel.differentiation import derivative_along
-from linkages.kernel.layout import Layout
+from linkages.kernel.graph.differentiation import derivative_along
+from linkages.kernel.graph.scalars import Scalar, section
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar, section
+from linkages.kernel.numbers.layout import Layout
 
 
 @section("variational equations")

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.component import Component, Term
-from linkages.components.mechanism import Mechanism
-from linkages.components.reread import owner, reread
-from linkages.components.terms import Body, Displacement, GroundPin, Hint, Initial, Path
+from linkages.components.contributed.component import Component, Term
+from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint, Initial, Path
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.reread import owner, reread
 from linkages.errors import InputError
-from linkages.kernel.parameters import NEAREST, nearest_distance, numbers_in, structure_key
-from linkages.kernel.settling import Settled, Settling
+from linkages.kernel.assembly.settling import Settled, Settling
+from linkages.kernel.numbers.parameters import NEAREST, nearest_distance, numbers_in, structure_key
 from linkages.kernel.system import System
 
 Floats = NDArray[np.float64]

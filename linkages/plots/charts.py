@@ -24,8 +24,8 @@ from linkages.plots.motion import phase, phase_pair, time_figures
 from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.style import panels, styled
 from linkages.solution.resolved import resolved
-from linkages.solution.series import data_series, find_series
 from linkages.solution.solution import Solution
+from linkages.solution.values.series import data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import phase
 from linkages.plots.motion.time_figures import force_figure, load_figure, time_figure, torque_figure

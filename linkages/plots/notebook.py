@@ -9,7 +9,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
 from linkages.plots.mechanism import drawing

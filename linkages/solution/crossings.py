@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from linkages.kernel.outputs import VARIABLES
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion, Piece
-from linkages.solution.reactions import joint_reactions
-from linkages.solution.requests import REACTION
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.solution import labelled
+from linkages.solution.values.reactions import joint_reactions
+from linkages.solution.values.requests import REACTION
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,8 +11,8 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkages.components.definition import loads
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.definition import loads
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.reading.wording import listed
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.options.given import Options, given_options
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.solvers.choice import AUTO
 from linkages.solvers.integration import LEAST_RTOL
-from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
+from linkages.solvers.methods.named import FIXED_STEP_METHODS, METHODS
 
 MAX_SAMPLES = 10_000_000
 """More would not fit into memory as tables."""

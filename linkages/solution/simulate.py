@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Interrupted
 from linkages.interrupts import interrupts_kept
 from linkages.kernel.outputs import VARIABLES
@@ -17,17 +17,17 @@ from linkages.kernel.system import System
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE
-from linkages.solution.assumptions import assumptions
 from linkages.solution.crossings import labelled_events
-from linkages.solution.doubts import doubts
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.starting import State, asked_for, own_times, started
 from linkages.solution.options import options_of
-from linkages.solution.requests import REACTION, requested
+from linkages.solution.remarks.assumptions import assumptions
+from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
-from linkages.solution.soundness import sound_part
-from linkages.solution.starting import State, asked_for, own_times, started
-from linkages.solution.surface import parse_events
+from linkages.solution.values.requests import REACTION, requested
+from linkages.solution.values.soundness import sound_part
+from linkages.solution.values.surface import parse_events
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
 
@@ -183,7 +183,7 @@ def _add_derived(
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
     if REACTION in names:
-        from linkages.solution.reactions import joint_reactions
+        from linkages.solution.values.reactions import joint_reactions
 
         values[REACTION] = joint_reactions(motion)
         if system.topology.redundant:

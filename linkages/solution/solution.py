@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
-from linkages.solution.motion import Motion, Settings
-from linkages.solution.peaks import even, largest
-from linkages.solution.switching import passes
+from linkages.solution.moving.motion import Motion, Settings
+from linkages.solution.moving.switching import passes
+from linkages.solution.values.peaks import even, largest
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from linkages.solution.horizon import Horizon
+    from linkages.solution.moving.horizon import Horizon
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -108,7 +108,7 @@ class Solution:
         That takes a second integration at a tolerance a hundred times tighter, at about 1.7 times
         the cost of the first one. None where nothing was integrated.
         """
-        from linkages.solution.horizon import find_horizon
+        from linkages.solution.moving.horizon import find_horizon
 
         return find_horizon(self.system, self.settings, self.motion)
 

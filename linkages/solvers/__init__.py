@@ -4,7 +4,7 @@ from linkages.solvers.choice import choose
 from linkages.solvers.events import Crossings, Event
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.integration import integrate
-from linkages.solvers.methods import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS
+from linkages.solvers.methods.named import ADAPTIVE_METHODS, FIXED_STEP_METHODS, METHODS
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 

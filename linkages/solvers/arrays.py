@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.collocation import Collocation
+from linkages.solvers.coefficients.collocation import Collocation
+from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.job import Job
-from linkages.solvers.tableau import Tableau
-from linkages.solvers.views import (
+from linkages.solvers.steps.views import (
     KEEP,
     NODE,
     STEP_END,
@@ -105,7 +105,7 @@ def hook(memory: Memory, job: Job, system: System, table: Table, record: Record)
     if not log.events:
         return Hook(0, 0)
     # Compiled by the first run that has events.
-    from linkages.solvers.crossings import watch_step
+    from linkages.solvers.watched.crossings import watch_step
 
     events = Events(
         events=len(log.events),
@@ -188,7 +188,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     if job.tangents is None:
         return found
     # Compiled by the first run that has tangents.
-    from linkages.solvers.tangents import watch_tangents
+    from linkages.solvers.watched.tangents import watch_tangents
 
     tangents = Tangents(
         size=job.tangents.size,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.dyads import LEAST_MARGIN
+from linkages.kernel.closure.dyads import LEAST_MARGIN
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,8 +16,8 @@ from linkages.solvers.choice import AUTO, Choice, choose
 from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
-from linkages.solvers.method import Method
-from linkages.solvers.methods import METHODS
+from linkages.solvers.methods.method import Method
+from linkages.solvers.methods.named import METHODS
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 
 from linkages.solvers.job import Job
-from linkages.solvers.method import Method
+from linkages.solvers.methods.method import Method
 from linkages.solvers.outcome import Outcome
 
 POLL = 0.05

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, axis_label, point_words
+from linkages.components.contributed.terms import Body, axis_label, point_words
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.decomposition import Group
 from linkages.topology.orientation import Orientation
 

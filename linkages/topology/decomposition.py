@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import axis_label
+from linkages.components.contributed.terms import axis_label
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.orientation import Orientation
 
 Unknown = tuple[str, str, str]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Hint, Path
+from linkages.components.contributed.terms import Hint, Path
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.wording import listed, nearest
 from linkages.topology.decomposition import StructureError

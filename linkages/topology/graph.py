@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import networkx as nx
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.revolute import GROUND, Revolute, revolute_pairs
+from linkages.components.contributed.revolute import GROUND, Revolute, revolute_pairs
+from linkages.components.mechanisms.mechanism import Mechanism
 
 
 def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:

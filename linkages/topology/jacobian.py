@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.terms import axis_label
+from linkages.components.contributed.terms import axis_label
 from linkages.topology.blocks import Block, Loop, Step
 from linkages.topology.topology import Topology
 

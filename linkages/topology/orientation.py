@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Parameter, Relation
+from linkages.components.contributed.terms import Parameter, Relation
+from linkages.components.mechanisms.mechanism import Mechanism
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Relation, point_words
+from linkages.components.contributed.terms import Relation, point_words
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.blocks import ITERATED, Block, BlockBuilder, Loop, Step
 from linkages.topology.decomposition import StructureError, solution_order
 from linkages.topology.explanation import explained, undetermined, wrong_mobility

@@ -8,7 +8,7 @@ import pytest
 
 import linkages
 from linkages.cli.main import main
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.plots.figures import FIGURES
 from linkages.plots.motion.time_figures import QUANTITIES, draw
 from linkages.plots.style import panels

@@ -18,7 +18,7 @@ from linkages.benchmark.report import TARGETS
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
 from linkages.errors import ComputationError
 from linkages.plots.work_precision import figure
-from linkages.solvers.methods import METHODS
+from linkages.solvers.methods.named import METHODS
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "data" / "ninebar_states.json").read_text(encoding="utf-8")

@@ -12,11 +12,11 @@ from linkages.chaos.growth.exponents import lyapunov_spectrum
 from linkages.chaos.growth.invariants import Invariant
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.growth.volumes import Volumes
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.motion import Piece
+from linkages.solution.moving.motion import Piece
 
 DOUBLE = """\
 name: Double pendulum

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 TWO_CRANKS = """\

@@ -7,7 +7,7 @@ import linkages
 from linkages.chaos.sections.contact import contact_of
 from linkages.chaos.sections.contact_log import PER_PERIOD, contact_kept, contact_sentences
 from linkages.chaos.sweeps.maps import chaos_map
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 # At 300 rpm the load keeps pin and hole together, at 1000 rpm it does not.

@@ -6,7 +6,7 @@ from chaos_systems import exponents_of
 
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse

@@ -7,7 +7,7 @@ import pytest
 
 import linkages
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions

@@ -15,16 +15,16 @@ from linkages.chaos.sweeps.maps import chaos_map
 from linkages.chaos.sweeps.sweep import Threads, sweep
 from linkages.chaos.sweeps.varied import parse_range, together
 from linkages.chaos.verdicts.report import verdict
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
-from linkages.kernel.compiled import bind_kernel
+from linkages.kernel.code.compiled import bind_kernel
 from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
-from linkages.solution.surface import parse_section
-from linkages.solvers.foreign import caller
-from linkages.solvers.methods import FIXED_STEP_METHODS, METHODS
+from linkages.solution.values.surface import parse_section
+from linkages.solvers.methods.foreign import caller
+from linkages.solvers.methods.named import FIXED_STEP_METHODS, METHODS
 
 # The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.
 START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}

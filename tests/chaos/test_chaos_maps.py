@@ -7,7 +7,7 @@ import linkages
 from linkages.chaos.growth.exponents import Exponents
 from linkages.chaos.sweeps.maps import sign_of
 from linkages.chaos.sweeps.varied import parse_range, together
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 # θ'' = −sin θ, so that what turns over is known; the torque of nothing gives it a period.

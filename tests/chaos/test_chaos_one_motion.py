@@ -10,7 +10,7 @@ import pytest
 
 import linkages
 from linkages.chaos.growth.lyapunov import run_exponents
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentOptions
 from linkages.reading.document import parse

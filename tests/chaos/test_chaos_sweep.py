@@ -9,7 +9,7 @@ import linkages
 from linkages.chaos.sweeps.maps import chaos_map
 from linkages.chaos.sweeps.sweep import Threads, reason_of
 from linkages.chaos.sweeps.varied import parse_range
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.document import parse
 

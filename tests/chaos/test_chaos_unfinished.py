@@ -13,7 +13,7 @@ from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.chaos.sweeps.sweep import Threads, attempt
 from linkages.chaos.verdicts.evidence import PER_PERIOD
 from linkages.chaos.verdicts.report import tightened, verdict
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import Interrupted
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
@@ -207,7 +207,7 @@ def test_ctrl_c_while_outputs_are_computed_keeps_the_motion(monkeypatch, step):
 
 def test_ctrl_c_while_the_horizon_is_looked_for_is_heard(monkeypatch):
     """The comparison run was taken for one that went elsewhere."""
-    from linkages.solution import horizon
+    from linkages.solution.moving import horizon
 
     solution = linkages.simulate(pendulum())
     run = horizon.compute_motion

@@ -9,7 +9,7 @@ import linkages
 from linkages.chaos.verdicts.evidence import alike
 from linkages.chaos.verdicts.judge import judge
 from linkages.chaos.verdicts.report import verdict
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply

@@ -7,8 +7,8 @@ import pytest
 
 import linkages
 from linkages.cli.options import Template
-from linkages.components.registry import SECTIONS
-from linkages.components.schema import FILE_NAME, definition_schema
+from linkages.components.mechanisms.registry import SECTIONS
+from linkages.components.mechanisms.schema import FILE_NAME, definition_schema
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped
 

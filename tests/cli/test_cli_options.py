@@ -12,7 +12,7 @@ import xarray as xr
 
 import linkages
 from linkages.cli.main import app
-from linkages.components.schema import definition_schema
+from linkages.components.mechanisms.schema import definition_schema
 from linkages.options import exponents, run, sections
 from linkages.options.given import options_in
 

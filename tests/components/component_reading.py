@@ -5,10 +5,10 @@ from dataclasses import fields, replace
 import pytest
 from pydantic import ValidationError
 
-from linkages.components.component import Component
-from linkages.components.definition import from_document
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Path
+from linkages.components.contributed.component import Component
+from linkages.components.contributed.terms import Path
+from linkages.components.mechanisms.definition import from_document
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.document import parse
 

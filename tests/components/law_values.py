@@ -2,7 +2,7 @@
 
 import math
 
-from linkages.components.functions import Measured, Number, Operation, Time
+from linkages.components.contributed.functions import Measured, Number, Operation, Time
 
 OPERATIONS = {
     "add": lambda a, b: a + b,

@@ -8,7 +8,7 @@ from linkages.components.drive import Drive
 from linkages.components.gravity import UniformGravity
 from linkages.components.ground import GroundJoint
 from linkages.components.load import SliderForce
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.plate import Plate
 from linkages.components.slider import Slider
 from linkages.errors import InputError

@@ -2,7 +2,7 @@ import pytest
 from component_reading import complaints, mechanism
 
 from linkages.components.bar import Bar
-from linkages.components.definition import load
+from linkages.components.mechanisms.definition import load
 from linkages.errors import InputError
 
 TEXT = """name: A crank

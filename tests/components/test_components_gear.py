@@ -3,8 +3,8 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
+from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.gear import Gear
-from linkages.components.terms import Parameter, Relation
 
 WHEELS = """joints: {O: [0, 0], C: [1, 0]}
 bars:

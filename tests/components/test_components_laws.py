@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from law_values import parameters, value
 
-from linkages.components.functions import Number, Operation, Table
+from linkages.components.contributed.functions import Number, Operation, Table
+from linkages.components.contributed.terms import Parameter
 from linkages.components.laws.law import AngleLaw, function_of
 from linkages.components.laws.rise import PROFILES
-from linkages.components.terms import Parameter
 from linkages.spec.formulas import formula
 
 CRANK = "joints: {O: [0, 0]}\nbars: {crank: {joints: [O, A], length: 0.3}}\ndrives:\n"

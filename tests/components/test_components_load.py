@@ -1,10 +1,10 @@
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 from law_values import value
 
-from linkages.components.functions import Number
+from linkages.components.contributed.functions import Number
+from linkages.components.contributed.measures import Coordinate, Load, Slide
+from linkages.components.contributed.terms import Parameter
 from linkages.components.load import JointForce, SliderForce
-from linkages.components.measures import Coordinate, Load, Slide
-from linkages.components.terms import Parameter
 
 SLIDER_CRANK = """joints: {O: [0, 0]}
 bars:

@@ -4,14 +4,14 @@ from component_reading import mechanism
 from linkages.components.assembly import AssemblyHint
 from linkages.components.bar import Bar
 from linkages.components.clearance import Clearance
-from linkages.components.component import Component
+from linkages.components.contributed.component import Component
+from linkages.components.contributed.measures import Slide, Turn
 from linkages.components.drive import Drive
 from linkages.components.free import FreeAngle
 from linkages.components.gravity import UniformGravity
 from linkages.components.ground import GroundJoint
 from linkages.components.load import SliderForce
-from linkages.components.measures import Slide, Turn
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.slider import Slider
 from linkages.components.torsional_damper import ClearanceDamper

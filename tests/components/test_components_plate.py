@@ -1,7 +1,7 @@
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.plate import Plate
 from linkages.errors import InputError
 

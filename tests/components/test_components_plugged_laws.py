@@ -6,7 +6,7 @@ import sys
 MODULE = '''
 from typing import Generic
 
-from linkages.components.component import component
+from linkages.components.contributed.component import component
 from linkages.components.laws.named import TIME, NamedLaw, Value, argument
 
 

@@ -8,12 +8,12 @@ import pytest
 
 import linkages
 from linkages import discovery
-from linkages.components import registry
-from linkages.components.component import Section, component
-from linkages.components.listed import ListedComponent
+from linkages.components.contributed.component import Section, component
+from linkages.components.contributed.listed import ListedComponent
+from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Parameter, PointMass
 from linkages.components.mass import JointMass
-from linkages.components.references import References
-from linkages.components.terms import Parameter, PointMass
+from linkages.components.mechanisms import registry
 from linkages.kernel import outputs
 from linkages.kernel.outputs import Variable
 from linkages.spec.quantities import Mass, Name

@@ -2,13 +2,13 @@ import pytest
 from component_reading import mechanism
 
 from linkages.components.bar import Bar
-from linkages.components.component import Component
+from linkages.components.contributed.component import Component
 from linkages.components.damper import GuideDamper, LineDamper
 from linkages.components.drive import Drive, SliderDrive
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.load import JointForce, SliderForce
+from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.plate import Plate
-from linkages.components.registry import SECTIONS
 from linkages.components.spring import JointSpring
 from linkages.components.torque import BarTorque, TorqueBetweenBars
 from linkages.components.torsional_damper import ClearanceDamper, DamperBetweenBars, JointDamper

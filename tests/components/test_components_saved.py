@@ -54,7 +54,7 @@ def test_a_failed_save_leaves_the_file_that_was_there(tmp_path, monkeypatch):
     def broken(_):
         raise MemoryError
 
-    monkeypatch.setattr("linkages.components.mechanism.as_yaml", broken)
+    monkeypatch.setattr("linkages.components.mechanisms.mechanism.as_yaml", broken)
     with pytest.raises(MemoryError):
         PENDULUM.save(file)
     assert file.read_text(encoding="utf-8") == before

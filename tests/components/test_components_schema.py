@@ -8,9 +8,9 @@ import pytest
 from yaml_as_editors_read_it import values
 
 from linkages.cli.verbs.schema import schema_text
-from linkages.components.definition import from_document
-from linkages.components.registry import SECTIONS
-from linkages.components.schema import FILE_NAME, definition_schema
+from linkages.components.mechanisms.definition import from_document
+from linkages.components.mechanisms.registry import SECTIONS
+from linkages.components.mechanisms.schema import FILE_NAME, definition_schema
 from linkages.errors import InputError
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped

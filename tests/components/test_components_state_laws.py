@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from law_values import value
 
-from linkages.components.functions import Number, Operation, Time, V, X, constant
-from linkages.components.measures import Distance, Load, Turn, damper_law, spring_law
-from linkages.components.state_laws import (
+from linkages.components.contributed.functions import Number, Operation, Time, V, X, constant
+from linkages.components.contributed.measures import Distance, Load, Turn, damper_law, spring_law
+from linkages.components.contributed.state_laws import (
     NOTHING,
     Monomial,
     addends,
@@ -18,7 +18,7 @@ from linkages.components.state_laws import (
     time_functions,
     variables,
 )
-from linkages.components.terms import Parameter
+from linkages.components.contributed.terms import Parameter
 
 PLACES = [(0.7, 1.3, -0.4), (2.1, -0.6, 0.9)]
 """Times, values and rates at which laws are compared."""

@@ -2,9 +2,9 @@ import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 from law_values import value
 
-from linkages.components.functions import Number
-from linkages.components.measures import Load, Turn
-from linkages.components.terms import Parameter
+from linkages.components.contributed.functions import Number
+from linkages.components.contributed.measures import Load, Turn
+from linkages.components.contributed.terms import Parameter
 from linkages.components.torque import BarTorque, TorqueBetweenBars
 
 BARS = """joints: {O: [0, 0]}

@@ -3,8 +3,8 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
 
-from linkages.components.measures import Load, Turn, spring_law
-from linkages.components.terms import Parameter
+from linkages.components.contributed.measures import Load, Turn, spring_law
+from linkages.components.contributed.terms import Parameter
 from linkages.components.torsional_spring import BarSpring, SpringBetweenBars
 
 BARS = """joints: {O: [0, 0]}

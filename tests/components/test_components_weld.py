@@ -3,7 +3,7 @@ import math
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
 
-from linkages.components.terms import Parameter, Relation
+from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.weld import Weld
 
 BARS = """joints: {O: [0, 0], C: [1, 0]}

@@ -84,7 +84,7 @@ def test_component_page_is_in_the_list(page):
 
 def test_every_public_name_stands_in_the_reference():
     import linkages
-    from linkages.components.registry import components
+    from linkages.components.mechanisms.registry import components
 
     text = (ROOT / "docs" / "api.rst").read_text(encoding="utf-8")
     assert "\n.. all components of the package: conf.py puts them here\n" in text
@@ -94,10 +94,10 @@ def test_every_public_name_stands_in_the_reference():
 
 
 DOCTESTED = (
-    "linkages.components.definition",
-    "linkages.components.mechanism",
+    "linkages.components.mechanisms.definition",
+    "linkages.components.mechanisms.mechanism",
     "linkages.solution.opened",
-    "linkages.solution.rhs",
+    "linkages.solution.functions.rhs",
 )
 
 
@@ -111,7 +111,7 @@ def test_examples_in_docstrings_run_as_shown(name):
 def test_every_key_stands_on_a_page_of_the_format():
     import dataclasses
 
-    from linkages.components.registry import SECTIONS
+    from linkages.components.mechanisms.registry import SECTIONS
 
     pages = [ROOT / "docs" / "definition-file.md", *(ROOT / "docs" / "components").glob("*.md")]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
@@ -134,8 +134,8 @@ def load_tables():
 
 
 def test_every_key_of_the_schema_stands_in_the_tables_made_at_build():
-    from linkages.components.registry import SECTIONS
-    from linkages.components.schema import definition_schema
+    from linkages.components.mechanisms.registry import SECTIONS
+    from linkages.components.mechanisms.schema import definition_schema
 
     text = load_tables().tables()
     assert re.findall("^## (.*)$", text, re.MULTILINE) == [*SECTIONS, "law"]

@@ -5,7 +5,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 from lagrange_states import Kernel, analysed
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive, render
 from linkages.reading.document import parse
 

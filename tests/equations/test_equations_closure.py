@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.equations.derivation import derive
 from linkages.equations.polar import Polar
 from linkages.reading.document import parse

@@ -8,7 +8,7 @@ import sympy as sp
 from printed_modules import module_of
 from scipy.interpolate import CubicSpline
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive
 from linkages.equations.laws import Select, Spline, exact
 from linkages.reading.document import parse

@@ -12,7 +12,7 @@ from lagrange_mechanisms import MORE_MECHANISMS
 from matplotlib.mathtext import MathTextParser
 from printed_modules import topology_of
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.equations import derive, render
 from linkages.equations.latex import escaped, symbol_latex
 from linkages.equations.symbols import Notation

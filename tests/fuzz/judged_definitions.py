@@ -15,7 +15,7 @@ import numpy as np
 
 import linkages
 from linkages.cli.verbs.check import check_content
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.reading.document import parse

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from linkages.kernel.printing import Python, definitions
-from linkages.kernel.scalars import Scalar, reachable
-from linkages.kernel.statements import Entry, build_block
+from linkages.kernel.code.printing import Python, definitions
+from linkages.kernel.code.statements import Entry, build_block
+from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.operations import ELEMENTARY
 
 

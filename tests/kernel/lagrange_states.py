@@ -5,10 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from linkages.kernel.evaluator import Evaluator
+from linkages.kernel.assembly.modes import assembled
+from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.model import Model
-from linkages.kernel.modes import assembled
-from linkages.kernel.parameters import definition_vector
+from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.system import System, choose_free
 from linkages.topology.blocks import ITERATED
 from linkages.topology.topology import build_topology

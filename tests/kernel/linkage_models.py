@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkages.components.definition import from_document, load
+from linkages.components.mechanisms.definition import from_document, load
 from linkages.errors import InputError
+from linkages.kernel.code.program import Program, write_program
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
-from linkages.kernel.program import Program, write_program
 from linkages.kernel.system import System
 from linkages.reading.document import parse
 

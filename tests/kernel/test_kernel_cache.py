@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from linkage_models import FOLDER
 
-from linkages.kernel import cache
-from linkages.kernel.cache import ENVIRONMENT_VARIABLE, cache_folder, cached_module
+from linkages.kernel.code import cache
+from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder, cached_module
 
 TEXT = '"""Generated."""\n\nANSWER = 42\n'
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
@@ -188,9 +188,9 @@ def test_a_folder_that_the_system_refuses(monkeypatch):
 SCRIPT = """
 import ctypes, json, sys
 import numpy as np
-from linkages.components.definition import load
-from linkages.kernel.compiled import bind_kernel
-from linkages.kernel.program import write_program
+from linkages.components.mechanisms.definition import load
+from linkages.kernel.code.compiled import bind_kernel
+from linkages.kernel.code.program import write_program
 from linkages.kernel.system import System
 of = System(load(sys.argv[1]))
 program = write_program(of.model, of.model.free_accelerations)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from linkage_models import program, system
 
-from linkages.kernel.cache import ENVIRONMENT_VARIABLE, cache_folder
-from linkages.kernel.compiled import bind_kernel
+from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder
+from linkages.kernel.code.compiled import bind_kernel
 
 POINTER = ctypes.POINTER(ctypes.c_double)
 

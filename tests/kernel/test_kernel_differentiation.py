@@ -7,12 +7,12 @@ import pytest
 from kernel_motion import difference
 from scipy.interpolate import CubicSpline
 
-from linkages.components.functions import Table
-from linkages.kernel.differentiation import derivative
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.laws import table_numbers
-from linkages.kernel.scalars import Level, ScalarGraph
-from linkages.kernel.several import Iteration
+from linkages.components.contributed.functions import Table
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.graph.several import Iteration
+from linkages.kernel.numbers.laws import table_numbers
 from linkages.operations import ELEMENTARY
 
 X, Z = 0.7, 1.3

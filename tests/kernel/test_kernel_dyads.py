@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from kernel_motion import places_at
 from linkage_models import LOOPED, system, text_of
 
-from linkages.components.definition import from_document
-from linkages.kernel.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
-from linkages.kernel.evaluator import Evaluator
+from linkages.components.mechanisms.definition import from_document
+from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks, TwoSliders
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Level, ScalarGraph
 from linkages.kernel.system import System
-from linkages.kernel.vectors import Vector
 from linkages.reading.document import parse
 
 # Motions of the gap are quadratic in time, so that differences of them are known exactly.

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from linkage_models import system_of
 
-from linkages.components.terms import Parameter
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.frames import Frames
-from linkages.kernel.scalars import Level
+from linkages.components.contributed.terms import Parameter
+from linkages.kernel.closure.frames import Frames
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level
 
 TEXT = """
 joints: {O: [0, 0], C: [1, 0]}

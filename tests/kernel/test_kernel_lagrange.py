@@ -11,7 +11,7 @@ from lagrange_equations import Lagrange, agree, assert_agrees
 from lagrange_mechanisms import MORE_MECHANISMS
 from lagrange_states import Kernel, analysed
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 __all__ = ["Kernel", "Lagrange", "agree"]

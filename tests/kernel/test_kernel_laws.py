@@ -9,13 +9,13 @@ from kernel_motion import difference
 from linkage_models import system_of, values
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from linkages.components.functions import Number, Operation, Table, Time, constant
-from linkages.components.terms import Parameter
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.inputs import Inputs
-from linkages.kernel.laws import law_of, law_values, table_numbers, value_of
-from linkages.kernel.parameters import numbers_in
-from linkages.kernel.scalars import Level, ScalarGraph
+from linkages.components.contributed.functions import Number, Operation, Table, Time, constant
+from linkages.components.contributed.terms import Parameter
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.numbers.inputs import Inputs
+from linkages.kernel.numbers.laws import law_of, law_values, table_numbers, value_of
+from linkages.kernel.numbers.parameters import numbers_in
 
 TIMES = np.array([0.05, 0.4, 1.3, 2.2])
 

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from linkages.kernel.layout import Layout
+from linkages.kernel.numbers.layout import Layout
 
 CASES = [
     pytest.param(Layout(("a", "b"), carried, (), work, tangents), id=f"{carried}-{work}-{tangents}")

@@ -5,8 +5,8 @@ import pytest
 from kernel_motion import places_at
 from linkage_models import refusal, system, system_of
 
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.modes import Assembly, assembled
+from linkages.kernel.assembly.modes import Assembly, assembled
+from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.outputs import VARIABLES
 
 FOUR_BAR = """

@@ -15,11 +15,11 @@ from linkage_models import program, system_of, values
 from linkages.benchmark.peers import expressions
 from linkages.equations import derive, render
 from linkages.errors import ComputationError
-from linkages.kernel.compiled import bind_kernel
-from linkages.kernel.counting import report_kernel
-from linkages.kernel.differentiation import derivative
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.scalars import Level, ScalarGraph
+from linkages.kernel.code.compiled import bind_kernel
+from linkages.kernel.code.counting import report_kernel
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level, ScalarGraph
 from linkages.operations import COMPOSITE, ELEMENTARY, OTHERS, Elementary, formula_functions
 from linkages.spec.formulas import formula
 from linkages.spec.grammar import NumberError

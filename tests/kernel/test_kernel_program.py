@@ -7,9 +7,9 @@ import sys
 import pytest
 from linkage_models import FOLDER, NAMES, program, system, system_of, text_of
 
+from linkages.kernel.code.program import GENERATOR_VERSION, write_program
+from linkages.kernel.graph.scalars import Level, reachable
 from linkages.kernel.model import Model
-from linkages.kernel.program import GENERATOR_VERSION, write_program
-from linkages.kernel.scalars import Level, reachable
 
 FREE_FOUR_BAR = """
 gravity: [0, -9.81]
@@ -99,9 +99,9 @@ def test_a_sweep_does_not_change_the_text(name, numbers):
 SCRIPT = """
 import hashlib, sys
 from pathlib import Path
-from linkages.components.definition import load
+from linkages.components.mechanisms.definition import load
 from linkages.kernel.model import Model
-from linkages.kernel.program import write_program
+from linkages.kernel.code.program import write_program
 from linkages.kernel.system import System
 for file in sorted(Path(sys.argv[1]).glob("*.yaml")):
     model = Model(System(load(file)).topology)

@@ -6,9 +6,9 @@ from kernel_motion import call, carried_along, difference
 from linkage_models import refusal, system_of, values
 
 import linkages
-from linkages.components.definition import from_document
-from linkages.kernel.compiled import bind_kernel
-from linkages.kernel.program import write_program
+from linkages.components.mechanisms.definition import from_document
+from linkages.kernel.code.compiled import bind_kernel
+from linkages.kernel.code.program import write_program
 from linkages.reading.document import parse
 
 TWO_COUPLERS = """

@@ -5,11 +5,17 @@ import pytest
 from generated_code import run_printed
 from scipy.interpolate import CubicSpline
 
-from linkages.components.functions import Table
-from linkages.kernel.evaluator import Evaluator
-from linkages.kernel.laws import table_numbers
-from linkages.kernel.scalars import Level, ScalarGraph
-from linkages.kernel.several import MOST_ITERATIONS, MOST_TURNED, Iteration, iterate, solve_systems
+from linkages.components.contributed.functions import Table
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Level, ScalarGraph
+from linkages.kernel.graph.several import (
+    MOST_ITERATIONS,
+    MOST_TURNED,
+    Iteration,
+    iterate,
+    solve_systems,
+)
+from linkages.kernel.numbers.laws import table_numbers
 
 SIZES = range(1, 8)
 

@@ -10,9 +10,9 @@ import pytest
 from group_models import TRIAD
 from linkage_models import program, system, system_of
 
-from linkages.kernel.printing import Python
-from linkages.kernel.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
-from linkages.kernel.statements import Assign, Check, Entry, Heading, Iterate, Store
+from linkages.kernel.code.printing import Python
+from linkages.kernel.code.statements import Assign, Check, Entry, Heading, Iterate, Store
+from linkages.kernel.graph.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
 
 FORMULAS = """
 joints: {O: [0, 0]}

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.components.terms import Hint
+from linkages.components.contributed.terms import Hint
 from linkages.errors import InputError
-from linkages.kernel.settling import Settling
+from linkages.kernel.assembly.settling import Settling
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.reading.document import Document

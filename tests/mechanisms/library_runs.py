@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped
 

@@ -6,7 +6,7 @@ import pytest
 from library_runs import place, reference
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 EXACT = reference("n_four_bar")

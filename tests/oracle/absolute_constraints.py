@@ -7,8 +7,8 @@ from absolute_bodies import GROUND, Layout
 from absolute_measures import Measure, along_axis, angles, coordinate, gap
 from time_functions import jet
 
-from linkages.components.functions import Function, Number, constant
-from linkages.components.mechanism import Mechanism
+from linkages.components.contributed.functions import Function, Number, constant
+from linkages.components.mechanisms.mechanism import Mechanism
 
 ZERO_LAW = constant(0.0)
 

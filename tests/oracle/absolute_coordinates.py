@@ -14,7 +14,7 @@ from absolute_constraints import Constraint, constraints
 from absolute_forces import inertia, loads, weight
 from absolute_measures import along_axis, coordinate
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,15 @@ from absolute_bodies import Layout, Point, State, pair
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
-from linkages.components.measures import Coordinate, Distance, Load, Measure, Slide, Turn
-from linkages.components.mechanism import Mechanism
+from linkages.components.contributed.measures import (
+    Coordinate,
+    Distance,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.mechanisms.mechanism import Mechanism
 
 
 def heavy_points(mechanism: Mechanism, layout: Layout) -> list[tuple[Point, float]]:

@@ -2,7 +2,7 @@
 
 import ast
 
-from linkages.components.functions import (
+from linkages.components.contributed.functions import (
     Function,
     Number,
     Operation,
@@ -13,8 +13,15 @@ from linkages.components.functions import (
     constant,
     linear,
 )
-from linkages.components.measures import Coordinate, Distance, Load, Measure, Slide, Turn
-from linkages.components.terms import (
+from linkages.components.contributed.measures import (
+    Coordinate,
+    Distance,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.terms import (
     ZERO,
     Body,
     Guide,

@@ -21,7 +21,7 @@ from linkages import (
     Plate,
     UniformGravity,
 )
-from linkages.components.component import Component, Term
+from linkages.components.contributed.component import Component, Term
 from linkages.reading.document import Document
 
 

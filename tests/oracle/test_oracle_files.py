@@ -13,8 +13,8 @@ from numpy.random import default_rng
 from random_mechanisms import seeded
 from spoiled_definitions import spoiled
 
-from linkages.components.definition import from_document
-from linkages.components.schema import definition_schema
+from linkages.components.mechanisms.definition import from_document
+from linkages.components.mechanisms.schema import definition_schema
 from linkages.errors import InputError
 from linkages.reading.document import parse
 

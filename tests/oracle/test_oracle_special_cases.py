@@ -5,7 +5,7 @@ from absolute_coordinates import AbsoluteModel
 from absolute_outputs import outputs
 from kernel_values import at_start, disagreements, state_at
 
-from linkages.components.definition import from_document, load
+from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.system import choose_free
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped

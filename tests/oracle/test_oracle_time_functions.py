@@ -6,7 +6,7 @@ from definition_entries import function
 from scipy.interpolate import CubicSpline
 from time_functions import jet
 
-from linkages.components.functions import Table
+from linkages.components.contributed.functions import Table
 
 CLOSE = {"rel": 1e-12, "abs": 1e-12}  # a few dozen roundings of numbers of order 1
 FORMULAS = [

@@ -8,7 +8,14 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
-from linkages.components.functions import Function, Measured, Number, Operation, Table, Time
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Table,
+    Time,
+)
 
 Jet = tuple[float, float, float]
 

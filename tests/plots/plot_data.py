@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from linkages.components.definition import from_document
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.definition import from_document
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.reading.document import parse
 
 DEFINITION = """

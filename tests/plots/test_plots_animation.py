@@ -13,7 +13,7 @@ import xarray as xr
 from PIL import Image
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.plots.films.animation import animate, shown_part
 from linkages.plots.films.film import film_of
 from linkages.plots.films.stage import Stage

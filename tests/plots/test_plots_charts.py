@@ -129,7 +129,7 @@ def test_lines_differ_in_black_and_white():
 @pytest.fixture(scope="module")
 def pendulum():
     """A driven pendulum: small, and with a period to take sections by."""
-    from linkages.components.definition import from_document
+    from linkages.components.mechanisms.definition import from_document
     from linkages.reading.document import parse
 
     text = """

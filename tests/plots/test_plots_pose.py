@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.mechanism.senses import BOTH, drive_sense, force_direction, load_sense

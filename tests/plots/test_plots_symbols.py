@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
 
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.plots.mechanism.drawing import draw
 from linkages.plots.mechanism.gears import Wheels, gears, wheels
 from linkages.plots.mechanism.pose import Pose

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from linkages import Bar, FreeAngle, GroundJoint, Mechanism, UniformGravity
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 GRAVITY = 9.81

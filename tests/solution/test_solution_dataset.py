@@ -9,7 +9,7 @@ import xarray as xr
 from solution_mechanisms import FOUR_BAR, SLIDER_CRANK, mechanism
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.solution import files
 

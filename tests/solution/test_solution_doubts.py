@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
-from linkages.solution.doubts import doubts
+from linkages.solution.remarks.doubts import doubts
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests/data/linkages"

@@ -5,11 +5,11 @@ import pytest
 from solution_mechanisms import mechanism
 
 import linkages
-from linkages.components.functions import Number, Table
+from linkages.components.contributed.functions import Number, Table
+from linkages.components.contributed.terms import Parameter
 from linkages.components.laws.law import function_of
-from linkages.components.terms import Parameter
-from linkages.solution.doubts import doubts
-from linkages.solution.law_ranges import law_range
+from linkages.solution.remarks.doubts import doubts
+from linkages.solution.remarks.law_ranges import law_range
 from linkages.spec.formulas import formula
 
 BAR = "joints: {O: [0, 0]}\nbars: {a: {joints: [O, A], length: 1, mass: 1}}\n"

@@ -5,7 +5,7 @@ import pytest
 from solution_mechanisms import SLIDER_CRANK, mechanism
 
 import linkages
-from linkages.solution.series import data_series
+from linkages.solution.values.series import data_series
 
 LOADS = """\
 loads:

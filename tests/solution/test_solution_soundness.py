@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.errors import InputError
 from linkages.reading.document import parse
 from linkages.solution.solution import IncompleteError

@@ -6,7 +6,7 @@ import pytest
 
 import linkages
 from linkages import InputError
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.spec.table_files import MAX_ROWS
 

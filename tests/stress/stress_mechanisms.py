@@ -6,7 +6,7 @@ import numpy as np
 
 import linkages
 from linkages import Bar, FreeAngle, GroundJoint, Mechanism, UniformGravity
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
 CLOSURE = 1e-13

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from linkages.components.definition import from_document, load
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.definition import from_document, load
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology

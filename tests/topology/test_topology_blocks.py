@@ -7,7 +7,7 @@ import sys
 import pytest
 from linkage_files import mechanism
 
-from linkages.components.terms import axis_label
+from linkages.components.contributed.terms import axis_label
 from linkages.topology.blocks import CLOSED_FORMS
 from linkages.topology.topology import build_topology
 
@@ -136,7 +136,7 @@ def test_what_is_left_over_stays_with_the_loop_that_it_closes():
 
 SCRIPT = """
 import sys
-from linkages.components.definition import from_document
+from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 topology = build_topology(from_document(parse(sys.argv[1], "m.yaml")))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from linkage_files import NAMES, linkage, mechanism
 
-from linkages.components.terms import axis_label
+from linkages.components.contributed.terms import axis_label
 from linkages.kernel.system import System
 from linkages.topology.blocks import Step
 from linkages.topology.jacobian import (

@@ -18,8 +18,8 @@ from linkages.chaos.growth.invariants import Invariant
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.growth.volumes import Volumes
 from linkages.chaos.series.averages import mean_error
-from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
 

@@ -28,7 +28,7 @@ from linkages.chaos.sections.contact_log import (
 )
 from linkages.chaos.sections.free_states import require_free
 from linkages.chaos.sections.unfinished import UnfinishedError
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentKeywords, ExponentOptions

@@ -15,10 +15,10 @@ from linkages.chaos.sections.free_states import wrapped
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import DEFAULTS, RunOptions
-from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.march import TANGENT_ATOL, March
-from linkages.solution.motion import Motion
-from linkages.solution.renormalising import Renormalised
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.march import TANGENT_ATOL, March
+from linkages.solution.moving.motion import Motion
+from linkages.solution.moving.renormalising import Renormalised
 
 Floats = NDArray[np.float64]
 

@@ -13,12 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.differentiation import derivative
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
-from linkages.kernel.scalars import Scalar, reachable
 from linkages.kernel.system import System
-from linkages.solution.evaluation import evaluate_nodes
-from linkages.solution.motion import Piece
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Piece
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from linkages.components.functions import Function, Operation, Table, Time
-from linkages.components.mechanism import Mechanism
-from linkages.components.state_laws import variables
-from linkages.kernel.laws import law_values
+from linkages.components.contributed.functions import Function, Operation, Table, Time
+from linkages.components.contributed.state_laws import variables
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.numbers.laws import law_values
 from linkages.operations import ELEMENTARY
 from linkages.topology.orientation import slaves
 

@@ -13,8 +13,8 @@ from linkages.chaos.sections.common_period import NoPeriodError, common_period
 from linkages.chaos.sections.contact import Contact, contact_check
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion, Piece
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion, Piece
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,9 +11,9 @@ from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.march import March
-from linkages.solution.motion import Motion, Watch
-from linkages.solution.surface import DIRECTIONS, parse_section
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion, Watch
+from linkages.solution.values.surface import DIRECTIONS, parse_section
 
 
 class NeverCrossedError(ComputationError):

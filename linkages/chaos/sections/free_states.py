@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.system import System
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.motion import Motion
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,14 +17,14 @@ from linkages.chaos.sections.crossed import crossed
 from linkages.chaos.sections.free_states import free_values, labelled_states, require_free
 from linkages.chaos.sections.strobe import strobe
 from linkages.chaos.sections.unfinished import UnfinishedError
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes
-from linkages.solution.motion import Motion, Watch
+from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.options import options_of
-from linkages.solution.surface import SECTION, parse_section
+from linkages.solution.values.surface import SECTION, parse_section
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,7 +14,7 @@ from linkages.chaos.sections.free_states import free_values
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

@@ -18,15 +18,15 @@ from linkages.chaos.sweeps.continuation import End, crossing_points, stroboscopi
 from linkages.chaos.sweeps.diagram import Value, diagram
 from linkages.chaos.sweeps.sweep import Executor, Outcome, Progress, per_period, sweep
 from linkages.chaos.sweeps.varied import Axis, Vary, axis_of, coordinates, first_possible
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
+from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
-from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr

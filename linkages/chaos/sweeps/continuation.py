@@ -17,12 +17,12 @@ from linkages.chaos.sections.section import section_points
 from linkages.chaos.sections.strobe import strobe
 from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.assembly import AssemblyHint
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.outputs import labels
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
 
 Floats = NDArray[np.float64]
 

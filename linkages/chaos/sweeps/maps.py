@@ -26,14 +26,14 @@ from linkages.chaos.sweeps.varied import (
     first_possible,
     require_different,
 )
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.options.signature import takes
+from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
-from linkages.solution.plan import Plan
 
 if TYPE_CHECKING:
     import xarray as xr

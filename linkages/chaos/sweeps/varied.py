@@ -10,8 +10,8 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.units import unit_at
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
 from linkages.errors import InputError
 from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number

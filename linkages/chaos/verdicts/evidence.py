@@ -17,15 +17,15 @@ from linkages.chaos.series.dimension import FEWEST_POINTS, Dimension, correlatio
 from linkages.chaos.series.rotation import Rotation, classify_angle, refined
 from linkages.chaos.series.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdicts.stretch import Evidence
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
-from linkages.solution.assumptions import assumptions
-from linkages.solution.doubts import doubts
-from linkages.solution.evaluation import evaluate_variables
-from linkages.solution.free_coordinates import free_vectors
-from linkages.solution.motion import Motion, Settings
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.free_coordinates import free_vectors
+from linkages.solution.moving.motion import Motion, Settings
+from linkages.solution.remarks.assumptions import assumptions
+from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import Solution, labelled
 
 if TYPE_CHECKING:

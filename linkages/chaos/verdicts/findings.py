@@ -12,7 +12,7 @@ from linkages.chaos.series.closed_curves import ClosedCurves
 from linkages.chaos.series.dimension import Dimension
 from linkages.chaos.series.rotation import Rotation
 from linkages.chaos.series.spectrum import PowerSpectrum
-from linkages.solution.horizon import Horizon
+from linkages.solution.moving.horizon import Horizon
 
 if TYPE_CHECKING:
     import xarray as xr

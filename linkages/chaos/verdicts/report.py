@@ -21,18 +21,18 @@ from linkages.chaos.verdicts.findings import ChaosReport
 from linkages.chaos.verdicts.judge import Course, Judgement, judge
 from linkages.chaos.verdicts.stretch import Evidence
 from linkages.chaos.verdicts.verdict import FEWEST_PERIODS
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.options.exponents import VerdictKeywords, VerdictOptions
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
 from linkages.options.signature import takes
-from linkages.solution.horizon import horizon_between
+from linkages.solution.moving.horizon import horizon_between
 from linkages.solution.options import options_of
 from linkages.solution.solution import Solution
 from linkages.solvers.integration import LEAST_RTOL
-from linkages.solvers.methods import METHODS
+from linkages.solvers.methods.named import METHODS
 
 Floats = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from linkages.cli.simulated import how_far
 from linkages.cli.terminal import number, print_notes
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
-from linkages.solution.requests import requested
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
+from linkages.solution.values.requests import requested
 
 if TYPE_CHECKING:
     from linkages.plots.films.film import Film

@@ -9,16 +9,16 @@ from linkages.cli.requests import Request
 from linkages.cli.terminal import console, print_json
 from linkages.cli.verbs.check_report import print_report
 from linkages.cli.verbs.contributions import drives, loads, relations
-from linkages.components.measures import Distance
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, axis_label
-from linkages.kernel.modes import Assembly
+from linkages.components.contributed.measures import Distance
+from linkages.components.contributed.terms import Body, axis_label
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.assembly.modes import Assembly
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.reading.paths import dotted
-from linkages.solution.assumptions import assumptions
-from linkages.solution.doubts import doubts
 from linkages.solution.options import options_of
+from linkages.solution.remarks.assumptions import assumptions
+from linkages.solution.remarks.doubts import doubts
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -151,8 +151,8 @@ def _held(mechanism: Mechanism) -> set[str]:
 def _kernel(system: System) -> dict[str, Any]:
     if not system.topology.free:
         return {"note": "nothing is free to move: no kernel is compiled, nothing is integrated"}
-    from linkages.kernel.counting import report_kernel
-    from linkages.solution.plan import kernel_source
+    from linkages.kernel.code.counting import report_kernel
+    from linkages.solution.moving.plan import kernel_source
 
     source = kernel_source(system.topology)
     report = report_kernel(source.model, source.program)

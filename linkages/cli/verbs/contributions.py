@@ -10,24 +10,30 @@ from typing import assert_never
 import numpy as np
 
 from linkages.cli.terminal import number
-from linkages.components.functions import (
+from linkages.components.contributed.functions import (
     Function,
     Measured,
     Number,
     Operation,
     Time,
 )
+from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.state_laws import (
+    Monomial,
+    addends,
+    monomial,
+    sum_of,
+    variables,
+)
+from linkages.components.contributed.terms import Path
 from linkages.components.gear import Gear
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
-from linkages.components.mechanism import Mechanism
-from linkages.components.revolute import GROUND
-from linkages.components.state_laws import Monomial, addends, monomial, sum_of, variables
-from linkages.components.terms import Path
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.weld import Weld
-from linkages.kernel.laws import law_values
+from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
 from linkages.reading.wording import listed
-from linkages.solution.law_ranges import law_range
+from linkages.solution.remarks.law_ranges import law_range
 
 Row = dict[str, str]
 

@@ -12,7 +12,7 @@ from linkages.reading.document import read
 from linkages.reading.locate import find, shipped
 
 if TYPE_CHECKING:
-    from linkages.components.mechanism import Mechanism
+    from linkages.components.mechanisms.mechanism import Mechanism
     from linkages.kernel.system import System
 
 EDITOR_LINE = "yaml-language-server:"

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.terminal import number, print_notes, table
-from linkages.kernel.modes import MOST_MODES, SAME, STARTS, Assembly
+from linkages.kernel.assembly.modes import MOST_MODES, SAME, STARTS, Assembly
 from linkages.kernel.system import System
 from linkages.topology.blocks import ITERATED, Block
 

@@ -9,8 +9,8 @@ from linkages.cli.loading import require_folder
 from linkages.cli.options import Template
 from linkages.cli.terminal import console, print_json
 from linkages.cli.verbs.schema import schema_text
-from linkages.components.registry import SECTIONS
-from linkages.components.schema import FILE_NAME, TITLE
+from linkages.components.mechanisms.registry import SECTIONS
+from linkages.components.mechanisms.schema import FILE_NAME, TITLE
 from linkages.errors import InputError, Problem
 
 TEMPLATES = Path(__file__).resolve().parents[1] / "templates"

@@ -27,7 +27,7 @@ def run_phase(
 ) -> int:
     """Simulate, and draw one series against another; returns the exit code."""
     from linkages.kernel.system import System
-    from linkages.solution.series import TIME, find_series, system_series
+    from linkages.solution.values.series import TIME, find_series, system_series
 
     mechanism = request.mechanism
     with request.computing("phase diagram of") as watch:

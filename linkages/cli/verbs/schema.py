@@ -16,6 +16,6 @@ def run_schema() -> int:
 
 def schema_text(ascii_only: bool = False) -> str:
     """The schema as text."""
-    from linkages.components.schema import definition_schema
+    from linkages.components.mechanisms.schema import definition_schema
 
     return json_text(definition_schema(), ascii_only=ascii_only, indent=1)

@@ -16,7 +16,7 @@ from linkages.cli.requests import Request
 from linkages.cli.simulated import as_far_as_possible, how_far
 from linkages.cli.terminal import number, print_notes, table
 from linkages.kernel.outputs import VARIABLES
-from linkages.solution.horizon import Horizon, cost_factor
+from linkages.solution.moving.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
 from linkages.solvers.choice import AUTO
 

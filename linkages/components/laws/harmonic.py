@@ -7,10 +7,10 @@ from typing import Any, Generic
 
 from pydantic import Field, model_validator
 
-from linkages.components.component import component
-from linkages.components.functions import Function, applied
+from linkages.components.contributed.component import component
+from linkages.components.contributed.functions import Function, applied
+from linkages.components.contributed.terms import Path
 from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Value, argument
-from linkages.components.terms import Path
 from linkages.spec.quantities import Angle, AngularSpeed, Frequency
 
 

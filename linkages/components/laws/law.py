@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, assert_never
 
-from linkages.components.functions import Function, Number, Operation, Time, applied
+from linkages.components.contributed.functions import Function, Number, Operation, Time, applied
+from linkages.components.contributed.terms import Parameter, Path
 from linkages.components.laws.harmonic import HarmonicLaw
 from linkages.components.laws.named import NamedLaw
 from linkages.components.laws.rise import Rise
 from linkages.components.laws.run_up import RunUpLaw
 from linkages.components.laws.table import DriveTable, LoadTable
-from linkages.components.terms import Parameter, Path
 from linkages.discovery import plugged
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Dimension

@@ -5,8 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, TypeVar
 
-from linkages.components.functions import Function, Number, Time
-from linkages.components.terms import Parameter, Path
+from linkages.components.contributed.functions import Function, Number, Time
+from linkages.components.contributed.terms import Parameter, Path
 
 Value = TypeVar("Value")
 Rate = TypeVar("Rate")

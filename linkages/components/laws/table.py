@@ -8,11 +8,11 @@ from typing import Any, ClassVar, Generic
 
 from pydantic import field_validator, model_validator
 
-from linkages.components.component import component
-from linkages.components.functions import Table
-from linkages.components.interpolation import Interpolation, extremes
+from linkages.components.contributed.component import component
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.interpolation import Interpolation, extremes
+from linkages.components.contributed.terms import Path
 from linkages.components.laws.named import NamedLaw, Value
-from linkages.components.terms import Path
 from linkages.spec.quantities import Instant, Text
 
 

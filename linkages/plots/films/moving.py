@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import draw_bodies
 from linkages.plots.mechanism.drawing import draw_bearings, draw_joints, reach
 from linkages.plots.mechanism.gears import draw_gears, draw_welds, note_gears

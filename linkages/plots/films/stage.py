@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
 from linkages.plots.films.layout import MARGIN, Layout
 from linkages.plots.films.moving import MovingPose, draw_moving, draw_still

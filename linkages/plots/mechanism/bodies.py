@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body
+from linkages.components.contributed.terms import Body
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.style import CLEARANCE, DRIVEN, FREE, GREY, PASSIVE
 

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body
+from linkages.components.contributed.terms import Body
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import rotation_arrow
 from linkages.plots.mechanism.bodies import (

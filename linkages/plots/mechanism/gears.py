@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from linkages.components.contributed.revolute import GROUND
 from linkages.components.gear import Gear
-from linkages.components.revolute import GROUND
 from linkages.components.weld import Weld
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.bodies import body_colour

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import clearance_ends
 from linkages.plots.prefixes import scale_for
 from linkages.plots.style import BLACK, CLEARANCE, LOAD, PALE, PASSIVE, fitted

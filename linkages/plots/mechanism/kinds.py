@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from linkages.components.measures import Coordinate, Distance, Load, Slide, Turn
-from linkages.components.terms import Path
+from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.terms import Path
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from linkages.components.functions import Number
-from linkages.components.measures import Load, Turn
-from linkages.components.state_laws import variables
+from linkages.components.contributed.functions import Number
+from linkages.components.contributed.measures import Load, Turn
+from linkages.components.contributed.state_laws import variables
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.mechanism.bodies import ground_direction

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies
 from linkages.plots.mechanism.drawing import reach

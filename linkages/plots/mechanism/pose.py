@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
-from linkages.components.terms import Body, Parameter
+from linkages.components.contributed.terms import Body, Parameter
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.view import Positions
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.drawing import draw_pose, reach
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.view import Positions, picture

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.measures import Coordinate, Load
-from linkages.components.mechanism import Mechanism
-from linkages.kernel.laws import law_values
+from linkages.components.contributed.measures import Coordinate, Load
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.numbers.laws import law_values
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.components.measures import Load
+from linkages.components.contributed.measures import Load
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, straight_arrow
 from linkages.plots.mechanism.bodies import THICKNESS, body_colour

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies, outlines
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.samples import pose_at, positions_at

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.prefixes import Scale, scale_for
 from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH, fitted
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from linkages.plots.prefixes import Scale
 from linkages.plots.style import BLACK
-from linkages.solution.peaks import largest
 from linkages.solution.resolved import turning_points
+from linkages.solution.values.peaks import largest
 
 Array = NDArray[np.float64]
 
@@ -46,8 +46,8 @@ def peak_of(
 
     Returns
     -------
-    As `linkages.solution.peaks.largest` locates it between samples; the largest sample where some
-    are not finite, or the curve is not smooth.
+    As `linkages.solution.values.peaks.largest` locates it between samples; the largest sample where
+    some are not finite, or the curve is not smooth.
     """
     finite = np.isfinite(values)
     if not finite.any():

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.motion.angles import show_degrees
 from linkages.plots.motion.curves import BUSY, show_steady
 from linkages.plots.motion.phase_curve import refined, spread, wrapped

@@ -14,7 +14,7 @@ from linkages.plots.motion.phase import draw_curve
 from linkages.plots.motion.phase_curve import wrapped
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import PALETTE, fitted, panels, styled
-from linkages.solution.series import TIME, Series, data_series, find_series
+from linkages.solution.values.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr

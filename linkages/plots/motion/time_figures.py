@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from linkages.components.mechanism import Mechanism
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import (
     Peak,
@@ -26,8 +26,8 @@ from linkages.plots.motion.curves import (
 )
 from linkages.plots.prefixes import Scale, scale_of
 from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
-from linkages.solution.peaks import even
 from linkages.solution.resolved import per_swing
+from linkages.solution.values.peaks import even
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,1 @@
+"""What components contribute: terms, loads as measure and law, functions."""

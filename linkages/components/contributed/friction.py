@@ -1,0 +1,71 @@
+"""What turns at a joint, and so between which bodies a friction acts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from linkages.components.contributed.measures import (
+    ClearanceFriction,
+    Friction,
+    JointFriction,
+    Load,
+    Turn,
+)
+from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.terms import Body, Displacement, Path
+
+
+def turning_with(name: str, bodies: Mapping[str, Body]) -> str:
+    """The body that turns with a body: itself, or what carries the axis of a slider in the end."""
+    passed: set[str] = set()
+    while name in bodies and name not in passed:
+        guide = bodies[name].guide
+        if guide is None:
+            return name
+        passed.add(name)
+        name = guide.body or GROUND
+    return GROUND
+
+
+def meeting(joint: str, bodies: Mapping[str, Body], ground: Iterable[str]) -> tuple[str, ...]:
+    """What can turn at a joint: bodies that turn, and the ground, each once, the ground first."""
+    here = [turning_with(name, bodies) for name, body in bodies.items() if joint in body.points]
+    found = [GROUND, *here] if joint in ground else here
+    return tuple(sorted(dict.fromkeys(found), key=lambda name: name != GROUND))
+
+
+def resolved(
+    term: Friction,
+    bodies: Mapping[str, Body],
+    ground: Iterable[str],
+    displacements: Iterable[Displacement],
+) -> Load:
+    """Return the load along an angle that a friction is.
+
+    `bodies` have their joints as the definition names them, not displaced by clearances.
+    """
+    if isinstance(term, ClearanceFriction):
+        second = term.clearance
+        first = next(d.body for d in displacements if d.link.name == second)
+    else:
+        first, second = term.bodies or meeting(term.joint, bodies, ground)
+    against = None if first == GROUND else first
+    return Load(Turn(second, against), term.law, term.path)
+
+
+def ambiguity(
+    term: JointFriction, bodies: Mapping[str, Body], ground: Iterable[str]
+) -> tuple[Path, str] | None:
+    """What is wrong where a joint does not tell between which bodies its friction acts."""
+    if term.bodies is not None:
+        return None
+    found = meeting(term.joint, bodies, ground)
+    if len(found) == 2:
+        return None
+    listed = ", ".join(found)
+    if len(found) > 2:
+        example = f"bars: [{found[0]}, {found[1]}]"
+        message = f"{len(found)} bodies turn at joint {term.joint!r} ({listed})"
+        return term.path, f"{message}; expected 'bars' to name two of them, such as {example}"
+    message = f"nothing turns at joint {term.joint!r} against {listed or 'anything'}"
+    return (*term.path, "joint"), f"{message}; expected a joint of two bodies"

@@ -1,0 +1,206 @@
+"""What the form of a law says: which terms it has, and what of it stores energy.
+
+A law is a function of a value x, its rate v and time. Nothing here knows what x measures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Table,
+    Time,
+    V,
+    X,
+    constant,
+)
+from linkages.components.contributed.terms import ZERO
+
+NOTHING = Number(ZERO)
+"""The law of a load that exact zeros remove."""
+
+_MINUS = constant(-1.0)
+
+
+def leaves(function: Function) -> Iterator[Function]:
+    """What the operations of a function end in, from left to right."""
+    if isinstance(function, Operation):
+        for argument in function.arguments:
+            yield from leaves(argument)
+    else:
+        yield function
+
+
+def variables(function: Function) -> list[str]:
+    """What a function depends on: ``"x"``, ``"v"`` and ``"t"``."""
+    found = set(leaves(function))
+    timed = any(isinstance(leaf, Time | Table) for leaf in found)
+    there = {"x": X in found, "v": V in found, "t": timed}
+    return [name for name, occurs in there.items() if occurs]
+
+
+def _of_state(function: Function) -> bool:
+    return any(isinstance(leaf, Measured) for leaf in leaves(function))
+
+
+def time_functions(law: Function) -> Iterator[Function]:
+    """The largest parts of a law that depend on time, but on neither x nor v."""
+    if not _of_state(law):
+        if variables(law):
+            yield law
+    elif isinstance(law, Operation):
+        for argument in law.arguments:
+            yield from time_functions(argument)
+
+
+def _vanishes(function: Function) -> bool:
+    """Whether it is zero by structure."""
+    return isinstance(function, Number) and (function.parameter.absent or function == constant(0.0))
+
+
+def folded(law: Function) -> Function:
+    """The same law without what exact zeros remove; `NOTHING` if they remove all of it."""
+    if not isinstance(law, Operation):
+        return NOTHING if _vanishes(law) else law
+    arguments = tuple(folded(argument) for argument in law.arguments)
+    match law.name, arguments, tuple(argument == NOTHING for argument in arguments):
+        case "add", (_, b), (True, _):
+            return b
+        case "add" | "sub", (a, _), (_, True):
+            return a
+        case "sub", (_, b), (True, _):
+            return negated(b)
+        case ("mul", _, (True, _) | (_, True)) | ("div", _, (True, _)) | ("neg", _, (True,)):
+            return NOTHING
+        case "power", (_, Number(exponent)), (True, False) if exponent.value > 0:
+            return NOTHING
+    return Operation(law.name, arguments)
+
+
+def negated(function: Function) -> Function:
+    """Its opposite."""
+    if isinstance(function, Operation) and function.name == "neg":
+        return function.arguments[0]
+    return Operation("neg", (function,))
+
+
+def addends(law: Function) -> Iterator[Function]:
+    """The terms whose sum a law is."""
+    match law:
+        case Operation("neg", (a,)):
+            yield from map(negated, addends(a))
+        case Operation("add", (a, b)):
+            yield from (*addends(a), *addends(b))
+        case Operation("sub", (a, b)):
+            yield from (*addends(a), *map(negated, addends(b)))
+        case _:
+            yield law
+
+
+def sum_of(terms: Iterable[Function]) -> Function:
+    """The sum of some terms; `NOTHING` without any."""
+    found = list(terms)
+    return reduce(lambda a, b: Operation("add", (a, b)), found) if found else NOTHING
+
+
+def _factors(term: Function) -> list[Function]:
+    """What a term is a product of; a difference from a constant counts from the constant."""
+    match term:
+        case Operation("neg", (a,)):
+            return [_MINUS, *_factors(a)]
+        case Operation("mul", (a, b)):
+            return [*_factors(a), *_factors(b)]
+        case Operation("div", (a, b)) if not _of_state(b):
+            return [*_factors(a), Operation("div", (constant(1.0), b))]
+        case Operation("power", (a, Number(n))) if n.value >= 1 and _of_state(a):
+            return _factors(a) * int(n.value)
+        case Operation("sub", (a, b)) if _of_state(b) and not _of_state(a):
+            return [_MINUS, Operation("sub", (b, a))]
+    return [term]
+
+
+def _product(factors: Sequence[Function]) -> Function:
+    found = [factor for factor in factors if factor != _MINUS]
+    if not found:
+        found = [constant(1.0)]
+    total = reduce(lambda a, b: Operation("mul", (a, b)), found)
+    return negated(total) if factors.count(_MINUS) % 2 else total
+
+
+def _shifted(function: Function) -> bool:
+    """Whether it is x, or x less or more a constant."""
+    match function:
+        case Operation("sub" | "add", (a, b)) if a == X:
+            return not _of_state(b)
+        case Operation("add", (a, b)) if b == X:
+            return not _of_state(a)
+    return function == X
+
+
+@dataclass(frozen=True)
+class Monomial:
+    """A term coefficient · base^degree · v^rate.
+
+    Parameters
+    ----------
+    coefficient
+        Without x and v.
+    base
+        x, or x less a constant; None where neither is in it.
+    degree, rate
+        Exponents, ≥ 0.
+    """
+
+    coefficient: Function
+    base: Function | None
+    degree: int
+    rate: int
+
+    def over(self, divisor: Measured) -> Function:
+        """The term divided by x or v, which it is a multiple of."""
+        powers = [(self.base or X, self.degree - (divisor == X)), (V, self.rate - (divisor == V))]
+        factors = [Operation("power", (f, constant(float(n)))) for f, n in powers if n > 0]
+        return reduce(lambda a, b: Operation("mul", (a, b)), factors, self.coefficient)
+
+
+def monomial(term: Function) -> Monomial | None:
+    """A term as powers of x (or x less a constant) and v; None if it is none."""
+    factors = _factors(term)
+    own = [factor for factor in factors if _of_state(factor)]
+    bases = [factor for factor in own if factor != V]
+    if len(set(bases)) > 1 or not all(map(_shifted, bases)):
+        return None
+    coefficient = _product([factor for factor in factors if not _of_state(factor)])
+    return Monomial(coefficient, bases[0] if bases else None, len(bases), len(own) - len(bases))
+
+
+def stored(term: Function) -> Function | None:
+    """The potential energy −∫ term dx of a polynomial in x; None for any other term.
+
+    A multiple of (x − c)ⁿ is integrated from c, so that a relaxed spring has none.
+    """
+    if variables(term) != ["x"]:
+        return None
+    return _integral([_MINUS, *_factors(term)])
+
+
+def _integral(factors: list[Function]) -> Function | None:
+    """The integral over x of a product; sums in it are multiplied out where it has to be."""
+    term = monomial(_product(factors))
+    if term is not None:
+        exponent = constant(term.degree + 1.0)
+        raised = Operation("power", (term.base or X, exponent)) if term.base else X
+        return Operation("div", (_product([*_factors(term.coefficient), raised]), exponent))
+    for place, factor in enumerate(factors):
+        terms = list(addends(factor))
+        if len(terms) > 1 and _of_state(factor):
+            others = factors[:place] + factors[place + 1 :]
+            parts = [_integral([*others, *_factors(part)]) for part in terms]
+            return None if None in parts else sum_of(part for part in parts if part)
+    return None

@@ -1,0 +1,1 @@
+"""Mechanisms: read from definitions, checked as a whole, written again."""

@@ -1,0 +1,148 @@
+"""Whether the components of a mechanism fit together: every finding, not only the first."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from linkages.components.contributed.component import Component
+from linkages.components.contributed.friction import ambiguity, meeting
+from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.terms import Body, Displacement, Path, Relation
+from linkages.components.mechanisms.coordinates import coordinate_findings
+from linkages.components.mechanisms.declared import Declared, expected_one_of
+from linkages.components.mechanisms.guides import circular_guides, sliders_on_air
+
+__all__ = ["Declared", "Finding", "findings"]
+
+Finding = tuple[Path, str]
+
+
+def findings(components: Sequence[Component], declared: Declared) -> list[Finding]:
+    """Everything that is inconsistent, as pairs of a path and a sentence."""
+    found = [problem for component in components for problem in component.problems()]
+    if declared.complete:
+        found += _unknown_names(components, declared)
+        found += _missing_points(components, declared)
+        found += sliders_on_air(declared)
+        found += _ambiguous_frictions(declared)
+    found += _repeated_entries(components)
+    found += _repeated_names(declared)
+    found += _misplaced_clearances(declared)
+    found += circular_guides(declared)
+    found += coordinate_findings(declared)
+    return found
+
+
+def _unknown_names(components: Sequence[Component], declared: Declared) -> list[Finding]:
+    found: list[Finding] = []
+    for references in (component.references() for component in components):
+        for path, joint in references.joints:
+            if joint not in declared.joints:
+                found.append((path, expected_one_of(joint, declared.joints, "joint")))
+        for path, joint in references.ground:
+            if joint not in declared.ground:
+                found.append((path, expected_one_of(joint, declared.ground, "ground joint")))
+        for path, joint in references.moving:
+            if joint in declared.ground:
+                found.append((path, f"joint {joint!r} is fixed to the ground; expected another"))
+            elif joint not in declared.joints:
+                found.append((path, expected_one_of(joint, declared.joints, "joint")))
+        for path, name, kinds in references.bodies:
+            if not declared.kinds.get(name, set()) & set(kinds):
+                of_kind = [n for n, own in declared.kinds.items() if own & set(kinds)]
+                found.append((path, expected_one_of(name, of_kind, kinds[0])))
+    return found
+
+
+def _missing_points(components: Sequence[Component], declared: Declared) -> list[Finding]:
+    """Joints that a body lacks which should have them."""
+    found: list[Finding] = []
+    references = [component.references() for component in components]
+    for path, name, joint in (p for r in references for p in r.points):
+        body = declared.by_name.get(name)
+        if body is not None and name not in declared.faulty and joint not in body.points:
+            found.append((path, _lacks(body, joint)))
+    for path, name, joint in (p for r in references for p in r.meeting):
+        if joint not in declared.joints or joint in declared.uncertain:
+            continue
+        here = meeting(joint, declared.by_name, declared.ground)
+        if name not in here and (name == GROUND or name in declared.by_name):
+            listed = ", ".join(here)
+            found.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
+    return found
+
+
+def _lacks(body: Body, joint: str) -> str:
+    what = "slider" if body.kind == "slider" else "bar"
+    return f"{what} {body.name!r} has no joint {joint!r}; it has {', '.join(body.points)}"
+
+
+def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
+    """Entries at one place of the definition, which only Python code can make.
+
+    Bodies are left to `_repeated_names`, which knows more places.
+    """
+    seen: set[Path] = set()
+    found: list[Finding] = []
+    for component in components:
+        named = any(isinstance(term, Body | Displacement) for term in component.terms())
+        if component.path in seen and not named:
+            found.append((component.path, "given already; expected once"))
+        seen.add(component.path)
+    return found
+
+
+def _repeated_names(declared: Declared) -> list[Finding]:
+    places = [*declared.bodies, *((path, term.link) for path, term in declared.displacements)]
+    counts = Counter(body.name for _, body in places)
+    seen: set[str] = set()
+    found: list[Finding] = []
+    for path, body in places:
+        if body.name in seen:
+            found.append((path, f"the name {body.name!r} is taken already; expected a new one"))
+        seen.add(body.name)
+    if "ground" in counts:
+        path = next(path for path, body in places if body.name == "ground")
+        found.append((path, "the name 'ground' stands for the frame; expected another one"))
+    return found
+
+
+def _misplaced_clearances(declared: Declared) -> list[Finding]:
+    bodies = {body.name: body for _, body in declared.bodies}
+    found: list[Finding] = []
+    taken: dict[tuple[str, str], str] = {}
+
+    def welds(joint: str) -> list[Relation]:
+        return [r for r in declared.relations if r.path == ("welds", joint)]
+
+    for path, term in declared.displacements:
+        body = bodies.get(term.body)
+        if body is None:
+            continue
+        if term.joint not in body.points:
+            found.append(((*path, "joint"), _lacks(body, term.joint)))
+        elif (term.joint, term.body) in taken:
+            other = taken[term.joint, term.body]
+            found.append((path, f"clearance {other!r} is between the same joint and bar"))
+        elif any(w.body == term.body or term.body in dict(w.parts) for w in welds(term.joint)):
+            found.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
+        elif _only_one_at(term.joint, declared):
+            found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
+        taken[term.joint, term.body] = term.link.name
+    return found
+
+
+def _only_one_at(joint: str, declared: Declared) -> bool:
+    if joint in declared.ground or joint in declared.uncertain or not declared.complete:
+        return False
+    return sum(joint in body.points for _, body in declared.bodies) < 2
+
+
+def _ambiguous_frictions(declared: Declared) -> list[Finding]:
+    found = (
+        ambiguity(term, declared.by_name, declared.ground)
+        for term in declared.frictions
+        if term.joint in declared.joints - declared.uncertain
+    )
+    return [finding for finding in found if finding is not None]

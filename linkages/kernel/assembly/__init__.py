@@ -1,0 +1,1 @@
+"""How a mechanism is put together where it starts: modes, free coordinates, redundancy."""

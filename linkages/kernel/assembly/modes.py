@@ -1,0 +1,184 @@
+"""Assembly modes: all ways in which a block can be put together, and those of a mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import Path
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.closure.iterated import Iterated
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.graph.several import iterate
+from linkages.kernel.model import Model
+from linkages.kernel.numbers.inputs import Inputs
+from linkages.topology.blocks import Block
+
+Floats = NDArray[np.float64]
+
+STARTS = 2000
+"""Random positions from which the modes of an iterated block are looked for."""
+
+SAME = 1e-6
+MOST_MODES = 512
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """How a mechanism is put together.
+
+    Parameters
+    ----------
+    sides
+        Block solved in closed form → +1 or −1.
+    values
+        Body whose coordinate is found by iteration → its value.
+    turns
+        Torsional spring → what the difference of its angles is too large by, a multiple of 2π.
+    assumed
+        Blocks whose side is not given by the definition.
+    """
+
+    sides: dict[int, int] = field(default_factory=dict)
+    values: dict[str, float] = field(default_factory=dict)
+    turns: dict[int, float] = field(default_factory=dict)
+    assumed: tuple[int, ...] = ()
+
+    def with_choice(self, block: Block, choice: Choice) -> Assembly:
+        """The same with one more block."""
+        if isinstance(choice, int):
+            return replace(self, sides=self.sides | {block.index: choice})
+        found = dict(zip(block.unknowns, choice, strict=True))
+        return replace(self, values=self.values | found)
+
+
+Choice = int | tuple[float, ...]
+"""A side, or values of the unknowns."""
+
+
+def assembled(inputs: Inputs, numbers: Floats, assembly: Assembly) -> Floats:
+    """The parameter array for a way of assembly, shape (parameters,).
+
+    Parameters
+    ----------
+    inputs
+        Where everything stands in it.
+    numbers
+        The same for any other way.
+    assembly
+        Sides and whole turns; those that kernels do not ask for are left out.
+    """
+    values, places = numbers.copy(), inputs.parameters
+    chosen: dict[Path, float] = {("side", block): side for block, side in assembly.sides.items()}
+    chosen |= {("turns", load): value for load, value in assembly.turns.items()}
+    for path, value in chosen.items():
+        if path in places:
+            values[places[path]] = value
+    return values
+
+
+class Place:
+    """Evaluates nodes at one time and state, for different ways of assembly.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    mechanism
+        What they are of: a mechanism of the model's structure, with numbers of its own.
+    numbers
+        Its parameter array, for any way of assembly.
+    time
+        In seconds.
+    state
+        Integrated coordinates and their rates; those found by iteration are replaced.
+    """
+
+    def __init__(
+        self, model: Model, mechanism: Mechanism, numbers: Floats, time: float, state: Floats
+    ) -> None:
+        self.model = model
+        self.mechanism = mechanism
+        self.numbers = numbers
+        self.time = time
+        self._state = state
+
+    def state(self, assembly: Assembly) -> Floats:
+        """The state with the values of an assembly, shape (2n,)."""
+        state = self._state.copy()
+        for name, value in assembly.values.items():
+            state[self.model.topology.coordinates.index(name)] = value
+        return state
+
+    def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
+        """Values of nodes."""
+        evaluated = self.model.evaluator(nodes)(
+            t=np.array([self.time]),
+            y=self.state(assembly),
+            a=np.zeros(len(self._state)),
+            p=assembled(self.model.inputs, self.numbers, assembly),
+        )
+        return [float(np.ravel(value)[0]) for value in evaluated]
+
+    def choices(self, block: Block, assembly: Assembly) -> list[Choice]:
+        """Ways to assemble a block, given those of the blocks before it."""
+        solved = self.model.positions.dyads[block.index]
+        if isinstance(solved, Iterated):
+            return list(self._solutions(block, solved, assembly))
+        if solved.radicand is None:
+            return [1]
+        (radicand,) = self.values([solved.radicand], assembly)
+        return [1, -1] if radicand >= 0 else []
+
+    def _solutions(
+        self, block: Block, solved: Iterated, assembly: Assembly
+    ) -> Iterator[tuple[float, ...]]:
+        """All solutions that a Newton iteration from many places finds; displacements last."""
+        iteration = solved.iteration
+        known = self.values(list(iteration.external), assembly)
+        outside = {n.index: v for n, v in zip(iteration.external, known, strict=True)}
+        random = np.random.default_rng(0)
+        turning = [self.mechanism.bodies[name].rotates for name in block.unknowns]
+        starts = [
+            random.uniform(-np.pi, np.pi, STARTS) if turns else random.normal(0, 3 * scale, STARTS)
+            for turns, scale in zip(turning, iteration.scales, strict=True)
+        ]
+        found = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
+        found = found[:, np.isfinite(found).all(axis=0)]
+        angles = np.array(turning)
+        found[angles] = np.remainder(found[angles] + np.pi, 2 * np.pi) - np.pi
+        kept: list[Any] = []  # arrays of one axis
+        for solution in found.T:
+            if all(_apart(solution, other, angles) for other in kept):
+                kept.append(solution)
+        kept.sort(key=lambda solution: np.round(solution, 9).tolist())
+        for solution in kept:
+            values = tuple(float(value) for value in solution)
+            if solved.radicand is not None:
+                chosen = assembly.with_choice(block, values)
+                (radicand,) = self.values([solved.radicand], chosen)
+                if not radicand >= 0:
+                    continue
+            yield values
+
+
+def _apart(first: Floats, second: Floats, angles: NDArray[np.bool_]) -> bool:
+    difference = first - second
+    difference[angles] = np.remainder(difference[angles] + np.pi, 2 * np.pi) - np.pi
+    return bool(np.abs(difference).max() > SAME * max(1.0, float(np.abs(first).max())))
+
+
+def all_modes(place: Place) -> list[Assembly]:
+    """All assembly modes of a mechanism, in a fixed order; at most `MOST_MODES`."""
+    modes = [Assembly()]
+    for block in place.model.topology.solved_blocks:
+        modes = [
+            mode.with_choice(block, choice)
+            for mode in modes
+            for choice in place.choices(block, mode)
+        ][:MOST_MODES]
+    return modes

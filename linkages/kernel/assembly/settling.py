@@ -1,0 +1,221 @@
+"""Assembling for many sets of numbers of one structure at once.
+
+The decisions are those of `linkages.kernel.assembly.hints`, for all sets side by side; whatever
+that module would refuse is left out here, so that it can say why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import Hint
+from linkages.kernel.assembly.hints import placed_joints, turning
+from linkages.kernel.assembly.modes import Assembly
+from linkages.kernel.graph.evaluator import evaluate
+from linkages.kernel.graph.scalars import Scalar, reachable
+from linkages.kernel.model import Model
+from linkages.kernel.numbers.layout import Layout
+from linkages.topology.blocks import ITERATED, Block
+
+Floats = NDArray[np.float64]
+
+Hints = Mapping[str, Floats]
+"""Joint → about where it is, shape (2,) or (2, sets)."""
+
+AMBIGUOUS = 1e-6
+"""Difference of distances, beside that of the places, below which a hint is as near to both."""
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """Mechanisms at the initial time, one for each set of numbers.
+
+    Parameters
+    ----------
+    parameters
+        With sides and whole turns, shape (p, sets).
+    state
+        With what is carried along, shape (2m, sets).
+    margin_scale
+        Shape (blocks, sets).
+    sound
+        Which sets can be assembled in one way that the definition tells; nothing else is said of
+        the others. Shape (sets,).
+    assumed
+        Blocks whose side is not given by the definition.
+    """
+
+    parameters: Floats
+    state: Floats
+    margin_scale: Floats
+    sound: NDArray[np.bool_]
+    assumed: tuple[int, ...]
+
+
+@dataclass(eq=False)
+class _Inputs:
+    """Arguments of all sets of numbers, and the values of nodes that are known by now."""
+
+    t: Floats
+    p: Floats
+    y: Floats
+    values: dict[int, Any] = field(default_factory=dict)
+
+    def copy(self) -> _Inputs:
+        """The same, to go on in another way."""
+        return _Inputs(self.t, self.p.copy(), self.y, dict(self.values))
+
+
+class Settling:
+    """Assembles mechanisms of a structure whose blocks all have a closed form.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    hints
+        Hints of the definition by joint; places given in them are overruled by those of a call.
+    """
+
+    def __init__(self, model: Model, hints: Mapping[str, Hint]) -> None:
+        self._model, self._hints = model, hints
+        self._layout = Layout.of(model.topology)
+        self._places = model.inputs.parameters
+        self._orders: dict[object, list[Scalar]] = {}
+
+    @staticmethod
+    def serves(model: Model) -> bool:
+        """Whether all decisions are told by the signs of radicands and by hints."""
+        topology = model.topology
+        known = (*topology.driven, *topology.free)
+        iterated = any(block.kind == ITERATED for block in topology.solved_blocks)
+        return bool(known) and not iterated and not topology.redundant
+
+    @cached_property
+    def _blocks(self) -> list[tuple[Block, Scalar | None, list[str], int | None]]:
+        """Blocks with what must not be negative, the joints of their hints, and given sides."""
+        found = []
+        for block in self._model.topology.solved_blocks:
+            joints = placed_joints(self._model, block)
+            hints = [hint for joint, hint in self._hints.items() if joint in joints]
+            sides = [hint.side for hint in hints if hint.side is not None]
+            radicand = self._model.positions.dyads[block.index].radicand
+            side = sides[0] if sides else None
+            found.append((block, radicand, [hint.joint for hint in hints], side))
+        return found
+
+    def __call__(self, numbers: Floats, state: Floats, time: float, hints: Hints) -> Settled:
+        """Assemble.
+
+        Parameters
+        ----------
+        numbers
+            Parameters of the definition, shape (p, sets).
+        state
+            Free coordinates and rates with zeros for what is carried along, shape (2m, sets).
+        time
+            In seconds.
+        hints
+            Places of joints that have one.
+        """
+        inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
+        count = numbers.shape[1]
+        sound, assumed = np.ones(count, dtype=bool), []
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            laws = self._model.positions.laws.values()
+            sound &= self._finite(
+                "laws", [n for w in laws for n in (w.value, w.rate, w.acceleration)], inputs
+            )
+            for block, radicand, joints, side in self._blocks:
+                if radicand is None:
+                    continue
+                sound &= self._values(("reach", block.index), [radicand], inputs)[0] >= 0.0
+                row = self._places["side", block.index]
+                if side is not None:
+                    inputs.p[row] = side
+                elif joints:
+                    inputs.p[row], clear = self._nearer(block, joints, inputs, hints)
+                    sound &= clear
+                elif block.kind in ("RRP", "RPR"):
+                    inputs.p[row] = 1.0
+                    assumed.append(block.index)
+                else:
+                    sound[:] = False
+            self._turn(inputs)
+            if self._layout.carried:
+                rows = self._layout.carried_rows
+                inputs.y[rows] = self._values("settled", self._model.settled, inputs)
+            sound &= self._finite("places", self._place_nodes(self._model.positions.joints), inputs)
+            given = [node for load in self._model.loads for node in load.given]
+            sound &= self._finite("loads", given, inputs)
+            scale = self._values("scales", self._model.margin_scales, inputs)
+        return Settled(inputs.p, inputs.y, scale, sound, tuple(assumed))
+
+    def assembly(self, settled: Settled, index: int) -> Assembly:
+        """The way in which one set of numbers is assembled."""
+        column = settled.parameters[:, index]
+        sides = {
+            block.index: 1 if radicand is None else int(column[self._places["side", block.index]])
+            for block, radicand, *_ in self._blocks
+        }
+        turned = {load: float(column[self._places["turns", load]]) for load in self._turning}
+        return Assembly(sides, {}, turned, settled.assumed)
+
+    @cached_property
+    def _turning(self) -> dict[int, Scalar]:
+        return turning(self._model)
+
+    def _turn(self, inputs: _Inputs) -> None:
+        """Whole turns in the angles from which torsional springs are deflected."""
+        if not self._turning:
+            return
+        differences = self._values("turns", list(self._turning.values()), inputs)
+        for load, difference in zip(self._turning, differences, strict=True):
+            turns = 2 * np.pi * np.round(difference / (2 * np.pi))
+            inputs.p[self._places["turns", load]] = turns
+
+    def _nearer(
+        self, block: Block, joints: list[str], inputs: _Inputs, hints: Hints
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """Sides that put joints closer to where they should be, and where that is clear."""
+        nodes = self._place_nodes(joints)
+        count = inputs.p.shape[1]
+        wanted = np.concatenate(
+            [np.broadcast_to(hints[joint].reshape(2, -1), (2, count)) for joint in joints]
+        )
+        places = []
+        for side in (1.0, -1.0):
+            tried = inputs.copy()
+            tried.p[self._places["side", block.index]] = side
+            places.append(self._values(("near", block.index), nodes, tried))
+        one, other = (np.linalg.norm(place - wanted, axis=0) for place in places)
+        apart = np.linalg.norm(places[0] - places[1], axis=0)
+        return np.where(one <= other, 1.0, -1.0), np.abs(one - other) > AMBIGUOUS * apart
+
+    def _place_nodes(self, joints: Sequence[str] | Mapping[str, Any]) -> list[Scalar]:
+        places = self._model.positions.joints
+        return [node for joint in joints for node in (places[joint].x, places[joint].y)]
+
+    def _finite(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> NDArray[np.bool_]:
+        return np.asarray(np.isfinite(self._values(key, nodes, inputs)).all(axis=0))
+
+    def _values(self, key: object, nodes: list[Scalar], inputs: _Inputs) -> Floats:
+        """Values of nodes, shape (nodes, sets).
+
+        What was not computed before is the same each time: its operations are kept under a key.
+        """
+        if key not in self._orders:
+            self._orders[key] = [n for n in reachable(nodes) if n.index not in inputs.values]
+        arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
+        for node in self._orders[key]:
+            inputs.values[node.index] = evaluate(node, inputs.values, arguments)
+        found = np.empty((len(nodes), inputs.p.shape[1]))
+        for row, node in zip(found, nodes, strict=True):
+            row[:] = inputs.values[node.index]
+        return found

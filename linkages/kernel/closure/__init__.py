@@ -1,0 +1,1 @@
+"""Where everything is and how it moves: positions and rates, block by block."""

@@ -1,0 +1,1 @@
+"""Kernels as machine code: statements, their printing, compilation and cache."""

@@ -1,0 +1,181 @@
+"""The text of a compiled kernel: one Python module per topology.
+
+The module has three functions, called through their addresses (see `linkages.solvers.flow`):
+
+* ``prepare(p)`` fills the part of the parameter array that depends on parameters alone,
+* ``clock(t, p, timed)`` fills what depends on time,
+* ``rates(y, p, timed, out)`` does the rest.
+
+Numbers are arguments; nothing of the text comes from a definition file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from linkages.kernel.code.printing import write_module
+from linkages.kernel.code.statements import Entry, Place, Routine, build_block
+from linkages.kernel.graph.scalars import Level, Scalar, reachable
+from linkages.kernel.model import Model
+from linkages.kernel.numbers.inputs import Inputs
+
+GENERATOR_VERSION = 4
+
+_DOC = """Equations of motion of one topology; generated, do not edit (generator {}).
+
+p: parameters, then values that depend on them alone
+{}
+timed: values that depend on time alone
+y: {} coordinates, their rates, and their accelerations where they are used
+out: {}
+
+Returned is 0, or 1 + the number of the block that cannot be assembled.
+"""
+
+
+_ROUTINES: tuple[tuple[str, Level, str, tuple[str, ...]], ...] = (
+    ("prepare", Level.PARAMETERS, "Fill what depends on parameters alone.", ("p",)),
+    ("clock", Level.TIME, "Fill what depends on time alone.", ("t", "p", "timed")),
+    (
+        "rates",
+        Level.STATE,
+        "Accelerations of the free coordinates, and how far blocks are from singular.",
+        ("y", "p", "timed", "out"),
+    ),
+)
+"""Name, what it computes, in words, and its arguments, of which it fills the last."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """What a kernel does.
+
+    Parameters
+    ----------
+    doc
+        What its arrays hold.
+    routines
+        ``prepare``, ``clock`` and ``rates``.
+    parameters
+        Number of parameters, then of values derived from them.
+    timed
+        Number of values that depend on time alone.
+    groups
+        Nodes by level, for counting operations.
+    """
+
+    doc: str
+    routines: tuple[Routine, ...]
+    parameters: tuple[int, int]
+    timed: int
+    groups: dict[Level, list[Scalar]]
+
+    @cached_property
+    def text(self) -> str:
+        """Python source."""
+        return write_module(self.doc, self.routines)
+
+
+def write_program(
+    model: Model,
+    accelerations: Sequence[Scalar],
+    settled: Sequence[Scalar] | None = None,
+    counted: Sequence[Scalar] = (),
+) -> Program:
+    """Print the kernel that integrates a model.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    accelerations
+        One node per integrated coordinate.
+    settled
+        Values, then rates, of the coordinates that are replaced after each step; those of the
+        model that are carried along, if not given.
+    counted
+        Cosines, sines and speeds of dependent angles whose whole turns are counted.
+    """
+    settled = model.settled if settled is None else settled
+    roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted]
+    n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
+    written = (
+        f"accelerations ({n}), margins of the blocks ({blocks}), their rates ({blocks}),\n"
+        f"     settled values of {carried} coordinates, their rates ({carried})"
+    )
+    if counted:
+        count = len(counted) // 3
+        written += f",\n     cosines, sines and speeds of dependent angles ({count} each)"
+    return write_functions_of(model, roots, written)
+
+
+def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> Program:
+    """Print a kernel that computes some nodes, which may depend on accelerations.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    roots
+        What ``rates`` writes, in this order.
+    written
+        The same in words.
+    """
+    inputs = model.inputs
+    nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
+    by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
+    needed = {root.index for root in roots}
+    derived = _boundary(by_level, Level.PARAMETERS, by_level[Level.PARAMETERS], needed)
+    # time itself is no argument of what depends on the state
+    moments = [node for node in nodes if node.level == Level.TIME]
+    timed = _boundary(by_level, Level.TIME, moments, needed)
+    count = len(inputs.parameters)
+    sizes = {
+        "t": 0,
+        "y": 3 * inputs.coordinates,
+        "p": count + len(derived),
+        "timed": len(timed),
+        "out": len(roots),
+    }
+    checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
+    places: dict[int, Place] = {
+        n.index: _entry(n, inputs) for n in model.graph.nodes if n.operation == "input"
+    }
+    routines = []
+    for (name, level, doc, arguments), first, wanted in zip(
+        _ROUTINES, (count, 0, 0), (derived, timed, roots), strict=True
+    ):
+        stores = {Entry(arguments[-1], first + k): node for k, node in enumerate(wanted)}
+        # nobody asks `prepare` how it ended
+        ending = checks if level > Level.PARAMETERS else None
+        block = build_block(by_level[level], places, checks=ending, stores=stores)
+        routines.append(Routine(name, doc, {a: sizes[a] for a in arguments}, block))
+        places |= {node.index: entry for entry, node in stores.items()}
+    used = {n.arguments for n in nodes if n.operation == "input"}
+    described = "\n".join(
+        f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used
+    )
+    heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
+    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level)
+
+
+def _entry(node: Scalar, inputs: Inputs) -> Entry:
+    """Where an input stands; a state is followed by the accelerations computed from it."""
+    array, index = node.arguments
+    return Entry("y", 2 * inputs.coordinates + index) if array == "a" else Entry(array, index)
+
+
+def _boundary(
+    by_level: dict[Level, list[Scalar]], level: Level, nodes: list[Scalar], needed: set[int]
+) -> list[Scalar]:
+    """Those of a level's nodes that a higher level (or the result) uses."""
+    used = {
+        o.index
+        for higher in by_level
+        if higher > level
+        for n in by_level[higher]
+        for o in n.operands
+    }
+    return [node for node in nodes if node.index in used | needed]

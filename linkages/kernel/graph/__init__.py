@@ -1,0 +1,1 @@
+"""Scalar operations as a graph: nodes, derivatives, values with NumPy."""

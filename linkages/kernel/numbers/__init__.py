@@ -1,0 +1,1 @@
+"""What goes into a kernel: parameters, time, state, laws, and where they stand."""

@@ -1,0 +1,82 @@
+"""Laws as nodes of a kernel's graph, with exact first and second derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    Table,
+    Time,
+)
+from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.evaluator import Evaluator
+from linkages.kernel.graph.scalars import Scalar, ScalarGraph
+from linkages.kernel.numbers.inputs import Inputs
+from linkages.kernel.numbers.parameters import numbers_in, table_numbers
+from linkages.operations import COMPOSITE
+
+
+@dataclass(frozen=True)
+class Law:
+    """A function of time and its derivatives at time t."""
+
+    value: Scalar
+    rate: Scalar
+    acceleration: Scalar
+
+
+def _of_time_alone(order: int) -> Scalar:
+    raise ValueError(f"a function of time has no {'rate' if order else 'displacement'}")
+
+
+def value_of(
+    function: Function, inputs: Inputs, measured: Callable[[int], Scalar] = _of_time_alone
+) -> Scalar:
+    """The node of a function of time, and of what a load is `measured` along (0: x, 1: v)."""
+    graph = inputs.graph
+    match function:
+        case Number(parameter):
+            return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
+        case Time():
+            return inputs.time
+        case Measured(order):
+            return measured(order)
+        case Table():
+            place = inputs.parameters[*function.path, "spline", 0]
+            count = (len(table_numbers(function)) - 1) // 5
+            return graph.spline(inputs.time, place, count, function.periodic)[0]
+        case Operation("power", (base, Number(exponent))):
+            found = COMPOSITE["power"].expanded
+            base_value = value_of(base, inputs, measured)
+            return graph.lift(found(graph.apply, base_value, int(exponent.value)))
+        case Operation(name, arguments):
+            values = (value_of(argument, inputs, measured) for argument in arguments)
+            return graph.apply(name, *values)
+        case _:
+            assert_never(function)
+
+
+def law_of(function: Function, inputs: Inputs) -> Law:
+    """The nodes of a function of time and of its derivatives."""
+    value = value_of(function, inputs)
+    ((rate,),) = derivative([value], [inputs.time])
+    ((acceleration,),) = derivative([rate], [inputs.time])
+    return Law(value, rate, acceleration)
+
+
+def law_values(function: Function, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a function of time, shape (times,); nan or infinite where it has none."""
+    given = dict(numbers_in(function))
+    node = value_of(function, Inputs(ScalarGraph(), 0, given))
+    numbers = np.array(list(given.values()))
+    (found,) = Evaluator([node])(t=times[None, :], p=numbers)
+    return np.broadcast_to(found, times.shape)

@@ -1,0 +1,140 @@
+"""The numbers of a mechanism, in the order in which kernels take them, and what is structure.
+
+Structure is all of a mechanism that its numbers do not change: names, what is joined to what, laws
+as operations, which numbers are exactly zero, which angles are right and which ratios are one. Its
+numbers are arguments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.interpolation import polynomials
+from linkages.components.contributed.measures import Distance
+from linkages.components.contributed.terms import Guide, Parameter, Path, Relation
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.topology.orientation import is_unit
+from linkages.topology.topology import Topology
+
+NEAREST: Path = ("nearest",)
+"""Distance in metres below which two joints are apart by round-off only."""
+
+ROUND_OFF = 4e-15
+"""Distance of two joints, beside the size of the mechanism, that round-off may cause."""
+
+SIDED = ("RRR", "RRP", "RPR")
+"""Blocks that can be assembled in two ways."""
+
+
+def right_angle(angle: Parameter) -> int | None:
+    """Quarter turns of an angle that is an exact multiple of 90°, 0 to 3; None if it is not."""
+    quarters = angle.value / (math.pi / 2)
+    return None if angle.kept or quarters != round(quarters) else round(quarters) % 4
+
+
+def structure_key(item: object) -> Hashable:
+    """What is left of a term without its numbers; equal for equal structures."""
+    match item:
+        case float():
+            return float
+        case Parameter(path, value):
+            return (path, item.absent, item.kept) if path else value
+        case Guide(origin, angle, body):
+            return (structure_key(origin), structure_key(angle), right_angle(angle), body)
+        case Relation(body, parts, offset, path):
+            ratios = tuple((name, structure_key(r), is_unit(r)) for name, r in parts)
+            return (body, ratios, structure_key(offset), right_angle(offset), path)
+        case tuple():
+            return tuple(map(structure_key, item))
+        case Mapping():
+            return tuple((name, structure_key(value)) for name, value in item.items())
+        case str() | int() | None:
+            return item
+    return (type(item).__name__, *map(structure_key, _parts(item)))
+
+
+def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
+    """Path and value of every parameter in a term, in their order; not those that are absent."""
+    match item:
+        case Parameter(path, value):
+            if path and not item.absent:
+                yield path, value
+        case Table(path):
+            for place, value in enumerate(table_numbers(item)):
+                yield (*path, "spline", place), value
+        case tuple():
+            for part in item:
+                yield from numbers_in(part)
+        case Mapping():
+            for part in item.values():
+                yield from numbers_in(part)
+        case str() | float() | int() | None:
+            return
+        case _:
+            for part in _parts(item):
+                yield from numbers_in(part)
+
+
+def _parts(item: Any) -> Iterator[object]:
+    """What the fields of a dataclass hold."""
+    return (getattr(item, name) for name in item.__dataclass_fields__)
+
+
+def table_numbers(table: Table) -> list[float]:
+    """Knots, then four coefficients for each interval, the cubic one first."""
+    found = polynomials(table)
+    return [*map(float, found.x), *(float(c) for column in found.c.T for c in column)]
+
+
+def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
+    """Path → number of a definition, ordered by its structure: bodies, relations, laws, loads."""
+    ground, bodies = mechanism.anchors, mechanism.bodies
+    # in the order of the bodies: the order of the ground joints in the file is no structure
+    used = [ground[j] for name in bodies for j in mechanism.labels(name) if j in ground]
+    laws = [mechanism.prescribed[name] for name in bodies if name in mechanism.prescribed]
+    groups: tuple[Iterable[object], ...] = (
+        (mechanism.gravity,),
+        used,
+        ground.values(),
+        bodies.values(),
+        mechanism.relations,
+        mechanism.point_masses,
+        laws,
+        mechanism.loads,
+    )
+    found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
+    if any(isinstance(load.measure, Distance) for load in mechanism.loads):
+        found[NEAREST] = nearest_distance(mechanism)
+    return found
+
+
+def nearest_distance(mechanism: Mechanism) -> float:
+    """Distance of two joints in metres that round-off may cause.
+
+    Beside a length that all places have in common: the farthest point of every body, summed up.
+    """
+    places = [*mechanism.attachments.values(), mechanism.anchors]
+    farthest = (
+        max((abs(n.value) for p in some.values() for n in p), default=0.0) for some in places
+    )
+    return ROUND_OFF * sum(farthest)
+
+
+def chosen_paths(topology: Topology) -> list[Path]:
+    """Parameters that the way of assembly gives: sides of blocks, whole turns of loads."""
+    loads = enumerate(topology.mechanism.loads)
+    sides = [("side", b.index) for b in topology.solved_blocks if b.kind in SIDED]
+    return [*sides, *(("turns", i) for i, load in loads if load.turned)]
+
+
+def definition_vector(mechanism: Mechanism, paths: Iterable[Path]) -> NDArray[np.float64]:
+    """Parameters of a kernel as the definition gives them: sides are 1, turns 0; shape (p,)."""
+    found = definition_numbers(mechanism)
+    usual = {"side": 1.0, "turns": 0.0}
+    return np.array([found[p] if p in found else usual[str(p[0])] for p in paths], dtype=float)

@@ -1,0 +1,1 @@
+"""How a linkage moves: one march, its guards and transitions; driven motions."""

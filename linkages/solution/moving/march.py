@@ -1,0 +1,443 @@
+"""The one way in which a linkage with free coordinates moves.
+
+An integration is cut where free coordinates become ill-conditioned: there others take over, or the
+motion is led through a change point, or it ends. Tangents go along, and guards are watched.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.solution.moving.determined import is_determined
+from linkages.solution.moving.guards import Guard, Watched
+from linkages.solution.moving.motion import Motion, Piece, Settings, Watch
+from linkages.solution.moving.passage import Crossing, Passage
+from linkages.solution.moving.plan import Plan
+from linkages.solution.moving.renormalising import Renormalised
+from linkages.solution.moving.switching import better_system, movable, passes, tangent_map
+from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
+from linkages.solvers.events import Crossings
+from linkages.solvers.integration import integrate
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
+
+EARLY = 0.2
+"""Relative margin at which a better choice of coordinates, or a way through, is looked for."""
+
+CLOSER = 0.25
+"""Part of the present margin at which it is looked for again while the margin falls."""
+
+PASSAGE_RTOL = 1e-10
+"""Errors below this cannot be told from round-off in a step through a change point."""
+
+TANGENT_ATOL = 1e-6
+"""Absolute tolerance of tangents: they are of length one when they start."""
+
+Floats = NDArray[np.float64]
+
+
+def integrated_motion(system: System, settings: Settings) -> Motion:
+    """Integrate a system that has free coordinates, or others that are carried along."""
+    march = March(system, settings.run, work=settings.work, counting=settings.counting)
+    return march.advance(settings.times, guards=settings.events, watch=settings.watch)
+
+
+class March:
+    """A motion that can go on, and be copied to go two ways.
+
+    Parameters
+    ----------
+    system
+        A system with integrated coordinates, where the motion starts.
+    run
+        How it is integrated, and whether it passes change points.
+    work
+        Whether to integrate the work of drives and loads as well.
+    tangents
+        Number of solutions of the variational equations that are carried along.
+    counting
+        Whether to count the whole turns of dependent angles. Where free coordinates may be
+        exchanged they are counted anyway.
+
+    Attributes
+    ----------
+    system, layout, time, flipped
+        The equations now, what stands where in their integration, the time, and blocks that are in
+        the other assembly mode than at the start of these equations.
+    cost
+        Steps, rejected steps and evaluations so far.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        run: RunOptions,
+        *,
+        work: bool = False,
+        tangents: int = 0,
+        counting: bool = False,
+    ) -> None:
+        self.run, self._passing = run, passes(system, run)
+        self._extra = (work, tangents, counting or bool(movable(system)))
+        self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
+        self._work = 0.0
+        self._enter(system, {}, np.eye(2 * len(system.topology.free))[:, :tangents])
+
+    def _enter(self, system: System, angles: dict[str, float], tangents: Floats) -> None:
+        """Go on with the coordinates of a system, from its initial state.
+
+        `angles` are those of its bodies with all the turns that they have made, if any.
+        """
+        self.system = system
+        self.layout = Layout.of(system.topology, *self._extra)
+        work, columns, counting = self._extra
+        self._plan = Plan.of(system, work=work, tangents=columns, counting=counting)
+        self.flipped: tuple[int, ...] = ()
+        self.time = system.time
+        self._vector = self.layout.packed(system.state, self._work, tangents)
+        within = dict(zip(self.layout.coordinates, system.state, strict=False))
+        turned = [angles.get(name, angle) - angle for name, angle in within.items()]
+        self._turns = np.round(np.array(turned) / (2 * np.pi))
+        self._angles = np.array([angles.get(name, 0.0) for name in self.layout.counted])
+
+    @property
+    def state(self) -> Floats:
+        """Integrated coordinates of `system` and their rates, shape (2m,)."""
+        return self.layout.motion(self._vector)
+
+    @property
+    def tangents(self) -> Floats:
+        """Of free coordinates and rates of `system`, shape (2n, k)."""
+        return self._vector[self.layout.tangent_rows]
+
+    @tangents.setter
+    def tangents(self, values: Floats) -> None:
+        self._vector[self.layout.tangent_rows] = values
+
+    def tangents_of(self, free: tuple[str, ...]) -> Floats:
+        """The same in other free coordinates and their rates, shape (2n, k)."""
+        if free == self.layout.free:
+            return self.tangents
+        into = tangent_map(self.system, free, self.time, self.state, self.flipped)
+        return into @ self.tangents
+
+    def __copy__(self) -> March:
+        """Another one in the same state, which goes its own way from there."""
+        found = object.__new__(type(self))
+        vars(found).update(vars(self), _vector=self._vector.copy(), cost=dict(self.cost))
+        return found
+
+    def starting(self, run: RunOptions) -> March:
+        """Another one from here, integrated in another way, at no cost so far."""
+        found = copy.copy(self)
+        found.run, found.cost = run, dict.fromkeys(self.cost, 0)
+        return found
+
+    @property
+    def sample(self) -> Piece:
+        """Where the motion is now, as one sample."""
+        turns = np.zeros((1, self.layout.size))
+        return self._piece(np.array([self.time]), self._vector[None], turns, self._angles[None])
+
+    @property
+    def here(self) -> System:
+        """The system where the motion is now, in the present assembly mode."""
+        return self.system.at(self.time, self.state, self.flipped)
+
+    def _atol(self) -> Floats:
+        """Absolute tolerances, of everything that is integrated."""
+        atol = self.run.rtol if self.run.atol is None else self.run.atol
+        found = np.full(2 * self.layout.size, atol)
+        found[self.layout.tangent_rows] = TANGENT_ATOL
+        return found
+
+    @property
+    def _way_on(self) -> str:
+        """What can be said of the way on where the motion stops at a singular position."""
+        return FOUND_NONE if self._passing else COULD_PASS
+
+    def _elapsed(self, time: float) -> float:
+        """Time from the start of an advance in its direction."""
+        return self._direction * (time - self._begun)
+
+    @property
+    def _looking(self) -> bool:
+        """Whether to look for a way through singular positions."""
+        return self._passing or bool(self.system.topology.redundant)
+
+    def _thresholds(self, stopped: int | None = None) -> Floats:
+        """Relative margins at which to stop; less where a block starts close to singular.
+
+        A block that the last run stopped at is one of these, even if its margin does not fall now.
+        """
+        blocks = len(self.system.topology.solved_blocks)
+        if not (self._looking or movable(self.system)):
+            return np.full(blocks, LEAST_MARGIN)
+        flipped = {block: np.array([True]) for block in self.flipped}
+        model = self.system.model
+        nodes = [*model.margins, *model.margin_rates]
+        state = self.state[:, None]
+        values = self.system.evaluate(nodes, self.time, state, flipped=flipped)[:, 0]
+        relative = np.abs(values[:blocks]) / self.system.margin_scale
+        with np.errstate(invalid="ignore"):  # in a change point rates are infinite
+            growing = values[:blocks] * values[blocks:] * self._direction > 0
+        if stopped is not None:
+            growing[stopped] = False
+        return np.where(growing, EARLY, np.clip(CLOSER * relative, LEAST_MARGIN, EARLY))
+
+    def advance(
+        self,
+        times: Floats,
+        *,
+        guards: Sequence[Guard] = (),
+        renormalised: Renormalised | None = None,
+        watch: Watch | None = None,
+    ) -> Motion:
+        """Move on to the last of some times, or to where the motion cannot go on.
+
+        Parameters
+        ----------
+        times
+            Sample times in seconds, shape (samples,), away from the present one.
+        guards
+            Functions of the motion whose zeros are found; the motion ends where one of them has
+            been crossed as often as it wants.
+        renormalised
+            Which samples bring tangents back to length one; keeps how they grew.
+        watch
+            Called now and then with the fraction of the time that is done.
+        """
+        self._times, self._taken = times, 0
+        self._direction = 1.0 if times[-1] >= self.time else -1.0
+        self._begun = self.time
+        self._pieces: list[Piece] = []
+        self._notes: list[str] = []
+        self._renormalised = renormalised
+        self._watched = [Watched(guard) for guard in guards]
+        self._least = self._thresholds()
+        while True:
+            trajectory = self._integrate(watch)
+            if not self._goes_on(trajectory):
+                failure = failure_text(self.system, trajectory, self._way_on)
+                stop_time = trajectory.stop_time
+                break
+            if self._taken == len(times) or any(watched.done for watched in self._watched):
+                # a passage led beyond the end, or through the last crossing
+                failure, stop_time = None, float(min(self.time, times[-1], key=self._elapsed))
+                break
+        return Motion(
+            pieces=tuple(self._pieces),
+            failure=failure,
+            stop_time=stop_time,
+            interrupted=trajectory.outcome is Outcome.INTERRUPTED,
+            cost=dict(self.cost),
+            method=trajectory.method,
+            reason=trajectory.reason,
+            notes=tuple(self._notes),
+            crossings={watched.guard.name: watched.motion for watched in self._watched},
+        )
+
+    def _integrate(self, watch: Watch | None) -> Trajectory:
+        """Integrate until something happens, and keep the samples."""
+        trajectory = self._trajectory(watch)
+        while trajectory.outcome is Outcome.EVENT and not self._met(trajectory):
+            # what does not count has used up the room; steps must not depend on how much there was
+            for watched in self._watched:
+                watched.widen()
+            trajectory = self._trajectory(watch)
+        for key in self.cost:
+            self.cost[key] += getattr(trajectory, key)
+        self._keep(trajectory)
+        self.time = trajectory.stop_time
+        self._vector = trajectory.final_state
+        self._turns = self._turns + trajectory.final_turns[: len(self._turns)]
+        self._angles = trajectory.final_angles
+        return trajectory
+
+    def _trajectory(self, watch: Watch | None) -> Trajectory:
+        """Integrate from the present state on."""
+        used = self.cost["steps"] + self.cost["rejected"]
+        tangents = self._renormalised
+        return integrate(
+            self._plan.bind(self.system, self.flipped, self._least),
+            self._vector,
+            self._times[self._taken :],
+            start=self.time,
+            **self.run.after(used).integration | {"atol": self._atol()},
+            angles=self._angles,
+            events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
+            tangents=None if tangents is None else tangents.plan(self.layout),
+            watch=self._progress(watch),
+        )
+
+    def _met(self, trajectory: Trajectory) -> bool:
+        """Whether a guard was crossed as often as it wants."""
+        pairs = zip(self._watched, trajectory.crossings, strict=True)
+        return any(watched.enough(self._crossed(found)) for watched, found in pairs)
+
+    def _crossed(self, found: Crossings) -> Piece:
+        return self._piece(found.time, found.state, found.turns, found.angles)
+
+    def _keep(self, trajectory: Trajectory) -> None:
+        """Keep the samples of an integration, and what was crossed."""
+        samples = self._piece(
+            trajectory.time, trajectory.state, trajectory.turns, trajectory.angles
+        )
+        acceleration = trajectory.acceleration.T[: len(self._turns)]
+        self._pieces.append(replace(samples, acceleration=acceleration))
+        self._taken += len(trajectory.time)
+        if self._renormalised is not None:
+            self._renormalised.add(trajectory, self.layout)
+        for watched, found in zip(self._watched, trajectory.crossings, strict=True):
+            watched.add(self._crossed(found))
+
+    def _piece(self, time: Floats, state: Floats, turns: NDArray, angles: Floats) -> Piece:
+        """States of an integration from the present one on, without accelerations."""
+        count = len(self._turns)
+        return Piece(
+            system=self.system,
+            time=time,
+            state=self.layout.motion(state.T),
+            turns=turns.T[:count] + self._turns[:, None],
+            acceleration=np.zeros((count, len(time))),
+            work=self.layout.work_done(state.T),
+            counted=self._counted(angles.T),
+            flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
+        )
+
+    def _counted(self, rows: Floats) -> dict[str, Floats]:
+        """Dependent bodies with their angles, shape (d, …), if their turns are counted."""
+        return dict(zip(self.layout.counted, rows, strict=True))
+
+    def _present_angles(self) -> dict[str, float]:
+        """Angles of bodies that are integrated or counted, with all their turns."""
+        bodies = self.system.mechanism.bodies
+        angles = self._vector[: len(self._turns)] + 2 * np.pi * self._turns
+        own = zip(self.layout.coordinates, angles.tolist(), strict=True)
+        turning = {name: angle for name, angle in own if bodies[name].rotates}
+        return {**turning, **dict(zip(self.layout.counted, self._angles.tolist(), strict=True))}
+
+    def _progress(self, watch: Watch | None) -> Watch | None:
+        """Progress of an integration as that of all of them."""
+        if watch is None:
+            return None
+        span = float(self._times[-1]) - self._begun
+        done = (self.time - self._begun) / span if span else 0.0
+        return lambda fraction: watch(done + (1.0 - done) * fraction)
+
+    def _goes_on(self, trajectory: Trajectory) -> bool:
+        """Whether there is a way on from where an integration ended before its end."""
+        if trajectory.outcome is not Outcome.SINGULAR:
+            return False
+        if self._least[trajectory.block] <= LEAST_MARGIN:
+            return False
+        if self.layout.work:
+            self._work = float(self._vector[self.layout.work_row])
+        if self._exchanged():
+            return True
+        if not (self._looking and self._pass_through()):
+            self._least = self._thresholds(trajectory.block)
+        return True
+
+    def _exchanged(self) -> bool:
+        """Go on with other free coordinates, if there are better ones."""
+        old = self.system
+        better = better_system(old, self.time, self.state, self.flipped)
+        if better is None:
+            return False
+        self._notes.append(
+            f"at t = {self.time:.6g} s the free coordinate "
+            f"{_exchange_words(movable(old), movable(better))}, which is better conditioned there"
+        )
+        tangents = self.tangents_of(better.topology.free) if self.layout.tangents else self.tangents
+        self._enter(better, self._present_angles(), tangents)
+        self._least = self._thresholds()
+        return True
+
+    def _pass_through(self) -> bool:
+        """Step across the change point ahead, if it is one."""
+        crossing = Crossing(self._plan.bind(self.system, self.flipped), self._direction)
+        ahead = crossing.ahead(self.time, self._vector)
+        if ahead is None:
+            return False
+        left, blocks = ahead
+        beyond = tuple(sorted(set(self.flipped) ^ set(blocks)))
+        if not all(("side", block) in self.system.model.inputs.parameters for block in blocks):
+            return False
+        passage = crossing.across(
+            self._plan.bind(self.system, beyond),
+            self.time,
+            self._vector,
+            left,
+            blocks,
+            self._tolerance(),
+            self._angles,
+        )
+        if passage is None:
+            return False
+        return self._led_through(passage, beyond)
+
+    def _tolerance(self) -> Floats:
+        rtol = max(self.run.rtol, PASSAGE_RTOL)
+        atol = np.maximum(self._atol(), PASSAGE_RTOL)
+        return np.asarray(atol + rtol * np.abs(self._vector))
+
+    def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
+        """Take the samples within a passage and go on behind it, if that may be done."""
+        piece = self._led_across(passage, beyond)
+        determined = is_determined(piece)
+        if not (self._passing or determined):
+            return False
+        self._pieces.append(piece)
+        self._taken += len(piece.wanted)
+        self.cost["steps"] += 1
+        self.cost["evaluations"] += passage.evaluations
+        if not determined:
+            text = passed_text(self.system.model, passage.crossing, passage.blocks)
+            self._notes.append(text)
+        for watched in self._watched:
+            watched.add_within(piece)
+        self.flipped = beyond
+        self.time, self._vector = float(passage.time[-1]), passage.state[:, -1].copy()
+        self._angles = passage.angles[:, -1]
+        if self._renormalised is not None:
+            rows = self.layout.tangent_rows
+            inside = piece.interpolated(passage.state[rows.ravel()])
+            inside = inside.T.reshape(-1, *rows.shape)
+            factor = self._renormalised.led_through(self.layout, inside)
+            self.tangents = self.tangents @ factor
+        self._least = self._thresholds()
+        return True
+
+    def _led_across(self, passage: Passage, beyond: tuple[int, ...]) -> Piece:
+        """The piece of a motion within a passage."""
+        times = self._times[self._taken :]
+        inside = (times - passage.time[-1]) * self._direction <= 0
+        count, blocks = len(self._turns), range(len(self.system.topology.solved_blocks))
+        before = np.array([[b in self.flipped] for b in blocks])
+        after = np.array([[b in beyond] for b in blocks])
+        modes = np.where(passage.beyond, after, before)
+        turns = np.zeros((len(passage.time), count))
+        piece = self._piece(passage.time, passage.state.T, turns, passage.angles.T)
+        return replace(
+            piece,
+            acceleration=passage.acceleration[:count],
+            flipped={b: where for b, where in enumerate(modes) if where.any()},
+            samples=times[inside],
+            crossing=passage.crossing,
+        )
+
+
+def _exchange_words(old: tuple[str, ...], new: tuple[str, ...]) -> str:
+    gone = [name for name in old if name not in new]
+    come = [name for name in new if name not in old]
+    return f"{', '.join(gone)} was exchanged for {', '.join(come)}"

@@ -1,0 +1,305 @@
+"""What a structure compiles to; numbers are bound to it without printing anything again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.code.compiled import CompiledKernel, Printed, bind_kernel
+from linkages.kernel.code.program import Program, write_functions_of, write_program
+from linkages.kernel.derivatives import write_jacobian
+from linkages.kernel.graph.remembered import Remembered
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.model import Model
+from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.numbers.parameters import definition_vector
+from linkages.kernel.structure import MOST_STRUCTURES
+from linkages.kernel.system import System
+from linkages.kernel.variations import variations
+from linkages.kernel.varying import Varying
+from linkages.solvers.flow import Companion, Flow
+from linkages.topology.topology import Topology
+
+Floats = NDArray[np.float64]
+
+Watched = Callable[[Model], tuple[Scalar, Scalar]]
+"""Equations → a function of position and velocity, and its rate."""
+
+
+@dataclass(frozen=True)
+class KernelSource:
+    """What a kernel is made of.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    accelerations
+        Second derivatives of all integrated coordinates.
+    counted
+        Cosines, sines and speeds of dependent angles whose whole turns are counted.
+    """
+
+    model: Model
+    accelerations: tuple[Scalar, ...]
+    counted: tuple[Scalar, ...] = ()
+
+    @cached_property
+    def program(self) -> Program:
+        """The printed kernel."""
+        return write_program(self.model, self.accelerations, counted=self.counted)
+
+
+def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSource:
+    """The equations that are integrated, in a graph of their own.
+
+    Parameters
+    ----------
+    topology
+        With integrated coordinates.
+    layout
+        What is integrated; the motion alone if not given. The work is the rate of one more
+        coordinate, whose acceleration is the power of drives and loads. The components of a
+        tangent are n more coordinates, which obey the equations linearised in the free ones.
+    """
+    layout = Layout.of(topology) if layout is None else layout
+    model = Model(topology, layout.more)
+    accelerations = model.integrated_accelerations(model.free_accelerations)
+    if layout.work:
+        accelerations = [*accelerations, model.power]
+    accelerations = [*accelerations, *variations(model, layout)]
+    counted = tuple(model.counted) if layout.counted else ()
+    return KernelSource(model, tuple(accelerations), counted)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The compiled equations of all mechanisms of a structure, without any of their numbers.
+
+    Equal structures have equal plans. A plan can be pickled; another process compiles it, or finds
+    its kernel in the cache.
+
+    Parameters
+    ----------
+    key
+        The structure, and what is integrated.
+    layout
+        What stands where.
+    rotates
+        Which integrated coordinates are kept within one turn.
+    program
+        The printed kernel.
+    """
+
+    key: tuple[Hashable, ...] = field(repr=False)
+    layout: Layout
+    rotates: tuple[bool, ...]
+    program: Printed = field(compare=False, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        of: System | Mechanism,
+        *,
+        work: bool = False,
+        tangents: int = 0,
+        counting: bool = False,
+        sensitive: Collection[str] = (),
+    ) -> Plan:
+        """The plan of a mechanism's structure: printed once, then remembered.
+
+        Parameters
+        ----------
+        of
+            A mechanism with free coordinates, or the same, assembled.
+        work
+            Whether to integrate the work of drives and loads.
+        tangents
+            Number of solutions of the variational equations to integrate.
+        counting
+            Whether to count the whole turns of dependent angles.
+        sensitive
+            Dotted paths of numbers that stay arguments of the kernel whatever their value: a zero,
+            a right angle or a ratio of one among them is no structure.
+
+        Raises
+        ------
+        InputError
+            If the mobility is wrong or the mechanism cannot be assembled.
+        """
+        if sensitive:
+            of = (of.mechanism if isinstance(of, System) else of).keeping(sensitive)
+        system = of if isinstance(of, System) else System(of)
+        key = (system.structure.key, work, tangents, counting)
+
+        def made() -> Plan:
+            topology = system.topology
+            layout = Layout.of(topology, work, tangents, counting)
+            source = kernel_source(topology, layout)
+            layout = replace(layout, parameters=tuple(source.model.inputs.parameters))
+            bodies, names = system.mechanism.bodies, layout.coordinates
+            rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in names]
+            rotates += [False] * (layout.size - len(names))
+            return cls(key, layout, tuple(rotates), Printed.of(source.program))
+
+        return _PLANS.get(key, made)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without what belongs to this process."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    def numbers(self, mechanism: Mechanism) -> Floats:
+        """The parameters of a mechanism of this structure as its definition gives them, shape (p,).
+
+        Sides of blocks are 1 and whole turns 0: those are found by assembling, as `System` does.
+        """
+        return definition_vector(mechanism, self.layout.parameters)
+
+    def numbers_along(self, mechanism: Mechanism, values: Mapping[str, Sequence[object]]) -> Floats:
+        """Parameters of a mechanism with other values, assembled, shape (lanes, p).
+
+        Parameters
+        ----------
+        mechanism
+            What is varied.
+        values
+            Dotted paths → equally many values, as `Mechanism.with_values` takes them.
+
+        Raises
+        ------
+        InputError
+            If a path names nothing, a value cannot be used or a mechanism not be assembled.
+        ValueError
+            If values change the structure: these need plans of their own.
+        """
+        points = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+        along = Varying(mechanism).along(points)
+        found = np.empty((len(points), len(self.layout.parameters)))
+        for index, row in enumerate(found):
+            system = along.system(index)
+            self._require(system)
+            row[:] = system.parameters
+        return found
+
+    def _require(self, system: System) -> None:
+        key = system.structure.key
+        if key is not self.key[0] and key != self.key[0]:
+            name = system.mechanism.name
+            raise ValueError(f"{name} has another structure than this plan; expected a plan of it")
+
+    def bind(
+        self,
+        system: System,
+        flipped: Collection[int] = (),
+        least_margin: Floats | None = None,
+    ) -> Flow:
+        """The flow of a system of this structure.
+
+        Parameters
+        ----------
+        system
+            Whose numbers and assembly mode are taken.
+        flipped
+            Blocks that are in the other mode.
+        least_margin
+            Relative margins below which an integration stops, shape (blocks,).
+
+        Raises
+        ------
+        ValueError
+            If the system has another structure.
+        """
+        self._require(system)
+        parameters = _flipped(system, flipped)
+        kernel = bind_kernel(self.program, parameters)
+        layout = self.layout
+
+        def linearise() -> Companion:
+            return _companion(bind_kernel(self._jacobian(system.topology), parameters))
+
+        return Flow(
+            clock=kernel.clock,
+            rates=kernel.rates,
+            parameters=kernel.parameters,
+            timed_size=kernel.timed,
+            coordinates=layout.size,
+            rotates=np.array(self.rotates),
+            margin_scale=system.margin_scale,
+            least_margin=least_margin,
+            first_carried=len(layout.free),
+            carried=len(layout.carried),
+            counted=len(layout.counted),
+            keepalive=kernel,
+            linearise=linearise,
+        )
+
+    def watch(
+        self,
+        system: System,
+        function: Watched,
+        key: Hashable = None,
+        flipped: Collection[int] = (),
+    ) -> Companion:
+        """A function of position and velocity, compiled for an event in the flow of a system.
+
+        Parameters
+        ----------
+        system
+            Whose numbers and assembly mode are taken.
+        function
+            The model → the function and its rate, which may depend on accelerations.
+        key
+            Equal for equal functions, which are printed once for a plan; None to print it anew.
+        flipped
+            Blocks that are in the other mode.
+        """
+
+        def made() -> Printed:
+            model = Model(system.topology, self.layout.more)
+            what = "a function of position and velocity, its rate"
+            return Printed.of(write_functions_of(model, function(model), what))
+
+        program = made() if key is None else _FURTHER.get((self.key, key), made)
+        return _companion(bind_kernel(program, _flipped(system, flipped)))
+
+    def _jacobian(self, topology: Topology) -> Printed:
+        """The printed derivatives of the accelerations."""
+
+        def made() -> Printed:
+            source = kernel_source(topology, self.layout)
+            program = write_jacobian(source.model, source.accelerations)
+            return Printed.of(program)
+
+        return _FURTHER.get((self.key, "jacobian"), made)
+
+
+_PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
+_FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
+
+
+def _flipped(system: System, flipped: Collection[int]) -> Floats:
+    """The parameters of a system with some blocks in their other assembly mode."""
+    parameters = system.parameters.copy()
+    for block in flipped:
+        parameters[system.model.inputs.parameters["side", block]] *= -1.0
+    return parameters
+
+
+def _companion(kernel: CompiledKernel) -> Companion:
+    return Companion(
+        clock=kernel.clock,
+        rates=kernel.rates,
+        parameters=kernel.parameters,
+        timed_size=kernel.timed,
+        keepalive=kernel,
+    )
+
+
+def build_flow(system: System, work: bool = False) -> Flow:
+    """The differential equation of a system, compiled."""
+    return Plan.of(system, work=work).bind(system)

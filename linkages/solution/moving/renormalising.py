@@ -1,0 +1,77 @@
+"""How tangents grow along a motion, from one sample to another at which they are renormalised."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.numbers.layout import Layout
+from linkages.solvers.renormalisation import Renormalisation
+from linkages.solvers.trajectory import Trajectory
+
+Floats = NDArray[np.float64]
+
+
+class Renormalised:
+    """Brings tangents back to length one after every so many samples, and keeps how they grew.
+
+    Parameters
+    ----------
+    every
+        After how many samples.
+    orthogonal
+        Whether they are made orthonormal, or only of length one each.
+    """
+
+    def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
+        self._every, self._orthogonal = every, orthogonal
+        self._seen = 0
+        self._lengths: list[Floats] = []
+        self._tangents: list[Floats] = []
+
+    def plan(self, layout: Layout) -> Renormalisation:
+        """What the next integration is to do with its tangents."""
+        return Renormalisation(
+            size=len(layout.free),
+            columns=layout.tangents,
+            every=self._every,
+            offset=self._seen % self._every,
+            orthogonal=self._orthogonal,
+        )
+
+    def add(self, trajectory: Trajectory, layout: Layout) -> None:
+        """Take what an integration did."""
+        self._lengths.append(trajectory.lengths)
+        first = self._every - 1 - self._seen % self._every
+        self._tangents.append(trajectory.state[first :: self._every, layout.tangent_rows])
+        self._seen += len(trajectory.time)
+
+    def led_through(self, layout: Layout, samples: Floats) -> Floats:
+        """Take a part of the motion in which nobody renormalised tangents.
+
+        Parameters
+        ----------
+        layout
+            Where the tangents are.
+        samples
+            Tangents at the samples of that part, shape (samples, 2n, k).
+
+        Returns
+        -------
+        What tangents at its end are multiplied by, shape (k, k).
+        """
+        lengths, tangents, factor = self.plan(layout).undone(samples)
+        self._lengths.append(lengths)
+        self._tangents.append(tangents)
+        self._seen += len(samples)
+        return factor
+
+    @property
+    def lengths(self) -> Floats:
+        """Logarithms of the lengths before they were renormalised, shape (times, k)."""
+        return np.concatenate(self._lengths)
+
+    @property
+    def tangents(self) -> Floats:
+        """Tangents after that, shape (times, 2n, k), in the coordinates they were integrated in."""
+        return np.concatenate(self._tangents)

@@ -1,0 +1,1 @@
+"""What is said about a definition or a motion: assumptions, doubts, stops."""

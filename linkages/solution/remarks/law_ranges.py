@@ -1,0 +1,102 @@
+"""Between which values the laws of drives and loads stay, and what a file hardly means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.functions import Function, Table
+from linkages.components.contributed.interpolation import extremes
+from linkages.components.contributed.terms import Path
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.numbers.laws import law_values
+from linkages.reading.paths import dotted
+
+SAMPLES = 4001
+"""Times at which the extremes of a formula are looked for."""
+
+ROUNDS, FINER = 4, 41
+"""How often they are looked for again around the best time, and at how many times."""
+
+ROUND_OFF = 1e-9
+"""Part of the range of values that a spline may leave it by without a note."""
+
+
+@dataclass(frozen=True)
+class LawRange:
+    """Least and largest value of a law, in SI units.
+
+    Parameters
+    ----------
+    low, high
+        Values that are not finite are passed over; nan if there is no other.
+    period
+        Seconds, of a table that repeats; None for all others.
+    """
+
+    low: float
+    high: float
+    period: float | None = None
+
+
+def law_range(function: Function, end: float) -> LawRange:
+    """The range of a law from t = 0 to `end`; of a table that repeats, over its period."""
+    begin, last = sorted((0.0, end))
+    if isinstance(function, Table):
+        period = function.times[-1] - function.times[0] if function.periodic else None
+        return LawRange(*extremes(function, begin, last), period)
+    times = np.linspace(begin, last, SAMPLES)
+    return LawRange(0.0 - _largest(function, times, -1.0), 0.0 + _largest(function, times, 1.0))
+
+
+def _largest(function: Function, times: NDArray[np.float64], sign: float) -> float:
+    best = -np.inf
+    for _ in range(1 + ROUNDS):
+        values = sign * law_values(function, times)
+        values = np.where(np.isfinite(values), values, -np.inf)
+        place = int(np.argmax(values))
+        best = max(best, float(values[place]))
+        times = np.linspace(times[max(place - 1, 0)], times[min(place + 1, len(times) - 1)], FINER)
+    return best if np.isfinite(best) else np.nan
+
+
+def laws_of(mechanism: Mechanism) -> Iterator[tuple[Path, Function, str]]:
+    """All laws of drives and loads: path, function of time, and SI unit (none of a factor)."""
+    for name, drive in mechanism.prescribed.items():
+        yield drive.path, drive.law, "rad" if mechanism.bodies[name].rotates else "m"
+    for load in mechanism.loads:
+        for law in load.laws:
+            yield load.path, law, load.unit if load.given else ""
+
+
+def law_notes(mechanism: Mechanism) -> list[str]:
+    """A sentence for each table that leaves the range of its values, or jumps as a drive."""
+    found = []
+    for path, law, unit in laws_of(mechanism):
+        if not isinstance(law, Table):
+            continue
+        if law.interpolation == "spline":
+            found += _outside(law, unit)
+        if path[0] == "drives" and law.interpolation == "pchip":
+            found.append(
+                f"{dotted(path)}: the acceleration of a table with 'pchip' jumps at its times, and "
+                "with it driving efforts and joint forces; 'spline' keeps it continuous"
+            )
+    return found
+
+
+def _outside(table: Table, unit: str) -> list[str]:
+    least, most = min(table.values), max(table.values)
+    unit = unit and f" {unit}"
+    low, high = extremes(table, table.times[0], table.times[-1])
+    slack = ROUND_OFF * (most - least)
+    if low >= least - slack and high <= most + slack:
+        return []
+    return [
+        f"{dotted(table.path)}: the spline leaves the range of its values: it goes from {low:.4g} "
+        f"to {high:.4g}{unit}, they go from {least:.4g} to {most:.4g}{unit}; 'interpolation: "
+        "pchip' never leaves it, and more times beside a step bend a spline less"
+    ]

@@ -1,0 +1,101 @@
+"""Sentences about positions at which a motion stops, or goes on in an unusual way."""
+
+from __future__ import annotations
+
+from linkages.components.contributed.terms import axis_label
+from linkages.kernel.model import Model
+from linkages.kernel.system import System
+from linkages.solution.remarks.undefined import loads_at_stop
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
+from linkages.topology.blocks import ITERATED
+
+COULD_PASS = "'change_points: pass' takes the smooth one"
+FOUND_NONE = "no smooth way on was found"
+"""What is said of the way on from a singular position."""
+
+
+def block_place(model: Model, block: int, time: float) -> str:
+    """When and where something happens to a block."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    names = " and ".join(found.unknowns)
+    apex = found.loops[0].apex
+    slid = next((n for n in found.unknowns if axis_label(n) == apex), None)
+    joint = apex if slid is None else next(iter(model.mechanism.bodies[slid].points))
+    return f"at t = {time:.9g} s, joint {joint}, block {block} ({found.title} of {names})"
+
+
+def block_alignment(model: Model, block: int) -> str:
+    """What a block looks like at a singular position."""
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    one, other = found.unknowns[0], found.unknowns[-1]
+    return {
+        "RRR": f"{' and '.join(found.unknowns)} are in line",
+        "RRP": f"{one} is perpendicular to the axis of {other}",
+        "RPR": f"the axis of {other} on {one} passes its pin at right angles",
+        "PP": f"the axes of {one} and {other} are parallel",
+    }.get(found.kind, "the group has a singular position")
+
+
+def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
+    """A sentence about a change point that a motion went through."""
+    places = [block_place(model, block, time).split(", ", 1)[1] for block in blocks[:3]]
+    more = f" and {len(blocks) - 3} more" if len(blocks) > 3 else ""
+    return (
+        f"at t = {time:.6g} s the motion went on smoothly through a change point: "
+        f"{'; '.join(places)}{more}, where {block_alignment(model, blocks[0])}"
+    )
+
+
+def block_failure(
+    model: Model, block: int, time: float, singular: bool, way_on: str = COULD_PASS
+) -> str:
+    """A sentence that says when, where and why a motion cannot go on.
+
+    Parameters
+    ----------
+    model, block, time
+        What stopped it, and when.
+    singular
+        Whether there are positions beyond.
+    way_on
+        What can be said of the way on then: `COULD_PASS` or its like.
+    """
+    found = next(b for b in model.topology.solved_blocks if b.index == block)
+    place = block_place(model, block, time)
+    aligned = block_alignment(model, block)
+    if found.kind == "PP":
+        return f"{place}: {aligned}, so nothing determines their positions"
+    if singular:
+        return (
+            f"{place}: {aligned}; this position is singular, from it the mechanism can go on in "
+            f"two ways and double precision cannot tell which ({way_on})"
+        )
+    if found.kind == ITERATED:
+        why = "where its constraints contradict each other, or" if found.surplus else "which is"
+        return f"{place}: no position closes its loops beyond this one, {why} a limit of its motion"
+    return f"{place}: the mechanism cannot be assembled beyond this position, where {aligned}"
+
+
+def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PASS) -> str | None:
+    """Why an integration stopped before its end, as a sentence; None if it did not.
+
+    `way_on` is what can be said of the way on from a singular position.
+    """
+    outcome = trajectory.outcome
+    if outcome in (Outcome.DONE, Outcome.EVENT):
+        return None
+    if outcome in (Outcome.UNREACHABLE, Outcome.SINGULAR) and trajectory.block >= 0:
+        singular = outcome is Outcome.SINGULAR
+        where = (trajectory.block, trajectory.stop_time)
+        text = block_failure(system.model, *where, singular, way_on)
+        return f"{text}. {outcome.remedy}"
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        names = loads_at_stop(system, trajectory)
+        if names:
+            has = "has" if len(names) == 1 else "have"
+            return (
+                f"at t = {trajectory.stop_time:.9g} s: {', '.join(names)} {has} no finite value "
+                "there, or none just before or behind. End before, or change the load."
+            )
+    return f"at t = {trajectory.stop_time:.9g} s: {outcome}"

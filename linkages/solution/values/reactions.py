@@ -1,0 +1,240 @@
+"""Joint reactions from Newton's and Euler's equations of every body.
+
+The accelerations are known, so the forces at all pins, the forces and moments of the guides, the
+torques of welds and gears, and the efforts of the drives follow from one linear system per sample.
+It shares no formula with the reduced equations of the kernel; the driving efforts come out again,
+as a check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.terms import Body
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Motion, Piece
+from linkages.topology.graph import pairs
+
+_CHUNK = 1024
+_NO_RESIDUE = 1e-6
+Floats = NDArray[np.float64]
+
+
+def joint_reactions(motion: Motion) -> Floats:
+    """Force that the first body at each joint exerts on the others, in newtons.
+
+    Parameters
+    ----------
+    motion
+        How the mechanism moves.
+
+    Returns
+    -------
+    Shape (samples, joints, 2). The ground comes first at a ground joint, otherwise bodies in the
+    order of the mechanism; loads and masses at a joint belong to the first body there. At a free
+    end the force is zero. Where constraints are redundant, reactions are not determined by
+    rigid bodies; these are the ones with the least sum of squares.
+    """
+    parts = [part for piece in motion.pieces for part in _of_piece(piece)]
+    joints = len(motion.pieces[0].system.topology.joints)
+    return np.concatenate([np.zeros((0, joints, 2)), *parts])
+
+
+def _of_piece(piece: Piece) -> Iterator[Floats]:
+    if piece.samples is not None:
+        yield _across(piece, _Statics(replace(piece, samples=None)).reactions())
+        return
+    for start in range(0, len(piece.time), _CHUNK):
+        yield _Statics(piece.part(slice(start, start + _CHUNK))).reactions()
+
+
+def _across(piece: Piece, reactions: Floats) -> Floats:
+    """Reactions at the wanted times of a passage, from those at its times.
+
+    In a change point the linear system is singular. A reaction has a finite limit there, or grows
+    without bound like the reciprocal of the time from it: both parts are told apart.
+    """
+    assert piece.samples is not None
+    rows = reactions.transpose(1, 2, 0)
+    place, wanted = piece.time - piece.crossing, piece.samples - piece.crossing
+    scaled = rows * place
+    at_crossing = replace(piece, samples=np.array([piece.crossing]))
+    residue = at_crossing.interpolated(scaled)
+    largest = np.abs(scaled).max(axis=-1, keepdims=True, initial=0.0)
+    residue[np.abs(residue) <= _NO_RESIDUE * largest] = 0.0
+    regular = piece.interpolated((scaled - residue) / place)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unbounded = np.where(residue == 0.0, 0.0, residue / wanted)
+    return (regular + unbounded).transpose(2, 0, 1)
+
+
+class _Statics:
+    """The linear system of forces at some samples: three equations per body."""
+
+    def __init__(self, piece: Piece) -> None:
+        self._piece = piece
+        self._system = system = piece.system
+        self._topology = system.topology
+        self._samples = len(piece.time)
+        self._pairs = pairs(system.mechanism)
+        self._bodies = list(system.mechanism.bodies.values())
+        self._joint = {joint: index for index, joint in enumerate(self._topology.joints)}
+        self._row = {body.name: 3 * index for index, body in enumerate(self._bodies)}
+        self._evaluate()
+
+    def _evaluate(self) -> None:
+        """Places and accelerations of joints, directions and angular accelerations of bodies."""
+        model, joints, bodies = self._system.model, self._topology.joints, self._bodies
+        places = [model.positions.joints[joint] for joint in joints]
+        moved = [model.accelerations.joints[joint] for joint in joints]
+        units = [model.positions.unit(body.name) for body in bodies]
+        spins = [model.accelerations.turning(body.name) for body in bodies]
+        rates = [model.velocities.turning(body.name) for body in bodies]
+        vectors = [node for v in (*places, *moved, *units) for node in (v.x, v.y)]
+        nodes = [*vectors, *spins, *rates]
+        values = evaluate_nodes(self._piece, nodes)
+        split = 2 * np.cumsum([len(places), len(moved), len(units)])
+        found = np.split(values, [*split, split[-1] + len(spins)])
+        self._places, self._accelerations, self._units = (
+            part.reshape(len(part) // 2, 2, self._samples).transpose(0, 2, 1) for part in found[:3]
+        )
+        self._spins, self._rates = found[3], found[4]
+        self._index = {body.name: index for index, body in enumerate(bodies)}
+
+    def reactions(self) -> Floats:
+        """Solve, and add the pairs of each joint."""
+        columns = [*self._pair_columns(), *self._guide_columns(), *self._effort_columns()]
+        matrix = np.stack(columns, axis=-1) if columns else np.zeros((self._samples, 0, 0))
+        right = self._inertia() - self._applied()
+        forces = _solved(matrix, right)
+        result = np.zeros((self._samples, len(self._joint), 2))
+        for index, pair in enumerate(self._pairs):
+            result[:, self._joint[pair.joint]] += forces[:, 2 * index : 2 * index + 2]
+        return result
+
+    def _applied(self) -> Floats:
+        """Forces and moments of all loads on each body."""
+        rows, piece = self._column(), self._piece
+        for load in self._system.model.loads:
+            for body, joint, force in load.forces():
+                if body is not None:
+                    self._add(rows, body, joint, evaluate_nodes(piece, [force.x, force.y]).T)
+            for body, torque in load.torques():
+                if body is not None:
+                    self._add_torque(rows, body, evaluate_nodes(piece, [torque])[0])
+        return rows
+
+    def _column(self) -> Floats:
+        return np.zeros((self._samples, 3 * len(self._bodies)))
+
+    def _add(self, rows: Floats, body: str, joint: str, force: Floats) -> None:
+        """Add a force on a body at a joint to its equations, shape (samples, 2)."""
+        row = self._row[body]
+        arm = self._places[self._joint[joint]] - self._reference(body)
+        rows[:, row : row + 2] += force
+        rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+
+    def _pair_columns(self) -> Iterator[Floats]:
+        for pair in self._pairs:
+            for direction in ((1.0, 0.0), (0.0, 1.0)):
+                column, force = self._column(), np.tile(direction, (self._samples, 1))
+                self._add(column, pair.second, pair.joint, force)
+                if pair.first != GROUND:
+                    self._add(column, pair.first, pair.joint, -force)
+                yield column
+
+    def _guide_columns(self) -> Iterator[Floats]:
+        """A force across the axis and a moment."""
+        for body in self._bodies:
+            if body.guide is None:
+                continue
+            yield self._along_guide(body, across=True)
+            column = self._column()
+            self._add_torque(column, body.name, 1.0)
+            if body.guide.body is not None:
+                self._add_torque(column, body.guide.body, -1.0)
+            yield column
+
+    def _along_guide(self, body: Body, across: bool) -> Floats:
+        """A unit force between a slider and its carrier, across the axis or along it."""
+        column, axis = self._column(), self._units[self._index[body.name]]
+        force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
+        pin = next(iter(body.points))
+        self._add(column, body.name, pin, force)
+        if body.guide is not None and body.guide.body is not None:
+            self._add(column, body.guide.body, pin, -force)
+        return column
+
+    def _add_torque(self, rows: Floats, body: str, torque: float | Floats) -> None:
+        rows[:, self._row[body] + 2] += torque
+
+    def _effort_columns(self) -> Iterator[Floats]:
+        """Efforts of drives (of free coordinates too, which come out as zero), welds and gears."""
+        for name in (*self._topology.driven, *self._topology.free):
+            body = self._system.mechanism.bodies[name]
+            if body.rotates:
+                column = self._column()
+                self._add_torque(column, name, 1.0)
+                yield column
+            else:
+                yield self._along_guide(body, across=False)
+        for relation in self._system.mechanism.relations:
+            column = self._column()
+            self._add_torque(column, relation.body, 1.0)
+            for other, ratio in relation.parts:
+                self._add_torque(column, other, -ratio.value)
+            yield column
+
+    def _reference(self, body: str) -> Floats:
+        """The point that moments of a body are taken about: its first joint."""
+        return self._places[self._first(body)]
+
+    def _first(self, body: str) -> int:
+        return self._joint[next(iter(self._system.mechanism.bodies[body].points))]
+
+    def _inertia(self) -> Floats:
+        """Mass times acceleration less weight, and rates of angular momentum."""
+        rows = self._column()
+        gravity = self._system.mechanism.gravity
+        g = np.array([gravity.x.value, gravity.y.value])
+        for body in self._bodies:
+            row, spin = self._row[body.name], self._spins[self._index[body.name]]
+            arm, acceleration = self._centre(body)
+            force = body.mass.value * (acceleration - g)
+            rows[:, row : row + 2] += force
+            rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+            rows[:, row + 2] += body.inertia.value * spin
+        for mass in self._system.mechanism.point_masses:
+            carrier = self._system.mechanism.carrier(mass.joint)
+            if carrier is not None:
+                acceleration = self._accelerations[self._joint[mass.joint]]
+                self._add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))
+        return rows
+
+    def _centre(self, body: Body) -> tuple[Floats, Floats]:
+        """Centre of mass relative to the first joint, and its acceleration."""
+        index, first = self._index[body.name], self._first(body.name)
+        origin = next(iter(body.points.values()))
+        x, y = (c.value - o.value for c, o in zip(body.centre, origin, strict=True))
+        if body.guide is not None:
+            x = y = 0.0
+        unit = self._units[index]
+        arm = unit * x + np.stack([-unit[:, 1], unit[:, 0]], axis=1) * y
+        spin, rate = self._spins[index][:, None], self._rates[index][:, None]
+        turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        return arm, self._accelerations[first] + turned * spin - arm * rate**2
+
+
+def _solved(matrix: Floats, right: Floats) -> Floats:
+    """Solutions of linear systems; with the least sum of squares where they are not unique."""
+    if matrix.shape[1] == matrix.shape[2]:
+        try:
+            return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
+        except np.linalg.LinAlgError:  # a sample lies exactly in a singular position
+            pass
+    return np.asarray((np.linalg.pinv(matrix, rcond=1e-11) @ right[..., None])[..., 0])

@@ -1,0 +1,140 @@
+"""Where a quantity has a value: surfaces of sections and events, and their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.model import Model
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.guards import Guard
+from linkages.solution.moving.motion import Piece
+from linkages.solution.values.series import Series, find_series, system_series
+
+SECTION = "slider9.velocity=0"
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where a section is taken: one series of an output has a value.
+
+    Parameters
+    ----------
+    series
+        Of position or velocity.
+    level
+        In SI.
+    """
+
+    series: Series
+    level: float
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is an angle, which has a value again after every turn."""
+        return self.series.angle
+
+    @property
+    def key(self) -> tuple[str, str, float]:
+        """What tells it from others of a mechanism."""
+        return self.series.variable, self.series.name, self.level
+
+    @property
+    def rate(self) -> Series:
+        """The rate of the series."""
+        return replace(self.series, variable=VARIABLES[self.series.variable].rate)
+
+    def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
+        """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
+        difference, rate = self.series.node(model) - self.level, self.rate.node(model)
+        if not self.turns:
+            return difference, rate
+        return model.graph.sin(difference), model.graph.cos(difference) * rate
+
+    def guard(self, direction: int, *, wanted: int = 0, name: str = "") -> Guard:
+        """What a motion watches to find where it is crossed; arguments as `Guard` has them."""
+        return Guard(
+            nodes=self.nodes,
+            direction=direction,
+            wanted=wanted,
+            counts=self.reached if self.turns else None,
+            key=self.key,
+            name=name,
+        )
+
+    def reached(self, piece: Piece) -> NDArray[np.bool_]:
+        """Which zeros of `nodes` of an angle are not half a turn away, shape (m,)."""
+        (angle,) = evaluate_nodes(piece, [self.series.node(piece.system.model)])
+        return np.asarray(np.cos(angle - self.level) > 0)
+
+
+DIRECTIONS = {"up": 1, "down": -1, "both": 0}
+"""How a surface is crossed → sign of the rate there; 0 for either."""
+
+
+def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
+    """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no mapping, no series of the mechanism, or no direction.
+    """
+    if not isinstance(events, Mapping):
+        expected = 'events must be a mapping such as {"piston.velocity": "up"}'
+        raise TypeError(f"{expected}, found {events!r}")
+    for name, direction in events.items():
+        if direction not in DIRECTIONS:
+            raise ValueError(f"event {name!r}: expected up, down or both, found {direction!r}")
+    texts = {name: name if "=" in name else f"{name}=0" for name in events}
+    return tuple(
+        _surface(system, texts[name], "event").guard(DIRECTIONS[direction], name=name)
+        for name, direction in events.items()
+    )
+
+
+def parse_section(system: System, text: str) -> Surface:
+    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"B.y position=0.1"``.
+
+    Raises
+    ------
+    ValueError
+        If it names nothing of the mechanism; the message says what is expected.
+    """
+    return _surface(system, text, "section")
+
+
+def _surface(system: System, text: str, what: str) -> Surface:
+    from linkages.spec import dimensions
+    from linkages.spec.conversion import QuantityError, parse_quantity
+
+    # accelerations have a rate, too, but a section is a function of position and velocity
+    measured = {
+        "rad": dimensions.ANGLE,
+        "rad/s": dimensions.ANGULAR_SPEED,
+        "m": dimensions.LENGTH,
+        "m/s": dimensions.SPEED,
+    }
+    match = re.fullmatch(r"\s*(.+?\.[^.=]+?)\s*=\s*(.+?)\s*", text)
+    if match is None:
+        raise ValueError(f"expected a {what} such as {SECTION!r}, found {text!r}")
+    name, level = match.groups()
+    known = {
+        other: series
+        for other, series in system_series(system).items()
+        if series.variable in VARIABLES
+        and VARIABLES[series.variable].rate
+        and VARIABLES[series.variable].units in measured
+    }
+    try:
+        series = find_series(known, name)
+        return Surface(series, parse_quantity(level, measured[VARIABLES[series.variable].units]))
+    except (QuantityError, ValueError) as error:
+        raise ValueError(f"{what} {text!r}: {error}") from None

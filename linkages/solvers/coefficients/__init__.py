@@ -1,0 +1,1 @@
+"""Coefficients of methods, and the order conditions that they must meet."""

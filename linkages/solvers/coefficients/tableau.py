@@ -1,0 +1,129 @@
+"""Coefficients of explicit Runge–Kutta methods, checked when they are built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers.coefficients.rooted_trees import order_defect
+
+# Coefficients are printed with 16 digits or more and are of size 100 at most, so that sums of
+# them keep about this many.
+ROUND_OFF = 2e-13
+
+
+def _table() -> NDArray[np.float64]:
+    return np.zeros((0, 0))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tableau:
+    """Butcher tableau with its error estimate and its dense output.
+
+    Rows are counted as a solver computes them: s stages, the end of the step (row s), then e
+    further stages that only the dense output needs.
+
+    Parameters
+    ----------
+    name
+        Name in messages.
+    order
+        Order of the method.
+    A, b, c
+        Coefficients, of shapes (s, s), (s,) and (s,).
+    error : (0 to 2, s + 1)
+        Weights of the error estimate; of two rows the first is the main estimate and the second
+        one of lower order (see `step_size.error_norm`).
+    error_order
+        Order of the error estimate; the error of a step goes like ``h**(error_order + 1)``.
+    dense_A, dense_c
+        Further stages, of shapes (e, s + 1 + e) and (e,).
+    dense : (s + 1 + e, d)
+        ``y(θ) = y_0 + h Σ_j k_j Σ_i dense[j, i] θ**(i + 1)``. Default: the cubic Hermite
+        polynomial through states and slopes at both ends.
+    """
+
+    name: str
+    order: int
+    A: NDArray[np.float64]
+    b: NDArray[np.float64]
+    c: NDArray[np.float64]
+    error: NDArray[np.float64] = field(default_factory=_table)
+    error_order: int = 0
+    dense_A: NDArray[np.float64] = field(default_factory=_table)  # noqa: N815
+    dense_c: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    dense: NDArray[np.float64] = field(default_factory=_table)
+
+    def __post_init__(self) -> None:
+        if not self.dense.size:
+            object.__setattr__(self, "dense", _hermite(self.b))
+        self._check_stages()
+        self._check_order()
+        self._check_dense()
+
+    @property
+    def stages(self) -> int:
+        """Number s of stages; also the row that holds the end of a step."""
+        return len(self.b)
+
+    @property
+    def extended_A(self) -> NDArray[np.float64]:  # noqa: N802
+        """Coefficients of all rows, shape (s + 1 + e, s + 1 + e); row s holds b."""
+        rows = self.stages + 1 + len(self.dense_c)
+        table = np.zeros((rows, rows))
+        table[: self.stages, : self.stages] = self.A
+        table[self.stages, : self.stages] = self.b
+        if len(self.dense_c):
+            table[self.stages + 1 :] = self.dense_A
+        return table
+
+    @property
+    def extended_c(self) -> NDArray[np.float64]:
+        """Nodes of all rows, shape (s + 1 + e,)."""
+        return np.concatenate([self.c, [1.0], self.dense_c])
+
+    def _check_stages(self) -> None:
+        s, e = self.stages, len(self.dense_c)
+        shapes = self.A.shape == (s, s) and self.c.shape == (s,)
+        shapes = shapes and (not e or self.dense_A.shape == (e, s + 1 + e))
+        shapes = shapes and (not self.error.size or self.error.shape[1] == s + 1)
+        if not shapes or self.dense.shape[0] != s + 1 + e:
+            raise ValueError(f"tableau {self.name}: shapes of the coefficients do not agree")
+        if np.triu(self.extended_A).any():
+            raise ValueError(f"tableau {self.name}: a stage needs itself or a later one")
+        sums = self.extended_A.sum(axis=1) - self.extended_c
+        self._require("row sums of A are not c", np.abs(sums).max())
+
+    def _check_order(self) -> None:
+        self._require(f"order is not {self.order}", order_defect(self.A, self.b, self.order))
+        if self.error.size:
+            self._require("error weights do not add up to 0", np.abs(self.error.sum(axis=1)).max())
+
+    def _check_dense(self) -> None:
+        # Coefficients of dense output may be large and cancel.
+        scale = max(1.0, float(np.abs(self.dense).max()))
+        ends = self.dense.sum(axis=1)
+        ends[: self.stages] -= self.b
+        self._require("dense output misses the end of the step", np.abs(ends).max() / scale)
+        linear = self.dense.sum(axis=0)
+        linear[0] -= 1.0
+        defect = np.abs(linear).max() / scale
+        self._require("dense output of a constant slope is not linear", defect)
+
+    def _require(self, what: str, defect: float) -> None:
+        if not defect < ROUND_OFF:
+            raise ValueError(f"tableau {self.name}: {what}, off by {defect:.2e}")
+
+
+def _hermite(b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cubic Hermite polynomial in terms of the slopes, shape (s + 1, 3).
+
+    With ``y_1 - y_0 = h Σ b_j k_j`` it is
+    ``(3θ² - 2θ³)(y_1 - y_0) + h (θ - 2θ² + θ³) k_0 + h (θ³ - θ²) k_s``.
+    """
+    weights = np.append(b, 0.0)[:, None] * np.array([0.0, 3.0, -2.0])
+    weights[0] += [1.0, -2.0, 1.0]
+    weights[-1] += [0.0, -1.0, 1.0]
+    return weights

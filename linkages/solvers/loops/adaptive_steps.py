@@ -1,0 +1,122 @@
+"""Compiled loop of steps whose length follows a tolerance."""
+
+from __future__ import annotations
+
+from linkages.solvers.loops.commit import (
+    DONE,
+    EVENT,
+    INTERRUPTED,
+    SINGULAR,
+    STEP_BUDGET,
+    STEP_TOO_SMALL,
+    begin,
+    commit,
+    cut_short,
+    margin_outcome,
+    outcome_of,
+)
+from linkages.solvers.loops.step_size import (
+    SHRINK_BLOCKED,
+    SHRINK_TURNING,
+    error_norm,
+    first_step,
+    next_factor,
+)
+from linkages.solvers.steps.compiled import call_hook, entry, floats, integers
+from linkages.solvers.steps.stages import try_step
+from linkages.solvers.steps.views import (
+    EVALUATIONS,
+    REJECTED,
+    STEPS,
+    STOP,
+    Hook,
+    Record,
+    System,
+    Table,
+)
+from linkages.solvers.watched.counting import expect_end
+from linkages.solvers.watched.margins import check_margins, turns_too_far
+from linkages.solvers.watched.sampling import take_samples
+
+# Steps below this many units in the last place of time no longer move it reliably.
+SMALLEST_STEP = 16 * 2.220446049250313e-16
+
+
+@entry
+def adaptive_steps(
+    system: System,
+    table: Table,
+    record: Record,
+    hook: Hook,
+    start: float,
+    end: float,
+    rtol: float,
+    atol: int,
+    zeros: int,
+    order: int,
+    memory: float,
+    budget: int,
+) -> int:
+    """Integrate from start to end with an error estimate of an order kept at a tolerance.
+
+    Row 0 holds the state; `atol` and `zeros` are addresses of (2n,) numbers; `memory` weighs the
+    error of the step before in the control of the next one. Returns an
+    `Outcome`; the final state is in row 0, its time in ``control[NOW]``.
+    """
+    exponent = 1.0 / (order + 1)
+    counters, control = integers(record.counters), floats(record.control)
+    outcome = begin(system, record, start, 0.0)
+    if outcome != DONE or start == end:
+        return outcome
+    counters[EVALUATIONS] += 1
+    h = first_step(system, start, end - start, order, rtol, atol, zeros)
+    t, carry, first = start, 0.0, abs(h)
+    trouble, rejected, before = 0, False, 1.0
+    error = 0.0
+    while outcome == DONE and t != end:
+        if control[STOP] != 0.0:
+            return INTERRUPTED
+        if counters[STEPS] + counters[REJECTED] >= budget:
+            return STEP_BUDGET
+        # Time is summed with compensation: `carry` is what t is too large by.
+        moved = h - carry
+        t_end = t + moved
+        next_carry = (t_end - t) - moved
+        remaining = (end - t) + carry
+        if 1.01 * abs(h) >= abs(remaining):
+            h, t_end, next_carry = remaining, end, 0.0
+        counters[EVALUATIONS] += table.end
+        status = try_step(system, table, t, h, t_end)
+        factor, accepted = SHRINK_BLOCKED, False
+        if status == 0:
+            error = error_norm(system, table, h, rtol, atol)
+            factor = next_factor(error, before, exponent, memory)
+            accepted = error <= 1.0
+            if accepted and turns_too_far(system, table.end, h):
+                accepted, factor = False, SHRINK_TURNING
+        if accepted:
+            part = check_margins(system, table, record, t, h, t_end)
+            if part < 1.0:
+                return cut_short(system, table, record, t, h, part, SINGULAR)
+            if hook.function != 0:
+                part = call_hook(hook.function, hook.context, t, h, t_end)
+                if part <= 1.0:
+                    return cut_short(system, table, record, t, h, part, EVENT)
+            status = take_samples(system, table, record, t, h, t_end, 0.0)
+        if status != 0:
+            # A sample that cannot be evaluated belongs to a step that should not be made.
+            accepted, factor, trouble = False, SHRINK_BLOCKED, status
+        if accepted:
+            expect_end(system, table, record, h)
+            commit(system, table, record, t_end)
+            outcome = margin_outcome(system, record)
+            t, carry, before = t_end, next_carry, error
+            h *= min(factor, 1.0) if rejected else factor
+            trouble, rejected = 0, False
+        else:
+            counters[REJECTED] += 1
+            rejected = True
+            h *= factor
+            if abs(h) < SMALLEST_STEP * max(abs(t), first):
+                return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
+    return outcome

@@ -1,0 +1,60 @@
+"""Gauss's collocation of order 8, symmetric and symplectic, for long conservative motions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from linkages.solvers.coefficients.collocation import Collocation
+from linkages.solvers.job import Job
+from linkages.solvers.methods.method import Method, run, step_count
+from linkages.solvers.methods.vern9 import VERN9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gauss(Method):
+    """Collocation at Gauss's nodes, in equal steps, solved by fixed-point iteration."""
+
+    @cached_property
+    def collocation(self) -> Collocation:
+        """Coefficients of the method."""
+        return Collocation(stages=self.order // 2)
+
+    def prepare(self, job: Job) -> Callable[[], int]:
+        """Bind the loop; a step must be given."""
+        from linkages.solvers import arrays
+        from linkages.solvers.loops.implicit_steps import implicit_steps
+
+        assert job.step is not None
+        # The explicit method of the nearest order locates the end of reach and singular positions.
+        tableau, memory = VERN9.tableau, arrays.Memory()
+        rows = arrays.workspace(tableau, job.flow, job.state)
+        first = len(rows)
+        rows = np.concatenate([rows, np.zeros((2 * self.collocation.stages, rows.shape[1]))])
+        system = arrays.system(memory, job, rows)
+        table = arrays.table(memory, tableau, job.flow)
+        record = arrays.record(memory, job, system)
+        loop = partial(
+            implicit_steps,
+            system,
+            arrays.nodes(memory, self.collocation, job.flow, first),
+            table,
+            record,
+            arrays.hook(memory, job, system, table, record),
+            job.start,
+            job.end,
+            step_count(job),
+            job.max_steps,
+        )
+        return partial(run, loop, job, rows, memory)
+
+
+GAUSS8 = Gauss(
+    name="gauss8",
+    order=8,
+    adaptive=False,
+    summary="Gauss collocation of order 8, symmetric, fixed step; for long conservative motions",
+)

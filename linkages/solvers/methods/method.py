@@ -1,0 +1,114 @@
+"""What a method of integration is, and the explicit Runge–Kutta methods as one kind of it."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers.coefficients.tableau import Tableau
+from linkages.solvers.job import Job
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method(ABC):
+    """A method of integration; `methods.METHODS` lists them.
+
+    Parameters
+    ----------
+    name
+        Name by which users ask for it.
+    order
+        Order of the method.
+    adaptive
+        Whether steps follow a tolerance unless a step is given.
+    summary
+        One line for lists of methods.
+    """
+
+    name: str
+    order: int
+    adaptive: bool
+    summary: str
+
+    @abstractmethod
+    def prepare(self, job: Job) -> Callable[[], int]:
+        """Load what a job needs and return its loop, with all arguments bound.
+
+        The loop fills the arrays of the job, leaves the global interpreter lock to others while
+        it runs, and returns an `Outcome`.
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class RungeKutta(Method):
+    """An explicit Runge–Kutta method: a tableau under one of two compiled loops.
+
+    Parameters
+    ----------
+    build
+        Makes the tableau; called once, when the method is first used.
+    memory
+        Exponent of the error of the step before in the step control: 0 for control by the last
+        error alone, about 0.4/order for PI control.
+    """
+
+    build: Callable[[], Tableau]
+    memory: float = 0.0
+
+    @cached_property
+    def tableau(self) -> Tableau:
+        """Coefficients of the method."""
+        return self.build()
+
+    def prepare(self, job: Job) -> Callable[[], int]:
+        """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
+        # Compiled modules are loaded by the first run: listing methods need not wait for Numba,
+        # nor a run with one loop for the other.
+        from linkages.solvers import arrays
+
+        tableau, store = self.tableau, arrays.Memory()
+        rows = arrays.workspace(tableau, job.flow, job.state)
+        system = arrays.system(store, job, rows)
+        table = arrays.table(store, tableau, job.flow)
+        record = arrays.record(store, job, system)
+        shared = (
+            system,
+            table,
+            record,
+            arrays.hook(store, job, system, table, record),
+            job.start,
+            job.end,
+        )
+        if job.step is None:
+            from linkages.solvers.loops.adaptive_steps import adaptive_steps
+
+            atol, zeros = store.floats(job.atol), store.floats(np.zeros(len(job.state)))
+            order, budget = tableau.error_order, job.max_steps
+            loop = partial(
+                adaptive_steps, *shared, job.rtol, atol, zeros, order, self.memory, budget
+            )
+        else:
+            from linkages.solvers.loops.fixed_steps import fixed_steps
+
+            loop = partial(fixed_steps, *shared, step_count(job), job.max_steps)
+        return partial(run, loop, job, rows, store)
+
+
+def step_count(job: Job) -> int:
+    """Number of equal steps, none longer than ``job.step``, that reach the end."""
+    assert job.step is not None
+    # The allowance keeps a span of a whole number of steps from getting one more.
+    return max(1, math.ceil(abs(job.end - job.start) / job.step - 1e-9))
+
+
+def run(loop: Callable[[], int], job: Job, rows: NDArray[np.float64], _memory: object) -> int:
+    """Run a loop and hand over its final state; `_memory` lives as long as this call."""
+    outcome = loop()
+    np.copyto(job.state, rows[0, : len(job.state)])
+    return outcome

@@ -1,0 +1,155 @@
+"""How the loops are compiled, how they reach memory, and how they call kernels.
+
+Compiled functions here take numbers only: memory and kernels are addresses. Arrays as arguments
+would each travel as seven words with a reference count, and cost more than a Runge–Kutta stage.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from linkages.kernel.code.cache import cache_folder
+
+# Numba's annotations leave out some of its options.
+njit: Any = numba.njit
+config: Any = numba.config
+
+NATIVE = {int: types.int64, float: types.float64, bool: types.boolean, type(None): types.void}
+
+
+# Contraction to fused multiply-adds leaves the order of operations alone, so that equal inputs
+# give equal bits and compensated sums survive.
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"contract"},
+    "no_cfunc_wrapper": True,
+}
+
+
+def entry(function: Callable) -> Callable:
+    """Compile a function that Python calls, with the signature that its annotations state."""
+    with _own_cache():
+        return njit(_signature(function), **OPTIONS)(function)
+
+
+def compiled(function: Callable) -> Callable:
+    """Compile a function that only compiled functions call, without the costly way in."""
+    options = {"no_cpython_wrapper": True, **OPTIONS}
+    with _own_cache():
+        return njit(_signature(function), **options)(function)
+
+
+def inlined(function: Callable) -> Callable:
+    """Compile a function into those that call it: a call would pass each word of its tuples."""
+    options = {"forceinline": True, "no_cpython_wrapper": True, **OPTIONS}
+    with _own_cache():
+        return njit(_signature(function), **options)(function)
+
+
+def callback(function: Callable) -> Any:
+    """Compile a function that compiled loops call through its ``address``."""
+    options = {name: OPTIONS[name] for name in ("cache", "error_model", "fastmath")}
+    with _own_cache():
+        return numba.cfunc(_signature(function), **options)(function)
+
+
+@cache
+def _cache_of_this_version() -> Path:
+    """Numba stamps only the file of a function, but inlines what it calls from other files."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
+        digest.update(path.read_bytes())
+    return cache_folder() / f"solvers-{digest.hexdigest()[:16]}"
+
+
+@contextmanager
+def _own_cache() -> Iterator[None]:
+    """Keep machine code in the user's private folder while a function is decorated."""
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(_cache_of_this_version())
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before
+
+
+def _signature(function: Callable) -> Any:
+    hints = get_type_hints(function)
+    result = _native(hints.pop("return"))
+    return result(*[_native(hint) for hint in hints.values()])
+
+
+def _native(hint: Any) -> Any:
+    """Numba type of an annotation: a number, a pair of floats, or a named tuple of integers."""
+    if hasattr(hint, "_fields"):
+        return types.NamedUniTuple(types.int64, len(hint._fields), hint)
+    if get_args(hint):
+        return types.Tuple([NATIVE[part] for part in get_args(hint)])
+    return NATIVE[hint]
+
+
+def _pointer_to(element: Any) -> Any:
+    """Make the function that takes an address as a pointer, to be indexed in compiled code."""
+    pointer = types.CPointer(element)
+
+    def cast(_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+            return builder.inttoptr(arguments[0], context.get_value_type(pointer))
+
+        return pointer(address), generate
+
+    return intrinsic(cast)
+
+
+def tuple_at(named: Any) -> Any:
+    """Make the function that reads a named tuple of integers at an address."""
+    words = _native(named)
+
+    def read(_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+            pointer = context.get_value_type(words).as_pointer()
+            return builder.load(builder.inttoptr(arguments[0], pointer))
+
+        return words(address), generate
+
+    return intrinsic(read)
+
+
+def _generate_call(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    address, *rest = arguments
+    result = context.get_value_type(signature.return_type)
+    function = ir.FunctionType(result, [argument.type for argument in rest])
+    return builder.call(builder.inttoptr(address, function.as_pointer()), rest)
+
+
+# A call through an address costs about 1 ns and, unlike a call of a Numba function object, needs
+# no compilation of the calling loop for each kernel.
+def _rates(_context: Any, address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Any:
+    return types.int64(address, state, parameters, timed, out), _generate_call
+
+
+def _clock(_context: Any, address: Any, time: Any, parameters: Any, timed: Any) -> Any:
+    return types.int64(address, time, parameters, timed), _generate_call
+
+
+def _hook(_context: Any, address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Any:
+    return types.float64(address, context, t, h, t_end), _generate_call
+
+
+floats: Any = _pointer_to(types.float64)
+integers: Any = _pointer_to(types.int64)
+call_rates: Any = intrinsic(_rates)
+call_clock: Any = intrinsic(_clock)
+call_hook: Any = intrinsic(_hook)

@@ -1,0 +1,41 @@
+"""Evaluate a kernel at many times and states with one call from Python."""
+
+from __future__ import annotations
+
+from linkages.solvers.steps.compiled import call_clock, call_rates, entry, floats, integers
+
+
+@entry
+def evaluate_states(
+    clock: int, rates: int, parameters: int, timed: int, times: int, states: int, found: int,
+    count: int, size: int, written: int, refused: int,
+) -> int:  # fmt: skip
+    """Evaluate a kernel at one state after the other; returns the status of the last one.
+
+    Parameters
+    ----------
+    clock, rates, parameters, timed
+        Addresses of the kernel and of what it needs.
+    times, states, found
+        Addresses of (count,) seconds, of states, (count, size), and of what is written,
+        (count, written).
+    count, size, written
+        Numbers of states, of their entries, and of what the kernel writes for each.
+    refused
+        Address of an integer that takes the number of the first state that the kernel refuses, with
+        a status other than 0; it is the last one that is evaluated.
+    """
+    before = 0.0
+    for k in range(count):
+        time = floats(times)[k]
+        status = 0
+        if k == 0 or time != before:
+            status = call_clock(clock, time, parameters, timed)
+            before = time
+        if status == 0:
+            state, out = states + 8 * k * size, found + 8 * k * written
+            status = call_rates(rates, state, parameters, timed, out)
+        if status != 0:
+            integers(refused)[0] = k
+            return status
+    return 0

@@ -1,0 +1,1 @@
+"""What is looked at within a step: samples, margins, crossings, turns, tangents."""

@@ -1,0 +1,101 @@
+"""Samples at requested times, taken from a step while it is at hand."""
+
+from __future__ import annotations
+
+from linkages.solvers.steps.compiled import compiled, floats, integers
+from linkages.solvers.steps.stages import address_of, evaluate, run_stages, set_clock
+from linkages.solvers.steps.turns import wrap_angles
+from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Table
+from linkages.solvers.watched.counting import counted_angle, expect_between, expect_end
+
+# Relative to a fixed step, below this distance a sample time is meant to be the step's end.
+SNAP = 1e-9
+
+
+@compiled
+def write_sample(system: System, record: Record, row: int) -> None:
+    """Write the state and the accelerations in a row as the next sample."""
+    n, counters = system.n, integers(record.counters)
+    k = counters[SAMPLES]
+    source = floats(address_of(system, row))
+    state = record.state + WORD * k * 2 * n
+    for i in range(2 * n):
+        floats(state)[i] = source[i]
+    for i in range(n):
+        floats(record.acceleration)[k * n + i] = source[2 * n + i]
+    wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
+    for i in range(system.counted):
+        floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
+    counters[SAMPLES] = k + 1
+
+
+@compiled
+def interpolate(system: System, table: Table, h: float, theta: float) -> None:
+    """Write the state at the fraction theta of a step into the last row, by the dense output."""
+    n, width, degree = system.n, system.width, table.degree
+    rows, dense = floats(system.rows), floats(table.dense)
+    target = floats(address_of(system, table.rows))
+    for i in range(2 * n):
+        target[i] = 0.0
+    for j in range(table.rows):
+        weight = 0.0
+        for power in range(degree - 1, -1, -1):
+            weight = (weight + dense[j * degree + power]) * theta
+        for i in range(2 * n):
+            target[i] += weight * rows[j * width + n + i]
+    for i in range(2 * n):
+        target[i] = rows[i] + h * target[i]
+
+
+@compiled
+def sample_between(
+    system: System, table: Table, record: Record, t: float, h: float, t_end: float, slack: float
+) -> int:
+    """Take the samples within a step from t to t_end, of which there is one at least.
+
+    Sample times within `slack` of the end take the state at the end as it is. The further
+    stages of the dense output are computed for a step only if it has other samples. Returns 0,
+    or the status of the kernel where a sample (or such a stage) cannot be evaluated.
+    """
+    counters = integers(record.counters)
+    more = table.rows - 1 - table.end
+    while counters[SAMPLES] < record.samples:
+        time = floats(record.time)[counters[SAMPLES]]
+        left = t_end - time if h > 0.0 else time - t_end
+        if left < -slack:
+            break
+        if left <= slack:
+            expect_end(system, table, record, h)
+            write_sample(system, record, table.end)
+            continue
+        if more > 0:
+            counters[EVALUATIONS] += more
+            status = run_stages(system, table, table.end + 1, table.rows - 1, t, h, t_end)
+            if status != 0:
+                return status
+            more = 0
+        theta = min((time - t) / h, 1.0)
+        interpolate(system, table, h, theta)
+        counters[EVALUATIONS] += 1
+        status = set_clock(system, time)
+        if status == 0:
+            status = evaluate(system, table.rows)
+        if status != 0:
+            return status
+        expect_between(system, table, record, h, theta)
+        write_sample(system, record, table.rows)
+    return 0
+
+
+@compiled
+def take_samples(
+    system: System, table: Table, record: Record, t: float, h: float, t_end: float, slack: float
+) -> int:
+    """Take all samples that fall within an accepted step; see `sample_between`."""
+    k = integers(record.counters)[SAMPLES]
+    if k == record.samples:
+        return 0
+    time = floats(record.time)[k]
+    if (t_end - time if h > 0.0 else time - t_end) < -slack:
+        return 0
+    return sample_between(system, table, record, t, h, t_end, slack)

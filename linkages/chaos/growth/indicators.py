@@ -10,8 +10,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.directions import start_tangents
-from linkages.chaos.growth.systems import TangentSystem
+from linkages.chaos.growth.systems import TangentSystem, start_tangents
 
 Floats = NDArray[np.float64]
 

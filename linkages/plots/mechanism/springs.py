@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, stroked
+from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, grid, stroked
 from linkages.plots.mechanism.view import per_point, pixels
 from linkages.plots.style import PALETTE
 
@@ -91,8 +91,9 @@ def wall_dashpot(ax: Axes, place: Place, angle: float, start: float, across: flo
         [(start + length, across - 5.0), (start + length, across + 5.0)],
     ]
     add_path(ax, stroked(strokes), transform, edge=COLOUR, width=WIDTH, layer=LAYER - 0.8)
-    x, y = np.meshgrid(np.linspace(start, start + length, 9), across + np.array([-4.0, 0.0, 4.0]))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return grid(
+        transform, np.linspace(start, start + length, 9), across + np.array([-4.0, 0.0, 4.0])
+    )
 
 
 def spiral(ax: Axes, place: Place, angle: float) -> Array:

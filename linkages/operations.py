@@ -61,6 +61,8 @@ class Elementary:
         How all languages write it; None for a call by its name.
     python, c
         How one language alone writes it.
+    llvm
+        LLVM's instruction or intrinsic function; a call by its name if there is none.
     tangent
         ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
         partial derivatives times rates.
@@ -79,6 +81,7 @@ class Elementary:
     operator: Form | None = None
     python: Form | None = None
     c: Form | None = None
+    llvm: str | None = None
     tangent: Callable[..., Any] | None = None
     formula: bool = False
     periodic: bool = False
@@ -123,10 +126,11 @@ _ROWS = (
     Elementary("sub", ADDITIONS, operator.sub, "subtract", lambda apply, f, a, b: (1.0, -1.0),
                2, Form("{} - {}", 1, (1, 2))),
     Elementary("mul", MULTIPLICATIONS, operator.mul, "multiply", lambda apply, f, a, b: (b, a),
-               2, Form("{} * {}", 2, (2, 3))),
+               2, Form("{} * {}", 2, (2, 3)), llvm="fmul"),
     Elementary("div", DIVISIONS, operator.truediv, "divide",
                lambda apply, f, a, b: (1.0 / b, -f / b),
-               2, Form("{} / {}", 2, (2, 3)), tangent=lambda f, a, b, da, db: (da - f * db) / b),
+               2, Form("{} / {}", 2, (2, 3)), llvm="fdiv",
+               tangent=lambda f, a, b, da, db: (da - f * db) / b),
     Elementary("neg", ADDITIONS, operator.neg, "negative", lambda apply, f, a: (-1.0,),
                1, Form("-{}", 3, (3,))),
     _function("sin", "sin", lambda apply, f, x: apply("cos", x), TURNS, periodic=True),
@@ -140,8 +144,9 @@ _ROWS = (
     _function("tanh", "tanh", lambda apply, f, x: 1.0 - f * f),
     _function("exp", "exp", lambda apply, f, x: f),
     _function("log", "log", lambda apply, f, x: 1.0 / x),
-    _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS),
-    Elementary("floor", OTHERS, math.floor, "floor", lambda apply, f, x: (0.0,)),
+    _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS, llvm="llvm.sqrt.f64"),
+    Elementary("floor", OTHERS, math.floor, "floor", lambda apply, f, x: (0.0,),
+               llvm="llvm.floor.f64"),
     Elementary("atan2", TURNS, math.atan2, "arctan2", _atan2, 2),
     # the first value where the condition is not negative, otherwise the second
     Elementary("select", OTHERS, lambda c, a, b: a if c >= 0.0 else b,

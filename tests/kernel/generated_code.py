@@ -1,12 +1,14 @@
-"""Runs printed statements as Python, for the tests of this folder."""
+"""Runs statements as machine code, for the tests of this folder."""
 
-import math
+import ctypes
 from collections.abc import Sequence
 
-from linkages.kernel.code.printing import Python, definitions
-from linkages.kernel.code.statements import Entry, build_block
+import numpy as np
+
+from linkages.kernel.code.llvm import write_assembly
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.statements import Entry, Routine, build_block
 from linkages.kernel.graph.scalars import Scalar, reachable
-from linkages.operations import ELEMENTARY
 
 
 def input_places(nodes):
@@ -14,20 +16,21 @@ def input_places(nodes):
     return {n.index: Entry(*n.arguments) for n in nodes if n.operation == "input"}
 
 
-def run_printed(roots: Sequence[Scalar], **inputs: Sequence[float]) -> list[float]:
-    """Values of nodes by the text that kernels are made of, without a compiler.
+def run_compiled(roots: Sequence[Scalar], **inputs: Sequence[float]) -> list[float]:
+    """Values of nodes by machine code, made as that of kernels is.
 
     Where an iteration gives up, the number of its status is raised as a `LookupError`.
     """
-    nodes, called = reachable(roots), set()
-    code = Python(build_block(nodes, input_places(nodes), roots), called)
-    body = [*code.lines(), f"return 0, [{', '.join(code.text(root) for root in roots)}]"]
-    text = definitions(called) + "\n\ndef values(y, p, t):\n"
-    text += "\n".join(f"    {line}" for line in body)
-    scope = {name: getattr(math, name) for name in called & ELEMENTARY.keys()}
-    scope |= {"njit": lambda **_: lambda function: function, "_inline": {}}
-    exec(text, scope)
-    found = scope["values"](inputs.get("y"), inputs.get("p"), inputs.get("t"))
-    if isinstance(found, int):
-        raise LookupError(found)
-    return found[1]
+    nodes = reachable(roots)
+    stores = {Entry("out", k): root for k, root in enumerate(roots)}
+    block = build_block(nodes, input_places(nodes), roots, stores=stores)
+    arrays = {"y": len(inputs.get("y", ())), "p": len(inputs.get("p", ())), "out": len(roots)}
+    code = MachineCode(write_assembly([Routine("values", "", {"t": 0, **arrays}, block)]))
+    pointers = [ctypes.c_void_p] * len(arrays)
+    function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, *pointers)(code.address("values"))
+    given = [np.array(inputs.get(name, [0.0]), dtype=float) for name in ("y", "p")]
+    found = np.zeros(len(roots))
+    status = function(inputs.get("t", 0.0), *(a.ctypes.data for a in (*given, found)))
+    if status:
+        raise LookupError(status)
+    return found.tolist()

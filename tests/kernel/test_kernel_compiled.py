@@ -1,15 +1,12 @@
 """Machine code against the evaluation of the same graph with NumPy."""
 
-import ctypes
-
 import numpy as np
 import pytest
+from kernel_motion import call
 from linkage_models import program, system
 
 from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder
 from linkages.kernel.code.compiled import bind_kernel
-
-POINTER = ctypes.POINTER(ctypes.c_double)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -32,13 +29,8 @@ class Compiled:
         self.size = len(of.topology.free) + 2 * len(of.topology.solved_blocks)
 
     def __call__(self, time, state):
-        kernel = self.kernel
-        timed, out = np.zeros(max(1, kernel.timed)), np.full(max(1, self.size), np.nan)
-        state = np.array(state, dtype=float)
-        pointers = [a.ctypes.data_as(POINTER) for a in (state, kernel.parameters, timed, out)]
-        self.clock_status = kernel.module.clock.ctypes(time, pointers[1], pointers[2])
-        self.rates_status = kernel.module.rates.ctypes(*pointers)
-        return out[: self.size]
+        self.clock_status, self.rates_status, found = call(self.kernel, time, state, self.size)
+        return found
 
     @property
     def roots(self):
@@ -68,12 +60,12 @@ def test_compiled_equals_evaluated(name):
 
 
 def test_parameters_are_arguments():
-    """The same module, other numbers."""
+    """The same machine code, other numbers."""
     one, other = (
         Compiled(system("clearance")),
         Compiled(system("clearance", **{"bars.crank.mass": 3})),
     )
-    assert one.kernel.module is other.kernel.module
+    assert one.kernel.code is other.kernel.code
     found, expected = other(0, other.of.state), other.of.evaluate(other.roots)[:, 0]
     assert found == pytest.approx(expected, rel=1e-12)
     assert found != pytest.approx(one(0, one.of.state), rel=1e-3)

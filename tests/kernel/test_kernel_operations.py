@@ -2,14 +2,14 @@
 function takes."""
 
 import cmath
-import ctypes
 import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import sympy
-from generated_code import run_printed
+from generated_code import run_compiled
+from kernel_motion import call
 from linkage_models import program, system_of, values
 
 from linkages.benchmark.peers import expressions
@@ -51,7 +51,7 @@ def test_values_and_derivatives_of_a_row(name):
     nodes = [graph.input("y", i, Level.STATE) for i in range(row.arity)]
     node = graph.apply(name, *nodes)
     found = [row.value(*numbers), *Evaluator([node])(y=np.array(numbers))]
-    found += run_printed([node], y=numbers)
+    found += run_compiled([node], y=numbers)
     if name != "select":  # SymPy has none of its own; `linkages.equations.laws` makes it one
         found.append(float(row.among(sympy)(*map(sympy.Float, numbers))))
     assert [float(value) for value in found] == pytest.approx([exact] * len(found), rel=1e-15)
@@ -157,15 +157,10 @@ def test_kernels_compile_it():
     """A rod of inertia ml²/3 = 1 about its end obeys q̈ = 4 asinh(t)."""
     of = system_of(FREE)
     kernel = bind_kernel(program(of), of.parameters)
-    timed, out = np.zeros(kernel.timed), np.zeros(1)
     y = np.array([0.3, 1.0, 0.0])
-    pointers = [
-        array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
-        for array in (y, kernel.parameters, timed, out)
-    ]
     for time in TIMES.tolist():
-        assert kernel.module.clock.ctypes(time, pointers[1], pointers[2]) == 0
-        assert kernel.module.rates.ctypes(*pointers) == 0
+        *statuses, out = call(kernel, time, y, 1)
+        assert statuses == [0, 0]
         assert out[0] == pytest.approx(4 * math.asinh(time), rel=1e-14)
         (evaluated,) = of.evaluate(of.model.free_accelerations, time, y[:2])
         assert out[0] == pytest.approx(evaluated[0], rel=1e-14)

@@ -24,11 +24,11 @@ def leaves(graph):
 def printed(root, *others):
     nodes = reachable([root, *others])
     known = {n.index: NAMES[n.arguments[1]] for n in nodes if n.operation == "input"}
-    return Python(build_block(nodes, known), set()).text(root)
+    return Python(build_block(nodes, known)).text(root)
 
 
 def lines(roots, known, checks=None):
-    return Python(build_block(reachable(roots), known, roots, checks), set()).lines()
+    return Python(build_block(reachable(roots), known, roots, checks)).lines()
 
 
 def test_no_more_parentheses_than_needed(graph, leaves):

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from generated_code import run_printed
+from generated_code import run_compiled
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -219,7 +219,7 @@ def test_evaluated_printed_and_direct_values_agree(wanted, numbers):
     y, p = [leaves["y0"], leaves["y1"], leaves["y2"]], [leaves["p0"]]
     found = Evaluator(roots)(y=np.array(y), p=np.array(p), t=np.array([leaves["t"]]))
 
-    printed = run_printed(roots, y=y, p=p, t=leaves["t"])  # the text that kernels are made of
+    printed = run_compiled(roots, y=y, p=p, t=leaves["t"])  # the text that kernels are made of
 
     # moving signs and folding x − x, x·0 and x·1 are exact for finite numbers; bitwise therefore,
     # but NumPy's own sine and cosine may differ from the C library's in the last digit

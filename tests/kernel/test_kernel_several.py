@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from generated_code import run_printed
+from generated_code import run_compiled
 from scipy.interpolate import CubicSpline
 
 from linkages.components.contributed.functions import Table
@@ -53,7 +53,7 @@ def test_linear_systems_against_numpy(kind, size, seed):
     for found in (
         solve_systems(numbers),
         Evaluator(nodes)(y=np.array(numbers)),
-        run_printed(nodes, y=numbers),
+        run_compiled(nodes, y=numbers),
     ):
         *solution, last = (float(np.squeeze(value)) for value in found)
         # elimination with row exchanges is backward stable
@@ -109,7 +109,7 @@ def test_numpy_and_printed_code_find_the_same(start):
     x, y = intersection(0.9, 1.1)
     expected = (x, np.copysign(y, start[1]))
     evaluated = Evaluator(nodes)(y=np.array(start), p=np.array([0.9, 1.1]))
-    for found in (evaluated, run_printed(nodes, y=start, p=[0.9, 1.1])):
+    for found in (evaluated, run_compiled(nodes, y=start, p=[0.9, 1.1])):
         # the last update was below 1e-7 and convergence is quadratic; coefficients around 1
         assert [float(v) for v in found] == pytest.approx(expected, abs=1e-13)
 
@@ -132,7 +132,7 @@ def test_no_solution_ends_with_the_number_of_the_block():
     """Status 1 + block, after a bounded number of iterations."""
     _, nodes = two_circles()
     with pytest.raises(LookupError) as caught:
-        run_printed(nodes, y=[0.5, 0.8], p=[-4.0, 1.0])
+        run_compiled(nodes, y=[0.5, 0.8], p=[-4.0, 1.0])
     assert caught.value.args == (4,)
 
 
@@ -144,7 +144,7 @@ def test_what_lies_too_far_from_the_start_is_another_mode(start):
     assert abs(y - start[1]) > MOST_TURNED
     assert np.isnan(Evaluator(nodes)(y=np.array(start), p=np.array([0.9, 1.1]))).all()
     with pytest.raises(LookupError):
-        run_printed(nodes, y=start, p=[0.9, 1.1])
+        run_compiled(nodes, y=start, p=[0.9, 1.1])
     outside = dict(
         zip((n.index for n in iteration.external), _external(iteration, [0.9, 1.1]), strict=True)
     )
@@ -190,7 +190,7 @@ def test_the_iteration_is_bounded():
     (node,) = graph.newton(iteration, [graph.input("y", 0, Level.STATE)])
     assert np.isnan(Evaluator([node])(y=np.array([0.0]))[0])
     with pytest.raises(LookupError):
-        run_printed([node], y=[0.0])
+        run_compiled([node], y=[0.0])
     assert MOST_ITERATIONS < 100
 
 
@@ -226,7 +226,7 @@ def test_splines_against_scipy(periodic):
     nodes, numbers = spline(periodic)
     expected = expected_spline(periodic)
     evaluated = np.array(Evaluator(nodes)(t=WHERE[None], p=numbers))
-    printed = np.array([run_printed(nodes, t=time, p=numbers) for time in WHERE.tolist()]).T
+    printed = np.array([run_compiled(nodes, t=time, p=numbers) for time in WHERE.tolist()]).T
     # coefficients up to 20; the remainder of a division by the period loses a digit
     assert evaluated == pytest.approx(expected, abs=1e-13)
     assert printed == pytest.approx(expected, abs=1e-13)

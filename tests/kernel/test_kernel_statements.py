@@ -46,20 +46,14 @@ def as_c(written):
     parts = ["#include <math.h>"]
     for routine in written.routines:
         arguments = ", ".join("double t" if a == "t" else f"double *{a}" for a in routine.arguments)
-        parts += [f"int {routine.name}({arguments}) {{", *C(routine.block, set()).lines()]
+        parts += [f"int {routine.name}({arguments}) {{", *C(routine.block).lines()]
         parts += ["return 0;", "}"]
     return "\n".join(parts)
 
 
 def as_python(written):
-    """The printed module without a compiler; arrays are what they are."""
-    head, body = written.text.split("\n_array = ")
     scope = dict(vars(math))
-    scope |= {"carray": lambda array, _: array, "_inline": {}, "_options": {}}
-    scope |= {"njit": lambda **_: lambda f: f, "cfunc": lambda *_, **__: lambda f: f}
-    scope["types"] = type("types", (), {"float64": 0, "int64": lambda *_: 0})
-    assert head.startswith('"""')
-    exec(body.split("_inline = _options")[1].replace("_array", "0"), scope)
+    exec(written.text, scope)
     return scope
 
 

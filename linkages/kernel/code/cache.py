@@ -3,52 +3,54 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
-import logging
 import os
 import stat
-import sys
 import tempfile
-import threading
-import time
 import warnings
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
-LOGGER = logging.getLogger(__name__)
 ENVIRONMENT_VARIABLE = "LINKAGES_CACHE_DIR"
 
-_STAMP = 1e9  # seconds since 1970
 
-# A module is entered before it has been executed: no other thread may find it in between.
-_LOADING = threading.RLock()
+def kept(key: str, suffix: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
+    """What was made for a key, from the cache if it has been made before, and whether it was.
 
-
-def cached_module(text: str) -> ModuleType:
-    """Import a generated module, from the cache if it has been written before.
-
-    The name of the file is a hash of its text, so a changed generator or topology never meets an
-    old file. Writers do not disturb each other: a file appears whole or not at all, and one that
-    exists with the right text is left alone, so that Numba finds its compiled code beside it.
+    Writers do not disturb each other: a file appears whole or not at all. One whose content is not
+    what was written is made anew.
 
     Parameters
     ----------
-    text
-        Python source.
+    key
+        All that the content depends on; the file's name is its hash.
+    suffix
+        Of the file.
+    make
+        Makes the content.
     """
-    digest = hashlib.sha256(text.encode()).hexdigest()[:20]
-    name = f"linkages_kernel_{digest}"
-    with _LOADING:
-        if name not in sys.modules:
-            path, begin = cache_folder() / f"{name}.py", time.perf_counter()
-            known = _holds(path, text)
-            if not known:
-                _write(path, text)
-            _import(name, path)
-            how = "was known" if known else "is new and was compiled"
-            LOGGER.info("kernel %s %s, %.2f s", path, how, time.perf_counter() - begin)
-    return sys.modules[name]
+    path = cache_folder() / f"linkages_kernel_{digest_of(key)}{suffix}"
+    try:
+        seal, content = path.read_bytes().split(b"\n", 1)
+        if seal == _seal(content):
+            return content, True
+    except (OSError, ValueError):
+        pass  # not there, or not ours
+    content = make()
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    with os.fdopen(handle, "wb") as file:
+        file.write(_seal(content) + b"\n" + content)
+    Path(temporary).replace(path)
+    return content, False
+
+
+def digest_of(key: str) -> str:
+    """A short hash."""
+    return hashlib.sha256(key.encode()).hexdigest()[:20]
+
+
+def _seal(content: bytes) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()
 
 
 @cache
@@ -93,34 +95,3 @@ def _make_private(folder: Path) -> None:
     probe, name = tempfile.mkstemp(dir=folder)
     os.close(probe)
     Path(name).unlink()
-
-
-def _holds(path: Path, text: str) -> bool:
-    try:
-        return path.read_bytes() == text.encode()
-    except OSError:
-        return False
-
-
-def _write(path: Path, text: str) -> None:
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-        file.write(text)
-    # Older versions of Numba outdate machine code when the time stamp of its source changes.
-    # Writers of one text replace each other's file; what was compiled meanwhile must stay valid.
-    os.utime(temporary, (_STAMP, _STAMP))
-    Path(temporary).replace(path)
-
-
-def _import(name: str, path: Path) -> None:
-    """Import a file as `name`; Numba looks the module up while it runs, so it is entered first."""
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from ctypes import CFUNCTYPE, c_int64, c_void_p
 from dataclasses import dataclass
 from functools import lru_cache
-from types import ModuleType
 
 import numpy as np
 
-from linkages.kernel.code.cache import cached_module
+from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
 
 
@@ -20,47 +19,47 @@ class CompiledKernel:
 
     Parameters
     ----------
-    module
-        The generated module; keeps the machine code alive.
+    code
+        Keeps the machine code alive.
     parameters
         Parameters, followed by what `prepare` derived from them.
     timed
         Number of values that depend on time alone.
     """
 
-    module: ModuleType
+    code: MachineCode
     parameters: np.ndarray
     timed: int
 
     @property
     def clock(self) -> int:
         """Address of ``clock(t, p, timed)``."""
-        return self.module.clock.address
+        return self.code.address("clock")
 
     @property
     def rates(self) -> int:
         """Address of ``rates(y, p, timed, out)``."""
-        return self.module.rates.address
+        return self.code.address("rates")
 
 
 @dataclass(frozen=True)
 class Printed:
-    """The text of a program with what is needed to call it.
+    """A program in LLVM's assembly language, with what is needed to call it.
 
     Parameters
     ----------
-    text, parameters, timed
+    assembly, parameters, timed
         As `linkages.kernel.code.program.Program` has them.
     """
 
-    text: str
+    assembly: str
     parameters: tuple[int, int]
     timed: int
 
     @classmethod
     def of(cls, program: Program) -> Printed:
         """Without the nodes that it was printed from."""
-        return cls(program.text, program.parameters, program.timed)
+        return cls(program.assembly, program.parameters, program.timed)
 
 
 def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
@@ -73,16 +72,15 @@ def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledK
     parameters
         Values in the order of the model's inputs, shape (parameters,).
     """
-    module, prepare = _loaded(program.text)
+    code, prepare = _loaded(program.assembly)
     values = np.zeros(max(1, sum(program.parameters)))
     values[: program.parameters[0]] = parameters
     prepare(values.ctypes.data)
-    return CompiledKernel(module, values, program.timed)
+    return CompiledKernel(code, values, program.timed)
 
 
 @lru_cache(maxsize=256)
-def _loaded(text: str) -> tuple[ModuleType, Callable[[int], int]]:
-    """The module of a text, which is found without hashing it again, and its ``prepare``."""
-    module = cached_module(text)
-    call = CFUNCTYPE(c_int64, c_void_p)(module.prepare.address)
-    return module, call
+def _loaded(assembly: str) -> tuple[MachineCode, Callable[[int], int]]:
+    """The machine code of a text, which is found without hashing it again, and its ``prepare``."""
+    code = MachineCode(assembly)
+    return code, CFUNCTYPE(c_int64, c_void_p)(code.address("prepare"))

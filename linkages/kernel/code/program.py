@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.kernel.code.llvm import write_assembly
 from linkages.kernel.code.printing import write_module
 from linkages.kernel.code.statements import Entry, Place, Routine, build_block
 from linkages.kernel.graph.scalars import Level, Scalar, reachable
@@ -73,8 +74,13 @@ class Program:
     groups: dict[Level, list[Scalar]]
 
     @cached_property
+    def assembly(self) -> str:
+        """What is compiled, in LLVM's assembly language."""
+        return write_assembly(self.routines)
+
+    @cached_property
     def text(self) -> str:
-        """Python source."""
+        """The same as Python source, to be read."""
         return write_module(self.doc, self.routines)
 
 

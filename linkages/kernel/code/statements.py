@@ -3,7 +3,8 @@
 A `Block` is a sequence of statements about nodes of a graph, and the places where values stand. An
 operand of a statement stands in a place (an entry of an array, or a variable), or it is part of the
 expression that uses it; so a backend writes expressions from a node down to what has a place.
-`linkages.kernel.code.printing` is the backend that writes Python for Numba.
+`linkages.kernel.code.llvm` is the backend whose text is compiled, `linkages.kernel.code.printing`
+the one that people read.
 """
 
 from __future__ import annotations

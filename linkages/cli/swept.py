@@ -47,7 +47,7 @@ def failure_notes(failed: dict[str, int], what: str) -> list[str]:
     return [f"{count} {what}{'s' * (count > 1)}: {reason}" for reason, count in failed.items()]
 
 
-def swept(request: Request, label: str, what: str, task: Callable[..., xr.Dataset]) -> xr.Dataset:
+def result(request: Request, label: str, what: str, task: Callable[..., xr.Dataset]) -> xr.Dataset:
     """What a sweep returns that reports its progress, or after Ctrl-C what there is of it."""
     with request.computing(f"{label} of", f"of {what}s") as update:
         try:
@@ -59,7 +59,7 @@ def swept(request: Request, label: str, what: str, task: Callable[..., xr.Datase
             return cast("xr.Dataset", data)
 
 
-def publish_sweep(
+def publish(
     request: Request,
     data: xr.Dataset,
     what: str,

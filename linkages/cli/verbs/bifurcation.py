@@ -10,21 +10,8 @@ import numpy as np
 import xarray as xr
 from rich.console import Console
 
+from linkages.cli import swept
 from linkages.cli.requests import File, Request, initial_states, ranges
-from linkages.cli.swept import (
-    contact_columns,
-    contact_content,
-    counted,
-    failure_columns,
-    failure_notes,
-    failures,
-    flattened,
-    free_columns,
-    print_remarks,
-    publish_sweep,
-    swept,
-    varied_columns,
-)
 from linkages.cli.terminal import number, table
 from linkages.cli.verbs.lyapunov import BEYOND
 
@@ -58,11 +45,11 @@ def run(
         "starts": [str(name) for name in data["start"].values],
         "interrupted": bool(data.attrs["interrupted"]),
         "values": {head: column.tolist() for head, column in values.items()},
-        "failures": failures(data),
-        "warnings": counted(_warnings(data)),
-        "contact": contact_content(data),
+        "failures": swept.failures(data),
+        "warnings": swept.counted(_warnings(data)),
+        "contact": swept.contact_content(data),
     }
-    return publish_sweep(request, data, "value", made(), content, partial(_print, data, values))
+    return swept.publish(request, data, "value", made(), content, partial(_print, data, values))
 
 
 def _compute(
@@ -79,7 +66,7 @@ def _compute(
             break
         given = {**request.given, "start": one, "initial": states, "executor": Threads(cores)}
         task = partial(bifurcation, request.mechanism, axis, **given)
-        data = swept(request, axis.label, "value", task)
+        data = swept.result(request, axis.label, "value", task)
         parts.append(data.assign_coords(start=_names(one if len(starts) > 1 else "", states)))
     whole = parts[0] if len(parts) == 1 else xr.concat(parts, "start", data_vars="all")
     whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
@@ -99,12 +86,12 @@ def _numbered(data: xr.Dataset, dim: str) -> xr.DataArray:
 
 def _points(data: xr.Dataset) -> dict[str, Any]:
     """Columns of all points that there are."""
-    free = free_columns(data)
+    free = swept.free_columns(data)
     first = _first(data)
-    columns = flattened(
+    columns = swept.flattened(
         {
             "start": _numbered(data, "start"),
-            **varied_columns(data, "value"),
+            **swept.varied_columns(data, "value"),
             "point": _numbered(data, "crossing"),
         },
         first,
@@ -117,13 +104,13 @@ def _values(data: xr.Dataset) -> dict[str, np.ndarray]:
     """Columns with a row for each start and value: points, exponent, contact, reason."""
     columns = {
         "start": _numbered(data, "start"),
-        **varied_columns(data, "value"),
+        **swept.varied_columns(data, "value"),
         "points": _first(data).notnull().sum("crossing"),
     }
     if "exponent" in data:
         columns |= {"exponent (1/s)": data["exponent"], "error (1/s)": data["error"]}
-    columns |= contact_columns(data) | failure_columns(data)
-    return flattened(columns, data["reason"])
+    columns |= swept.contact_columns(data) | swept.failure_columns(data)
+    return swept.flattened(columns, data["reason"])
 
 
 def _first(data: xr.Dataset) -> xr.DataArray:
@@ -150,10 +137,10 @@ def _print(data: xr.Dataset, values: dict[str, Any], screen: Console) -> None:
     screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
     notes = [
         note
-        for reasons in (failures(data), counted(_warnings(data)))
-        for note in failure_notes(reasons, "value")
+        for reasons in (swept.failures(data), swept.counted(_warnings(data)))
+        for note in swept.failure_notes(reasons, "value")
     ]
-    print_remarks(data, notes, screen)
+    swept.print_remarks(data, notes, screen)
 
 
 def _warnings(data: xr.Dataset) -> list[str]:

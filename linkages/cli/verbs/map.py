@@ -10,19 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.console import Console
 
+from linkages.cli import swept
 from linkages.cli.requests import File, Request, ranges
-from linkages.cli.swept import (
-    contact_columns,
-    contact_content,
-    failure_columns,
-    failure_notes,
-    failures,
-    flattened,
-    print_remarks,
-    publish_sweep,
-    swept,
-    varied_columns,
-)
 from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
@@ -36,10 +25,10 @@ def run(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None)
 
     axes = ranges("--x", x), ranges("--y", y)
     task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)
-    data = swept(request, "map", "point", task)
+    data = swept.result(request, "map", "point", task)
 
     content, made = _content(data), _files(data, request.figures)
-    return publish_sweep(request, data, "point", made, content, partial(_print, content, data))
+    return swept.publish(request, data, "point", made, content, partial(_print, content, data))
 
 
 def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
@@ -58,14 +47,14 @@ def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
 def _columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each point."""
     kind, units = str(data.attrs["kind"]), data["indicator"].attrs["units"]
-    columns = varied_columns(data, "x", "y")
+    columns = swept.varied_columns(data, "x", "y")
     columns[f"{kind} ({units})" if units else kind] = data["indicator"]
     if "error" in data:
         columns |= {"error (1/s)": data["error"], "sign": data["sign"]}
-    columns |= contact_columns(data)
+    columns |= swept.contact_columns(data)
     for name in data["coordinate"].values:
         columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name)
-    return flattened(columns | failure_columns(data), data["indicator"])
+    return swept.flattened(columns | swept.failure_columns(data), data["indicator"])
 
 
 def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
@@ -91,8 +80,8 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         "greatest": float(finite.max()) if finite.size else None,
         "signs": _signs(data),
         "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
-        "contact": contact_content(data),
-        "failures": failures(data),
+        "contact": swept.contact_content(data),
+        "failures": swept.failures(data),
     }
 
 
@@ -122,4 +111,4 @@ def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
     ]
     if rows:
         screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    print_remarks(data, failure_notes(content["failures"], "point"), screen)
+    swept.print_remarks(data, swept.failure_notes(content["failures"], "point"), screen)

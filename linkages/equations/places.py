@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from linkages.components.contributed.terms import Body, Parameter, axis_label
+from linkages.components.contributed.terms import Body, Parameter
 from linkages.equations.polar import Polar, Terms, in_frame
 from linkages.equations.symbols import Symbols
 from linkages.topology.blocks import Step
@@ -52,7 +52,7 @@ class Places:
             start = self._mechanism.attachments[name][entry]
             return (*self.joint(entry), *self._within(name, start, body.centre))
         if body.guide.body is None:
-            axis = axis_label(name)
+            axis = body.axis
             return (*self.joint(axis), *self._step(Step(name, axis, first)))
         return self.joint(first)
 
@@ -85,7 +85,7 @@ class Places:
 
     def _step(self, step: Step) -> Terms:
         """Along a body; a slider's axis point lies at its first joint, less the displacement."""
-        places, own = self._mechanism.attachments[step.body], axis_label(step.body)
+        places, own = self._mechanism.attachments[step.body], self._body(step.body).axis
         slid: Terms = ()
         if own in (step.start, step.end):
             along = Polar(self._symbols.coordinates[step.body], self.orientation(step.body))

@@ -27,6 +27,10 @@ _BY_KEY = {
     "torque": "M",
     "stiffness": "k",
     "damping": "d",
+    "dissipation": "a",
+    "friction": "mu",
+    "pin_radius": "R",
+    "slip": "w",
 }
 _AXES = ("x", "y")
 
@@ -188,8 +192,8 @@ def _parameter_notation(path: Path) -> tuple[str, ...]:
             return "i", str(index + 1)
         case ("gears", int(index), "carrier"):
             return "i", str(index + 1), "carrier"
-        case ("dampers", int(index), "damping"):
-            return "b", str(index + 1)
+        case ("dampers", int(index), "damping", *place):
+            return "b", str(index + 1), *map(_counted, place)
         case ("loads" | "springs", int(index), str(key), *place) if key in _BY_KEY:
             return _BY_KEY[key], str(index + 1), *map(_counted, place)
         case ("springs" | "gears", int(index), "angle"):

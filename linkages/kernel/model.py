@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.components.contributed.measures import Load, Measure
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
+from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.forces.inertia import Inertia
-from linkages.kernel.forces.loads import LoadNodes
+from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
@@ -17,6 +20,7 @@ from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
+from linkages.kernel.switches import Switches
 from linkages.topology.topology import Topology
 
 MOST_EVALUATORS = 128
@@ -49,6 +53,7 @@ class Model:
         paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
+        self.switches = Switches(self)
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
@@ -69,7 +74,26 @@ class Model:
     @cached_property
     def loads(self) -> list[LoadNodes]:
         """Forces, torques, springs and dampers."""
-        return [load_nodes(self, index) for index in range(len(self.mechanism.loads))]
+        return [load_nodes(self, load, place) for place, load in enumerate(self.mechanism.loads)]
+
+    @cached_property
+    def sensed(self) -> dict[Measure, LoadNodes]:
+        """What laws depend on beside what their loads act along; no force is along them here."""
+        first = len(self.mechanism.loads)
+        return {
+            measure: load_nodes(self, Load(measure, NOTHING, ()), place)
+            for place, measure in enumerate(self.mechanism.sensed, first)
+        }
+
+    @cached_property
+    def contacts(self) -> list[ContactNodes]:
+        """What presses in clearances that open."""
+        return [ContactNodes(self, contact) for contact in self.mechanism.contacts]
+
+    @property
+    def acting(self) -> list[Acting]:
+        """All that acts beside drives and gravity."""
+        return [*self.loads, *self.contacts]
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:
@@ -119,7 +143,7 @@ class Model:
         """
         with section(f"projection on {partial.label}"):
             force = self.inertia.product(accelerations, partial, self.gravity)
-            for load in self.loads:
+            for load in self.acting:
                 force = force - load.power(partial)
         return force
 
@@ -189,7 +213,8 @@ class Model:
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
         matrix = self.mass_matrix
-        forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+        with self.switches.collecting():
+            forces = [-self.required_force(self.bias, partial) for partial in self.partials]
         solution = solve_symmetric(matrix, forces)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
@@ -219,12 +244,12 @@ class Model:
     @property
     def load_power(self) -> Scalar:
         """Power of all loads but of what they store."""
-        return self.graph.total(load.working for load in self.loads)
+        return self.graph.total(load.working for load in self.acting)
 
     @property
     def potential_energy(self) -> Scalar:
         """Of gravity and springs; zero for centres of mass at the origin and relaxed springs."""
-        elastic = self.graph.total(load.potential for load in self.loads)
+        elastic = self.graph.total(load.potential for load in self.acting)
         return elastic - self.gravity.dot(self.inertia.moment_of_mass())
 
 

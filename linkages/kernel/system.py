@@ -57,6 +57,7 @@ class System:
             raise TypeError(f"mechanism must be one, as from linkages.load, found {mechanism!r}")
         self.mechanism = choose_free(mechanism)
         self.time = time
+        self.held: Floats | None = None
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
         )
@@ -136,6 +137,8 @@ class System:
         found = copy.copy(self)
         for derived in ("parameters", "margin_scale", "jacobian"):
             vars(found).pop(derived, None)
+        # modes belong to a state
+        found.held = None if "state" in changed else self.held
         vars(found).update(changed)
         return found
 
@@ -150,7 +153,9 @@ class System:
         """Loads must have a value at the start, as the laws of drives must."""
         found = []
         for load in self.model.loads:
-            if not np.isfinite(self._place.values(load.given, self.assembly)).all():
+            given = np.isfinite(self._place.values(load.given, self.assembly))
+            rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
+            if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 found.append((load.load.path, message))
         if found:
@@ -176,10 +181,54 @@ class System:
             state[rows] = self._place.values(self.model.settled, assembly)
         return state
 
-    def at(self, time: float, state: Floats, flipped: Collection[int] = ()) -> System:
-        """The same at another time and in another state, with some blocks in their other mode."""
+    def at(
+        self,
+        time: float,
+        state: Floats,
+        flipped: Collection[int] = (),
+        held: Floats | None = None,
+    ) -> System:
+        """The same at another time and in another state, with some blocks in their other mode.
+
+        `held` are modes and memories there, as `starting_held` has them; they follow from the state
+        if not given.
+        """
         sides = {b: -s if b in flipped else s for b, s in self.assembly.sides.items()}
-        return self._with(time=time, state=state, assembly=replace(self.assembly, sides=sides))
+        assembly = replace(self.assembly, sides=sides)
+        return self._with(time=time, state=state, assembly=assembly, held=held)
+
+    def starting_held(self) -> Floats:
+        """Modes, then memories, of the initial state, shape (m,).
+
+        Those that it has been given; otherwise a mode is the sign of its function or, where that is
+        zero, of its rate. Memories are as if all switches had just risen.
+        """
+        if self.held is not None:
+            return self.held.copy()
+        accelerations = self.model.integrated_accelerations(self.model.free_accelerations)
+        switches = self.model.switches
+        held = self._signed(self._inputs(np.array([self.time]), self.state[:, None]))[:, 0]
+        values = self.evaluate(switches.functions, held=held[:, None])[:, 0]
+        for number in np.flatnonzero(values == 0.0):
+            owner = switches.switches[number].active
+            if owner is None or held[owner] > 0.0:
+                rate = switches.rates([switches.functions[number]], accelerations)
+                rising = self.evaluate(rate, held=held[:, None])[0, 0] >= 0.0
+                held[number] = 1.0 if rising else -1.0
+        return np.asarray(held)
+
+    def holding(self, named: Mapping[str, float]) -> System:
+        """The same with modes and memories from another motion, by their names.
+
+        Without, where that had other ones: then they follow from the state.
+        """
+        if not named:
+            return self
+        _ = self.model.free_accelerations
+        names = self.model.switches.names
+        if not set(names) <= named.keys():
+            return self
+        return self._with(held=np.array([named[name] for name in names]))
 
     def modes(self) -> list[Assembly]:
         """All assembly modes at the initial values of drives and free coordinates."""
@@ -199,6 +248,7 @@ class System:
         state: Floats | None = None,
         acceleration: Floats | None = None,
         flipped: Mapping[int, NDArray[np.bool_]] | None = None,
+        held: Floats | None = None,
     ) -> Floats:
         """Values of nodes of the model, shape (nodes, times).
 
@@ -215,10 +265,34 @@ class System:
             Shape (n, times).
         flipped
             Block → where it is in its other assembly mode, shape (times,).
+        held
+            Modes, then memories, shape (m, times); if not given, those of the initial state, or
+            what follows from another one.
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
             state = self.state[:, None]
+            held = self.held[:, None] if held is None and self.held is not None else held
+        inputs = self._inputs(times, state, acceleration, flipped)
+        evaluator = self.model.evaluator(nodes)
+        if evaluator.switched:
+            found = self._signed(inputs) if held is None else held
+            count = len(self.model.switches.switches)
+            inputs |= {"mode": found[:count], "memory": found[count:]}
+        values = evaluator(**inputs)
+        result = np.empty((len(nodes), len(times)))
+        for row, value in zip(result, values, strict=True):
+            row[:] = value
+        return result
+
+    def _inputs(
+        self,
+        times: Floats,
+        state: Floats,
+        acceleration: Floats | None = None,
+        flipped: Mapping[int, NDArray[np.bool_]] | None = None,
+    ) -> dict[str, Floats]:
+        """Arguments of an evaluator, but for modes and memories."""
         count = len(self.topology.coordinates)
         accelerations = np.zeros((count, 1)) if acceleration is None else acceleration
         parameters = self.parameters
@@ -226,11 +300,12 @@ class System:
             parameters = np.repeat(parameters[:, None], len(times), axis=1)
             for block, where in flipped.items():
                 parameters[self.model.inputs.parameters["side", block], where] *= -1.0
-        values = self.model.evaluator(nodes)(t=times[None], y=state, a=accelerations, p=parameters)
-        result = np.empty((len(nodes), len(times)))
-        for row, value in zip(result, values, strict=True):
-            row[:] = value
-        return result
+        return {"t": times[None], "y": state, "a": accelerations, "p": parameters}
+
+    def _signed(self, inputs: Mapping[str, Floats]) -> Floats:
+        """Modes and memories that follow from a state, shape (m, times)."""
+        found = self.model.switches.signed(inputs)
+        return np.concatenate([found["mode"], found["memory"]])
 
     def places(self) -> dict[str, Floats]:
         """Point → position at the initial state, shape (2,)."""

@@ -27,11 +27,20 @@ def variations(model: Model, layout: Layout) -> list[Scalar]:
     """
     if not layout.tangents:
         return []
-    inputs, n = model.inputs, len(layout.free)
-    directions: list[Mapping[int, Scalar]] = []
-    for column in layout.tangent_rows[:n].T.tolist():
-        places = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(column)}
-        speeds = {inputs.rate(i): inputs.rate(row) for i, row in enumerate(column)}
-        directions.append({node.index: moved for node, moved in (places | speeds).items()})
-    rows = derivative_along(model.free_accelerations, directions)
+    n = len(layout.free)
+    rows = derivative_along(model.free_accelerations, tangent_directions(model, layout))
     return [rows[i][k] for k in range(layout.tangents) for i in range(n)]
+
+
+def tangent_directions(model: Model, layout: Layout) -> list[Mapping[int, Scalar]]:
+    """For each tangent the rates of inputs along it: of free coordinates, rates and memories."""
+    inputs, n = model.inputs, len(layout.free)
+    memories = range(len(model.switches.memories))
+    directions: list[Mapping[int, Scalar]] = []
+    for column, rows in enumerate(layout.tangent_rows[:n].T.tolist()):
+        moved = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(rows)}
+        moved |= {inputs.rate(i): inputs.rate(row) for i, row in enumerate(rows)}
+        first = column * len(memories)
+        moved |= {inputs.memory(r): inputs.memory_tangent(first + r) for r in memories}
+        directions.append({node.index: rate for node, rate in moved.items()})
+    return directions

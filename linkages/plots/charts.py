@@ -20,6 +20,7 @@ from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, picture
+from linkages.plots.motion import clearance_orbit as orbits
 from linkages.plots.motion import phase, time_figures
 from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.style import panels, styled
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 __all__ = [
     "bifurcation",
     "clearance_force",
+    "clearance_orbit",
+    "clearance_state",
     "drive_effort",
     "drive_force",
     "exponents",
@@ -135,6 +138,31 @@ slider_acceleration_error = _chart(
 clearance_force = _chart("clearance_force", "Forces in the clearances")
 load_force = _chart("load_force", "Forces of all loads")
 load_torque = _chart("load_torque", "Torques of all loads")
+
+
+@styled
+def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """The way of a pin in its hole, where contact may open: of the clearance named, or the first.
+
+    Raises
+    ------
+    ValueError
+        For data without offsets, or an unknown clearance.
+    """
+    data = _data(source)
+    chosen = _chosen(name, dict.fromkeys(orbits.opening(data)), "clearance whose contact may open")
+    ax = ax or panels(1, 1, SINGLE, orbits.ABOVE)[1][0]
+    return orbits.draw_orbit(ax, data.sel(clearance=chosen), chosen)
+
+
+@styled
+def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
+    """Free flight, impacts and following contact over time, where contact may open."""
+    data = _data(source)
+    _require(data, "clearance_state")
+    if ax is None:
+        ax = orbits.state_page(data)
+    return orbits.draw_states(ax, data, str(data.attrs.get("name", "")))
 
 
 def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
@@ -277,9 +305,9 @@ def _free(data: xr.Dataset, name: str | None) -> Free:
     return found[_chosen(name, found)]
 
 
-def _chosen(name: str | None, found: Mapping[str, object]) -> str:
+def _chosen(name: str | None, found: Mapping[str, object], what: str = "free coordinate") -> str:
     if not found:
-        raise ValueError("the data have no free coordinates")
+        raise ValueError(f"the data have no {what}")
     if name is not None and name not in found:
-        raise ValueError(f"unknown coordinate {name!r}; expected one of: {', '.join(found)}")
+        raise ValueError(f"unknown {what} {name!r}; expected one of: {', '.join(found)}")
     return next(iter(found)) if name is None else name

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism import drawing, traces
-from linkages.plots.motion import phase
+from linkages.plots.motion import clearance_orbit, phase
 from linkages.plots.motion.time_figures import time_figure
 from linkages.plots.style import style
 from linkages.reading.replacing import replaced
@@ -34,6 +34,8 @@ FIGURES: Mapping[str, FigureFunction] = {
     "load_force": time_figure("load_force"),
     "load_torque": time_figure("load_torque"),
     "clearance_force": time_figure("clearance_force"),
+    "clearance_orbit": clearance_orbit.orbit_figure,
+    "clearance_state": clearance_orbit.state_figure,
     "phase": phase.figure,
 }
 

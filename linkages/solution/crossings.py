@@ -46,5 +46,7 @@ def _accelerated(piece: Piece) -> Piece:
         return piece
     model = piece.system.model
     nodes = model.integrated_accelerations(model.free_accelerations)
-    values = piece.system.evaluate(nodes, piece.time, piece.state, flipped=piece.flipped)
+    values = piece.system.evaluate(
+        nodes, piece.time, piece.state, flipped=piece.flipped, held=piece.held
+    )
     return replace(piece, acceleration=values)

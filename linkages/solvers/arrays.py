@@ -7,14 +7,13 @@ from numpy.typing import NDArray
 
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.flow import Companion, Flow
+from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.steps.views import (
     KEEP,
     NODE,
     STEP_END,
-    Events,
-    Hook,
+    WORD,
     Nodes,
     Record,
     System,
@@ -24,10 +23,17 @@ from linkages.solvers.steps.views import (
 
 
 class Memory:
-    """Makes arrays and keeps them alive while compiled code holds their addresses."""
+    """Makes arrays and keeps them alive while compiled code holds their addresses.
+
+    Attributes
+    ----------
+    copies
+        Addresses at which what a motion holds is needed beside its kernel, and how much of it.
+    """
 
     def __init__(self) -> None:
         self.arrays: list[NDArray] = []
+        self.copies: list[tuple[int, int]] = []
 
     def floats(self, values: object) -> int:
         """Address of numbers as float64."""
@@ -45,10 +51,12 @@ class Memory:
 def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
     """Addresses and numbers of a job's flow, with room for what its clock writes."""
     flow = job.flow
+    # what is held stands behind the parameters proper
+    parameters = memory.floats(job.parameters)
     return System(
         clock=flow.clock,
         rates=flow.rates,
-        parameters=memory.floats(flow.parameters),
+        parameters=parameters,
         timed=memory.floats(np.zeros(flow.timed_size)),
         rotates=memory.integers(flow.rotates),
         margin_scale=memory.floats(flow.margin_scale),
@@ -59,6 +67,8 @@ def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
         carried=flow.carried,
         counted=flow.counted,
         backward=int(job.end < job.start),
+        holding=flow.held,
+        held=parameters + WORD * (len(job.parameters) - flow.held),
         rows=memory.floats(rows),
         width=rows.shape[1],
     )
@@ -97,43 +107,6 @@ def table(memory: Memory, tableau: Tableau, flow: Flow) -> Table:
         end=end,
         degree=tableau.dense.shape[1],
     )
-
-
-def hook(memory: Memory, job: Job, system: System, table: Table, record: Record) -> Hook:
-    """What watches the steps of a job for its events; nothing where it has none."""
-    log = job.log
-    if not log.events:
-        return Hook(0, 0)
-    # Compiled by the first run that has events.
-    from linkages.solvers.watched.crossings import watch_step
-
-    events = Events(
-        events=len(log.events),
-        weights=memory.floats(log.weights),
-        functions=memory.integers([_function(memory, event.function) for event in log.events]),
-        values=memory.floats(np.full((len(log.events), 5), np.nan)),
-        level=memory.floats([event.level for event in log.events]),
-        period=memory.floats(log.periods),
-        direction=memory.integers([event.direction for event in log.events]),
-        terminal=memory.integers([event.terminal for event in log.events]),
-        first=memory.integers(log.first),
-        found=memory.integers(log.found),
-        time=memory.floats(log.time),
-        state=memory.floats(log.state),
-        turns=memory.integers(log.turns),
-        angles=memory.floats(log.angles),
-    )
-    context = memory.integers([*system, *table, *record, *events])
-    return Hook(watch_step.address, context)
-
-
-def _function(memory: Memory, function: Companion | None) -> list[int]:
-    """Addresses of what an event watches."""
-    if function is None:
-        return [0, 0, 0, 0]
-    parameters = memory.floats(function.parameters)
-    timed = memory.floats(np.zeros(function.timed_size))
-    return [function.clock, function.rates, parameters, timed]
 
 
 def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
@@ -180,6 +153,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         angles=memory.floats(job.final_angles),
         ahead=memory.floats(np.zeros(job.flow.counted)),
         sampled=memory.floats(job.angles),
+        sampled_held=memory.floats(job.held),
         counters=memory.integers(job.counters),
         control=memory.floats(job.control),
         observer=0,
@@ -190,6 +164,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     # Compiled by the first run that has tangents.
     from linkages.solvers.watched.tangents import watch_tangents
 
+    own = job.flow.switching
     tangents = Tangents(
         size=job.tangents.size,
         columns=job.tangents.columns,
@@ -198,6 +173,8 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         orthogonal=int(job.tangents.orthogonal),
         seen=memory.integers(np.zeros(1)),
         lengths=memory.floats(job.lengths),
+        memories=0 if own is None else len(own.owners),
+        moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )
     context = memory.integers([*system, *found, *tangents])
     return found._replace(observer=watch_tangents.address, observed=context)

@@ -75,6 +75,8 @@ class Crossings:
         Whole turns to be added to rotating coordinates.
     angles : (m, d)
         Dependent angles with the whole turns made since the start.
+    held : (m, h)
+        Modes and what is remembered.
     count
         Number of crossings met, of which the first m were recorded.
     """
@@ -83,6 +85,7 @@ class Crossings:
     state: NDArray[np.float64]
     turns: NDArray[np.int64]
     angles: NDArray[np.float64]
+    held: NDArray[np.float64]
     count: int
 
 
@@ -106,6 +109,7 @@ class EventLog:
     state: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
     angles: NDArray[np.float64] = field(init=False)
+    held: NDArray[np.float64] = field(init=False)
     found: NDArray[np.int64] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -128,6 +132,7 @@ class EventLog:
             "state": np.zeros((first[-1], 2 * n)),
             "turns": np.zeros((first[-1], n), dtype=np.int64),
             "angles": np.zeros((first[-1], self.flow.counted)),
+            "held": np.zeros((first[-1], self.flow.held)),
             "found": np.zeros(len(weights), dtype=np.int64),
         }
         for name, array in arrays.items():
@@ -155,6 +160,7 @@ class EventLog:
                     state=self.state[rows],
                     turns=self.turns[rows],
                     angles=self.angles[rows],
+                    held=self.held[rows],
                     count=int(found),
                 )
             )

@@ -29,6 +29,8 @@ class Companion:
         Length of what `clock` writes.
     keepalive
         Whatever must live as long as the two addresses are in use.
+    held
+        How many of the last parameters are modes, and what is remembered.
     """
 
     clock: int
@@ -36,6 +38,59 @@ class Companion:
     parameters: NDArray[np.float64]
     timed_size: int
     keepalive: object = None
+    held: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Switching:
+    """Modes of a flow, which change where functions of time and state cross zero.
+
+    The last parameters of the flow are what is held between such times: a mode, +1 or −1, for each
+    switch, the numbers that the motion remembers, and those numbers' tangents, tangent by tangent.
+
+    Parameters
+    ----------
+    names
+        One for each of m switches, for sentences.
+    active : m of int
+        For each switch the number of another one: where that is −1 it is not watched; −1: always.
+    owners
+        For each number remembered the switch that renews it when it rises.
+    jumps : m of int
+        For each switch the place of its first new rate among the values of `transition`, or −1.
+    free
+        Number of free coordinates: the first ones, whose rates may jump.
+    tangents
+        Number of tangents, the last coordinates, with `free` entries each.
+    transition
+        Writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises: numbers
+        remembered, then new rates; with tangents also their derivatives, see
+        `linkages.kernel.transitions`. None if nothing is remembered, jumps, or is a tangent.
+    """
+
+    names: tuple[str, ...]
+    active: tuple[int, ...]
+    owners: tuple[int, ...] = ()
+    jumps: tuple[int, ...] = ()
+    free: int = 0
+    tangents: int = 0
+    transition: Companion | None = None
+
+    @property
+    def held(self) -> int:
+        """Number h of modes, numbers remembered and their tangents."""
+        return len(self.names) + len(self.owners) * (1 + self.tangents)
+
+    @property
+    def values(self) -> int:
+        """Number of new values that `transition` writes."""
+        return len(self.owners) + self.free * sum(place >= 0 for place in self.jumps)
+
+    @property
+    def written(self) -> int:
+        """Length of what `transition` writes."""
+        further = self.values * (1 + self.tangents) + len(self.names) * self.tangents
+        return self.values + (further if self.tangents else 0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,18 +104,19 @@ class Flow:
 
     `clock` computes everything that depends on time alone and is called once per distinct stage
     time. `rates` reads ``state = [q (n), v (n)]`` and writes ``out = [a (n), margin (b),
-    margin_rate (b), settled (c), settled_rate (c), cosine (d), sine (d), speed (d)]``. Both return
+    margin_rate (b), settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m),
+    function_rate (m)]``. Both return
     0, or 1 + the index of the block that cannot be assembled. The c coordinates from
     `first_carried` on are carried along as values to start an iteration from: after a step they
-    are replaced by what it found. The last 3d numbers belong to dependent angles, whose whole
-    turns are counted.
+    are replaced by what it found. The 3d numbers behind belong to dependent angles, whose whole
+    turns are counted, the last 2m to switches.
 
     Parameters
     ----------
     clock, rates
         Addresses of the compiled functions, for example ``numba.cfunc(...)(f).address``.
     parameters : (p,)
-        Numbers passed to both functions; never changed by a solver.
+        Numbers passed to both functions; never changed by a solver, which changes modes in a copy.
     timed_size
         Length of what `clock` writes.
     coordinates
@@ -79,6 +135,8 @@ class Flow:
         Whatever must live as long as the two addresses are in use.
     linearise
         Compiles the derivatives of the accelerations; called by methods that need them.
+    switching
+        Modes that change on the way; None if there are none.
     """
 
     clock: int
@@ -94,6 +152,7 @@ class Flow:
     counted: int = 0
     keepalive: object = None
     linearise: Callable[[], Companion] | None = None
+    switching: Switching | None = None
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray
@@ -118,7 +177,17 @@ class Flow:
     def written(self) -> int:
         """Length of what `rates` writes."""
         pairs = len(self.margin_scale) + self.carried
-        return self.coordinates + 2 * pairs + 3 * self.counted
+        return self.coordinates + 2 * (pairs + self.switches) + 3 * self.counted
+
+    @property
+    def switches(self) -> int:
+        """Number m of switches."""
+        return 0 if self.switching is None else len(self.switching.names)
+
+    @property
+    def held(self) -> int:
+        """Number of modes, and of what is remembered: the last parameters."""
+        return 0 if self.switching is None else self.switching.held
 
     @property
     def smallest_margins(self) -> NDArray[np.float64]:

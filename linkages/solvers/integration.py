@@ -42,6 +42,7 @@ def integrate(
     events: Sequence[Event] = (),
     angles: NDArray[np.float64] | None = None,
     tangents: Renormalisation | None = None,
+    holds: NDArray[np.float64] | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion and sample the motion at given times.
@@ -75,6 +76,8 @@ def integrate(
         turn.
     tangents
         Which coordinates are tangents, and after how many samples each time they are renormalised.
+    holds : (h,)
+        Modes and what is remembered at the start, of a flow that has modes.
     watch
         Called about 20 times a second, and once at the end, with the fraction of simulated time
         that is done.
@@ -112,6 +115,7 @@ def integrate(
         events=tuple(events),
         begun=angles,
         tangents=tangents,
+        holds=_holds(flow, holds, chosen),
     )
     clock = time.perf_counter()
     found = job.trajectory(supervise(chosen, job, watch), choice)
@@ -141,6 +145,22 @@ def _state(flow: Flow, state: ArrayLike) -> NDArray[np.float64]:
     if not np.isfinite(found).all():
         raise ValueError(f"state must be finite, found {found}")
     return found
+
+
+def _holds(
+    flow: Flow, holds: NDArray[np.float64] | None, method: Method
+) -> NDArray[np.float64] | None:
+    if flow.switching is None:
+        return None
+    if not method.switching:
+        able = ", ".join(f"'{name}'" for name, known in METHODS.items() if known.switching)
+        raise ValueError(
+            f"method '{method.name}' cannot change modes on the way, as "
+            f"'{flow.switching.names[0]}' asks for; take one of {able}"
+        )
+    if holds is None or holds.shape != (flow.held,):
+        raise ValueError(f"holds must have shape ({flow.held},), found {holds!r}")
+    return holds
 
 
 def _times(times: ArrayLike) -> NDArray[np.float64]:

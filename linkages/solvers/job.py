@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.changes import ChangeLog
 from linkages.solvers.choice import Choice
 from linkages.solvers.events import Event, EventLog
-from linkages.solvers.flow import Flow
+from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Trajectory
@@ -42,6 +43,8 @@ class Job:
         About where dependent angles are at the start, with their turns.
     tangents
         What is renormalised on the way; None for nothing.
+    holds : (h,)
+        Modes and what is remembered at the start; none by default.
     """
 
     flow: Flow
@@ -55,6 +58,7 @@ class Job:
     events: Sequence[Event] = ()
     begun: NDArray[np.float64] | None = None
     tangents: Renormalisation | None = None
+    holds: NDArray[np.float64] | None = None
 
     log: EventLog = field(init=False)
     states: NDArray[np.float64] = field(init=False)
@@ -64,6 +68,9 @@ class Job:
     angles: NDArray[np.float64] = field(init=False)
     final_angles: NDArray[np.float64] = field(init=False)
     lengths: NDArray[np.float64] = field(init=False)
+    held: NDArray[np.float64] = field(init=False)
+    parameters: NDArray[np.float64] = field(init=False)
+    changes: ChangeLog = field(init=False)
     counters: NDArray[np.int64] = field(init=False)
     control: NDArray[np.float64] = field(init=False)
 
@@ -77,14 +84,26 @@ class Job:
             "angles": np.zeros((m, d)),
             "final_angles": np.zeros(d) if self.begun is None else self.begun.copy(),
             "lengths": np.zeros(self._renormalised(m)),
-            # Samples, steps, rejected steps, evaluations, block: see `views`.
-            "counters": np.array([0, 0, 0, 0, -1], dtype=np.int64),
+            "held": np.zeros((m, self.flow.held)),
+            "parameters": self.holding(self.flow),
+            # Samples, steps, rejected steps, evaluations, block, switch: see `views`.
+            "counters": np.array([0, 0, 0, 0, -1, -1], dtype=np.int64),
             # Time reached, and whether to stop.
             "control": np.array([self.start, 0.0]),
         }
         object.__setattr__(self, "log", EventLog(self.events, self.flow))
+        object.__setattr__(self, "changes", ChangeLog(self.flow))
         for name, array in arrays.items():
             object.__setattr__(self, name, array)
+
+    def holding(self, kernel: Flow | Companion) -> NDArray[np.float64]:
+        """The parameters of a kernel with the modes and memories at the start; shared without."""
+        if not kernel.held:
+            return kernel.parameters
+        assert self.holds is not None
+        found = kernel.parameters.copy()
+        found[len(found) - kernel.held :] = self.holds[: kernel.held]
+        return found
 
     def _renormalised(self, samples: int) -> tuple[int, int]:
         """How often, and how many tangents."""
@@ -108,7 +127,7 @@ class Job:
 
     def trajectory(self, outcome: Outcome, choice: Choice) -> Trajectory:
         """Collect the results once the loop has returned."""
-        samples, steps, rejected, evaluations, block = (int(count) for count in self.counters)
+        samples, steps, rejected, evaluations, block, switch = map(int, self.counters)
         return Trajectory(
             time=self.times[:samples],
             state=self.states[:samples],
@@ -126,6 +145,10 @@ class Job:
             final_angles=self.final_angles,
             crossings=self.log.crossings,
             lengths=self.lengths[: self._renormalised(samples)[0]],
+            held=self.held[:samples],
+            final_held=self.parameters[len(self.parameters) - self.flow.held :].copy(),
+            changes=self.changes.changes,
+            switch=switch,
             method=choice.name,
             reason=choice.reason,
         )

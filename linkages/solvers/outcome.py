@@ -60,6 +60,19 @@ class Outcome(IntEnum):
         "Start again from the final state to go on.",
     )
 
+    SLIDING = (
+        9,
+        "A mode has no value: on both sides of the zero of its function the motion is pushed back "
+        "onto it, as friction that jumps holds a body at rest.",
+        "Take a law without a jump there, such as tanh(v/v0) for friction.",
+    )
+    CHATTER = (
+        10,
+        "A mode changes again and again while time hardly goes on, as where a ball comes to rest "
+        "by ever smaller impacts.",
+        "End before this time, or take a law that lets this end.",
+    )
+
     def __new__(cls, value: int, sentence: str = "", remedy: str = "") -> Outcome:
         """Make a member from its value and its two sentences."""
         member = int.__new__(cls, value)

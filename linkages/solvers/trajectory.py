@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.changes import Changes
 from linkages.solvers.events import Crossings
 from linkages.solvers.outcome import Outcome
 
@@ -47,6 +48,14 @@ class Trajectory:
         What was found of each event.
     lengths : (k, columns)
         Logarithms of the lengths to which tangents had grown whenever they were renormalised.
+    held : (m, h)
+        Modes and what is remembered.
+    final_held : (h,)
+        The same at `stop_time`.
+    changes
+        Where modes have changed.
+    switch
+        Number of the switch concerned; -1 where the outcome concerns none.
     method, reason
         Name of the method, and why it was taken.
     """
@@ -65,8 +74,12 @@ class Trajectory:
     final_turns: NDArray[np.int64]
     angles: NDArray[np.float64]
     final_angles: NDArray[np.float64]
+    changes: Changes
     crossings: tuple[Crossings, ...] = ()
     lengths: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    held: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    final_held: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    switch: int = -1
     method: str = ""
     reason: str = ""
 

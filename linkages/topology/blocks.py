@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from linkages.components.contributed.terms import Body, axis_label, point_words
+from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.decomposition import Group
 from linkages.topology.orientation import Orientation
@@ -165,7 +165,7 @@ class BlockBuilder:
         for body in self._sliding & points.keys():
             points[body] = points[body][1:]
         for body in group.sliding:
-            points[body] = (axis_label(body), next(iter(self._body(body).points)))
+            points[body] = self._mechanism.labels(body)[:2]
         return points
 
     def _place(

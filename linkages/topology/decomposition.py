@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from linkages.components.contributed.terms import axis_label
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.orientation import Orientation
 
@@ -188,9 +187,9 @@ def _owners(
     body = mechanism.bodies[name]
     if body.rotates:
         return masters
-    if label == axis_label(name):
+    if label == body.axis:
         return (name, *masters)
-    return () if label == next(iter(body.points)) else masters
+    return () if label == next(iter(mechanism.attachments[name])) else masters
 
 
 def _groups(

@@ -7,7 +7,6 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import axis_label
 from linkages.topology.blocks import Block, Loop, Step
 from linkages.topology.topology import Topology
 
@@ -62,7 +61,8 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
                 x, y = places[step.end] - places[step.start]
                 for master, ratio in gradients[step.body].items():
                     jacobian[rows, column[master]] += sign * ratio * np.array([-y, x])
-                own = (step.start == axis_label(step.body)) - (step.end == axis_label(step.body))
+                body = topology.mechanism.bodies[step.body]
+                own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
                 if own:
                     jacobian[rows, column[step.body]] += sign * own * axes[step.body]
     norms = np.linalg.norm(jacobian, axis=0)

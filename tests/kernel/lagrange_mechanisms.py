@@ -265,6 +265,53 @@ dampers: [{clearance: rA, damping: 1e-3}, {joint: B, damping: 0.1}]
 loads: [{joint: B, force: [20, -5]}, {bar: rocker, torque: 3}]
 """
 
+ACTUATED = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], H: [0.7, 0.1]}
+bars:
+  upper: {joints: [O, A], length: 0.4, mass: 1}
+  lower: {joints: [A, B], length: 0.3, mass: 0.7}
+sliders:
+  cart: {joint: C, through: H, angle: 30 deg, mass: 2}
+  shoe: {joint: D, on: lower, through: [0.1, 0.02], angle: 70 deg, mass: 0.2}
+free:
+  upper: {angle: 0, speed: 0}
+  lower: {angle: 0, speed: 0}
+  cart: {position: 0, speed: 0}
+  shoe: {position: 0, speed: 0}
+springs:
+  - {slider: cart, stiffness: 200, position: 5 cm, damping: 1}
+  - {slider: shoe, stiffness: 30, damping: 0.2}
+  - {between: [H, B], force: 30, damping: 0.5}
+loads:
+  - {joint: B, on: lower, force: [3, 2]}
+  - {joint: A, on: shoe, force: [0, "1 + sin(t)"]}
+  - {joint: D, on: upper, force: ["2*t", -1]}
+  - {between: [O, B], force: "20*sin(3*t)"}
+"""
+
+MOTORISED = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], H: [0.3, -0.2]}
+bars:
+  boom: {joints: [O, A], length: 0.8, mass: 10}
+  tip: {joints: [A, B], length: 0.3, mass: 2}
+free: {boom: {angle: 0.5, speed: 0}, tip: {angle: -1, speed: 0}}
+cylinders:
+  lift:
+    {between: [H, A], bore: 20 mm, rod: 10 mm, pressure: "5e5*(1 + 0.1*sin(5*t))",
+     rod_pressure: 0.5 bar, damping: 20}
+  strut: {between: [H, B], bore: 22 mm, gas_pressure: 8 bar, length: 0.8, volume: 300 cm^3}
+  slow:
+    {between: [O, B], bore: 22 mm, gas_pressure: 2 bar, length: 0.8, volume: 1 liter, exponent: 1}
+motors:
+  wrist:
+    {bar: tip, against: boom, stall_torque: 0.5, no_load_speed: 1500 rpm, gear_ratio: 20,
+     rotor_inertia: 30 g*cm**2, joint: A}
+  base:
+    {bar: boom, voltage: "12*cos(t)", torque_constant: 0.05, resistance: 1.2, gear_ratio: -10}
+"""
+
 DRIVEN = "drives: {crank: {angle: 0.5, speed: 3}}"
 FREE = "free: {crank: {angle: 0.5, speed: 3}}"
 
@@ -305,4 +352,6 @@ MORE_MECHANISMS = {
     ),
     "spring-pendulums": SPRING_PENDULUMS,
     "loaded-clearances": LOADED_CLEARANCES,
+    "actuated": ACTUATED,
+    "motorised": MOTORISED,
 }

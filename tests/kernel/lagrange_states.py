@@ -104,6 +104,7 @@ class Kernel:
         """Random states far enough from singular positions."""
         rng = np.random.default_rng(seed)
         inputs = self._walked(rng) if self.topology.iterated else self._scattered(rng)
+        inputs |= self.model.switches.signed(inputs)
         count = len(self.topology.coordinates)
         free = len(self.topology.free)
         values = self._evaluate(self.first, **inputs)

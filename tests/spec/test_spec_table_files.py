@@ -38,13 +38,13 @@ def law(tmp_path):
 @pytest.mark.parametrize("columns", ["", ", columns: [time, load]", ", columns: [1, 2]"])
 def test_columns(law, mark, columns):
     found = law(f"file: gas.csv{columns}", CSV.replace(";", mark))
-    assert (found.times, found.values) == ((0, 1, 2), (1, 3, 2.5))
+    assert (found.places, found.values) == ((0, 1, 2), (1, 3, 2.5))
 
 
 def test_no_header_units_and_other_keys(law):
     table = "file: gas.csv, columns: [1, 3], units: [ms, kN*m], interpolation: linear"
     found = law(table, "\ufeff0,1,-9\r\n1,3,8\r\n2,2,−9\r\n")
-    assert found.times == pytest.approx((0, 1e-3, 2e-3), rel=1e-15)
+    assert found.places == pytest.approx((0, 1e-3, 2e-3), rel=1e-15)
     assert found.values == pytest.approx((-9e3, 8e3, -9e3), rel=1e-15)
     assert found.interpolation == "linear"
 

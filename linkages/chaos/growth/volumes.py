@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
+from linkages.kernel.switches import Switches
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Piece
@@ -43,29 +44,64 @@ class Volumes:
         return self.system.model
 
     @property
+    def _switches(self) -> Switches:
+        """Those of the accelerations, which are built first."""
+        _ = self._model.free_accelerations
+        return self._model.switches
+
+    @property
     def _size(self) -> int:
         return len(self.system.topology.free)
 
     @cached_property
     def autonomous(self) -> bool:
-        """Whether the accelerations do not depend on time."""
+        """Whether the accelerations do not depend on time, nor what changes modes."""
         model = self._model
         clock = model.inputs.time.index
-        return all(node.index != clock for node in reachable(model.free_accelerations))
+        needed = [*model.free_accelerations, *self._switches.nodes]
+        return all(node.index != clock for node in reachable(needed))
+
+    @cached_property
+    def told(self) -> bool:
+        """Whether mass matrix and loads say all of it.
+
+        Where a mode changes at a place, volumes stay; where it changes at a speed, where rates jump
+        and where the motion remembers a number, they may change at once.
+        """
+        switches = self._switches
+        if any(switch.jump for switch in switches.switches) or switches.memories:
+            return False
+        rates = [self._model.inputs.rate(i) for i in range(self._size)]
+        bends = derivative(switches.functions, rates)
+        return all(entry.constant == 0.0 for row in bends for entry in row)
 
     @cached_property
     def _damping(self) -> list[Scalar]:
         """Minus the derivatives of generalised forces with respect to rates, row by row."""
         model = self._model
         graph = model.graph
-        forces = [graph.total(load.power(p) for load in model.loads) for p in model.partials]
+        forces = [graph.total(load.power(p) for load in model.acting) for p in model.partials]
         rates = [model.inputs.rate(i) for i in range(self._size)]
         return [-entry for row in derivative(forces, rates) for entry in row]
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether no force depends on velocities."""
-        return all(entry.constant == 0.0 for entry in self._damping)
+        """Whether no force depends on velocities, nor what changes modes."""
+        return self.told and all(entry.constant == 0.0 for entry in self._damping)
+
+    @cached_property
+    def potential(self) -> bool:
+        """Whether all forces without rates in them follow from an energy, that of time perhaps.
+
+        Along a single coordinate any force does. Of several, one that turns with a body follows
+        from none; nor does one that depends on more than it acts along, unless that is a function
+        of time.
+        """
+        if self._size == 1:
+            return True
+        moving = {m for m, nodes in self._model.sensed.items() if nodes.changing}
+        loads = self._model.mechanism.loads
+        return not any(load.follows or moving & set(load.sensed) for load in loads)
 
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""

@@ -75,14 +75,14 @@ def poincare(
     ComputationError
         If the motion never crosses the section.
     """
-    return section_points(mechanism, options_of(SectionOptions, mechanism, options), watch)
+    given = options_of(SectionOptions, mechanism, options)
+    return section_points(System(mechanism), given, watch)
 
 
 def section_points(
-    mechanism: Mechanism, options: SectionOptions, watch: Watch | None = None
+    system: System, options: SectionOptions, watch: Watch | None = None
 ) -> xr.Dataset:
     """What `poincare` returns."""
-    system = System(mechanism)
     require_section(system, options)
     attributes: dict[str, object]
     if options.section is None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +14,9 @@ from linkages.chaos.sections.contact_log import contact_values
 from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
 from linkages.chaos.sections.section import section_points
 from linkages.chaos.sections.strobe import strobe
-from linkages.components.assembly import AssemblyHint
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
@@ -43,33 +41,25 @@ class End:
         Coordinates carried along by the integration, with whole turns where they count.
     turns
         Of the torsional springs, as `Assembly` has them.
+    held
+        Modes and what the motion remembers, by their names.
     """
 
     state: Mapping[str, tuple[float, float]]
     places: Mapping[str, Floats]
     carried: Mapping[str, float]
     turns: Mapping[int, float]
-
-    def mechanism(self, other: Mechanism) -> Mechanism:
-        """Another mechanism in this state; places given by its definition are those of here."""
-        found = other.with_state(self.state)
-        return replace(found, components=tuple(self._moved(c) for c in found.components))
-
-    def _moved(self, component: Any) -> Any:
-        if not isinstance(component, AssemblyHint) or isinstance(component.where, str):
-            return component
-        place = self.places[component.name]
-        return replace(component, where=(float(place[0]), float(place[1])))
+    held: Mapping[str, float]
 
     def system(self, other: Mechanism) -> System:
-        """Another mechanism in this state and assembly mode, with the same whole turns."""
+        """Another mechanism in this state, assembly mode and modes, with the same whole turns."""
         system = System(other.with_state(self.state), near=self.places)
         topology, state = system.topology, system.state.copy()
         for index, name in enumerate(topology.coordinates):
             if name in self.carried and topology.unwrapped(name):
                 apart = self.carried[name] - state[index]
                 state[index] += 2 * np.pi * np.round(apart / (2 * np.pi))
-        return system.turned(state, self.turns)
+        return system.turned(state, self.turns).holding(self.held)
 
 
 def end_of(system: System, motion: Motion, sample: int = -1) -> End:
@@ -83,11 +73,13 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> End:
     found = piece.system.evaluate(
         [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
     )[:, 0]
+    held = np.zeros(0) if piece.held is None else piece.held[:, 0]
     return End(
         state=_free_state(system, motion, sample),
         places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
         carried=dict(zip(carried, found[len(nodes) :].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
+        held=dict(zip(piece.system.model.switches.names, held.tolist(), strict=True)),
     )
 
 
@@ -166,7 +158,7 @@ def stroboscopic_points(
         end_of(system, motion, place) if asked and place is not None else None
         for place, asked in zip(places, ends, strict=True)
     )
-    names = labels(system.model, "clearance")
+    names = links(system.model)
     return Visited(
         values=found.values(options.wrap)
         | (contact_values(found.contacts, names) if names else {}),
@@ -197,7 +189,7 @@ def crossing_points(
     """
     refusal: ComputationError | None = None
     try:
-        start = mechanism if before is None else before.mechanism(mechanism)
+        start = System(mechanism) if before is None else before.system(mechanism)
         data = section_points(start, options)
     except UnfinishedError as error:
         if not error.kept["poincare"].sizes["crossing"]:
@@ -205,13 +197,12 @@ def crossing_points(
         data, refusal = error.kept["poincare"], _refusal(str(error), error.time)
     first = last = None
     if ends and data.sizes["crossing"]:
-        system = System(mechanism) if before is None else before.system(mechanism)
         times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
-        motion = compute_motion(system, Settings(times=np.unique(times), run=options))
+        motion = compute_motion(start, Settings(times=np.unique(times), run=options))
         _require_uninterrupted(motion)
         places = [int(np.searchsorted(motion.time, time)) for time in times]
         first, last = (
-            end_of(system, motion, at) if at < len(motion.time) else None for at in places
+            end_of(start, motion, at) if at < len(motion.time) else None for at in places
         )
         refusal = refusal or (None if first else _refusal(motion.failure, motion.stop_time))
     return Visited(

@@ -110,7 +110,7 @@ def _others(report: ChaosReport) -> list[list[str]]:
         ["closed curves in the section", str(curves) if curves else "none"],
         [f"verdict at {tighter['how']}", str(tighter["verdict"])],
         ["correlation dimension of the section", _dimension(report)],
-        ["energy dissipates", "no" if report.conservative else "yes"],
+        ["forces depend on speeds", "no" if report.conservative else "yes"],
     ]
     if horizon is not None:
         until = f"t = {number(horizon.time)} s"

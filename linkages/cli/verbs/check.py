@@ -11,7 +11,7 @@ from linkages.cli.terminal import console, print_json
 from linkages.cli.verbs.check_report import print_report
 from linkages.cli.verbs.contributions import drives, loads, relations
 from linkages.components.contributed.measures import Distance
-from linkages.components.contributed.terms import Body, axis_label
+from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.assembly.modes import Assembly
 from linkages.kernel.system import System
@@ -113,7 +113,7 @@ def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
 def joint_of(system: System, block: Block) -> str:
     """The joint at which a block closes; the pin of a slider that closes at its axis."""
     apex = block.loops[0].apex
-    pins = {axis_label(n): next(iter(b.points)) for n, b in system.mechanism.bodies.items()}
+    pins = {b.axis: next(iter(b.points)) for b in system.mechanism.bodies.values() if b.points}
     return apex if apex in system.topology.joints else pins.get(apex, apex)
 
 

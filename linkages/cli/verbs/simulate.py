@@ -164,7 +164,9 @@ def shown_maxima(
 
 
 def _varies(solution: Solution, row: dict[str, Any]) -> bool:
-    """Whether a row is worth its place unasked: all but loads that are constant."""
+    """Whether a row is worth its place unasked: not constant loads, nor speeds of offsets."""
+    if row["variable"] == "clearance_speed":  # of an offset, the direction turns at any speed
+        return str(row["element"]) in solution.mechanism.bodies
     if row["variable"] not in ("load_force", "load_torque"):
         return True
     array = solution.data[row["variable"]]

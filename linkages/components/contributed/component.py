@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, dataclass_transform
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
+from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.measures import Friction, Load
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
@@ -36,6 +37,7 @@ Term = (
     | Gravity
     | Hint
     | Load
+    | Contact
     | Friction
 )
 """What components contribute."""

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 Interpolation: TypeAlias = Literal["linear", "pchip", "spline"]
 
+Joined: TypeAlias = Interpolation | Literal["corners"]
+"""What joins values, and what is zero at the corners of straight lines."""
+
 Floats = NDArray[np.float64]
 
 
@@ -32,7 +35,7 @@ def polynomials(table: Table) -> PPoly:
     """
     from scipy.interpolate import PPoly
 
-    times, values = np.array(table.times), np.array(table.values)
+    times, values = np.array(table.places), np.array(table.values)
     with np.errstate(all="ignore"):
         try:
             coefficients = _COEFFICIENTS[table.interpolation](times, values, table.periodic)
@@ -71,11 +74,22 @@ def _spline(times: Floats, values: Floats, periodic: bool) -> Floats:
     return np.asarray(CubicSpline(times, values, bc_type=ends).c)
 
 
-_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline}
+def _corners(places: Floats, values: Floats, periodic: bool) -> Floats:  # noqa: ARG001
+    """Parabolas of alternating sign that are zero, with a slope of ±1, where straight lines meet.
+
+    With one continuous derivative: a crossing of zero is a corner, and nothing else is.
+    """
+    lengths = np.diff(places)
+    signs = (-1.0) ** np.arange(len(lengths))
+    zero = np.zeros(len(lengths))
+    return np.array([zero, -signs / lengths, signs, zero])
+
+
+_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline, "corners": _corners}
 
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
-    """Least and largest value of a table between two times; of one that repeats, of all times."""
+    """Least and largest value of a table between two places; of one that repeats, of all."""
     found = polynomials(table)
     low, high = found.x[0], found.x[-1]
     if table.periodic:

@@ -57,11 +57,12 @@ class Guide:
     ----------
     origin
         The point of the axis that displacements count from: a joint, or coordinates in the frame
-        of `body`.
+        of `body`. A joint that moves carries the axis along, which keeps its direction.
     angle
         Direction of the axis in the frame of `body`.
     body
-        The body that carries the axis; None for the ground.
+        The body whose frame the direction counts from, and that carries the axis unless a moving
+        joint does; None for the ground.
     """
 
     origin: Origin
@@ -116,6 +117,17 @@ class Body:
         """Whether the coordinate is an angle."""
         return self.guide is None
 
+    @property
+    def afloat(self) -> bool:
+        """Whether a joint carries its axis, in a mechanism that has resolved all other origins."""
+        return self.guide is not None and isinstance(self.guide.origin, str)
+
+    @property
+    def axis(self) -> str:
+        """The point that the displacement of a sliding body of a mechanism counts from."""
+        origin = None if self.guide is None else self.guide.origin
+        return origin if isinstance(origin, str) else axis_label(self.name)
+
 
 @dataclass(frozen=True)
 class GroundPin:
@@ -127,12 +139,24 @@ class GroundPin:
 
 @dataclass(frozen=True)
 class Displacement:
-    """At ``joint``, the point of ``body`` is called ``renamed`` and joined by body ``link``."""
+    """At ``joint``, the point of ``body`` is called ``renamed`` and reached along ``links``.
 
+    Parameters
+    ----------
+    name
+        Of the clearance.
+    joint, body, renamed
+        The point of `body` at `joint` is called `renamed`.
+    links
+        Massless bodies from the joint to that point: one that turns while pin and hole stay in
+        contact, or two that slide along x and y where they may part.
+    """
+
+    name: str
     joint: str
     body: str
     renamed: str
-    link: Body
+    links: tuple[Body, ...]
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Body, Displacement, Path, Relation
 from linkages.components.mechanisms.coordinates import coordinate_findings
 from linkages.components.mechanisms.declared import Declared, expected_one_of
+from linkages.components.mechanisms.formulas import formula_findings
 from linkages.components.mechanisms.guides import circular_guides, sliders_on_air
 
 __all__ = ["Declared", "Finding", "findings"]
@@ -26,9 +27,11 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
         found += _missing_points(components, declared)
         found += sliders_on_air(declared)
         found += _ambiguous_frictions(declared)
+        found += formula_findings(components, declared)
     found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
+    found += _rubbing_in_the_open(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
     return found
@@ -94,16 +97,17 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
 
 
 def _repeated_names(declared: Declared) -> list[Finding]:
-    places = [*declared.bodies, *((path, term.link) for path, term in declared.displacements)]
-    counts = Counter(body.name for _, body in places)
+    places = [(path, body.name) for path, body in declared.bodies]
+    places += [(path, term.name) for path, term in declared.displacements]
+    counts = Counter(name for _, name in places)
     seen: set[str] = set()
     found: list[Finding] = []
-    for path, body in places:
-        if body.name in seen:
-            found.append((path, f"the name {body.name!r} is taken already; expected a new one"))
-        seen.add(body.name)
+    for path, name in places:
+        if name in seen:
+            found.append((path, f"the name {name!r} is taken already; expected a new one"))
+        seen.add(name)
     if "ground" in counts:
-        path = next(path for path, body in places if body.name == "ground")
+        path = next(path for path, name in places if name == "ground")
         found.append((path, "the name 'ground' stands for the frame; expected another one"))
     return found
 
@@ -129,8 +133,21 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
             found.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
         elif _only_one_at(term.joint, declared):
             found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
-        taken[term.joint, term.body] = term.link.name
+        taken[term.joint, term.body] = term.name
     return found
+
+
+def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
+    """Friction against the link of a clearance that has none."""
+    return [
+        (
+            (*term.path, "clearance"),
+            f"clearance {term.clearance!r} opens, so no link turns in it; expected 'friction' "
+            "beside its 'contact'",
+        )
+        for term in declared.rubbing
+        if term.clearance in declared.opening
+    ]
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:

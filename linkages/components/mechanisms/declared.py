@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.measures import JointFriction
+from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.measures import ClearanceFriction, JointFriction
 from linkages.components.contributed.terms import (
     Body,
     Displacement,
@@ -49,10 +50,12 @@ class Declared:
         self.free = {t.body: t.path for _, t in terms if isinstance(t, Initial)}
         self.relations = [t for _, t in terms if isinstance(t, Relation)]
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
+        self.opening = {t.name for _, t in terms if isinstance(t, Contact)}
+        self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}
         built = [(body.name, body.kind) for _, body in self.bodies]
-        built += [(term.link.name, "clearance") for _, term in self.displacements]
+        built += [(term.name, "clearance") for _, term in self.displacements]
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.complete = complete

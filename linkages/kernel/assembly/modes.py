@@ -116,12 +116,16 @@ class Place:
 
     def values(self, nodes: list[Scalar], assembly: Assembly) -> list[float]:
         """Values of nodes."""
-        evaluated = self.model.evaluator(nodes)(
-            t=np.array([self.time]),
-            y=self.state(assembly),
-            a=np.zeros(len(self._state)),
-            p=assembled(self.model.inputs, self.numbers, assembly),
-        )
+        inputs = {
+            "t": np.array([self.time]),
+            "y": self.state(assembly),
+            "a": np.zeros(len(self._state)),
+            "p": assembled(self.model.inputs, self.numbers, assembly),
+        }
+        evaluator = self.model.evaluator(nodes)
+        if evaluator.switched:
+            inputs |= self.model.switches.signed(inputs)
+        evaluated = evaluator(**inputs)
         return [float(np.ravel(value)[0]) for value in evaluated]
 
     def choices(self, block: Block, assembly: Assembly) -> list[Choice]:

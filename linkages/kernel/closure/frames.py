@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from linkages.components.contributed.terms import Parameter, axis_label
+from linkages.components.contributed.terms import Parameter
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
@@ -66,10 +66,12 @@ class Frames:
             return Vector(self._inputs.graph.zero, self._inputs.graph.zero)
         return self._inputs.vector(places[label])
 
-    @staticmethod
-    def sliding(name: str, start: str, end: str) -> int:
+    def sliding(self, name: str, start: str, end: str) -> int:
         """+1 for a way along the displacement of a slider, −1 against it, 0 otherwise."""
-        own = axis_label(name)
+        body = self._mechanism.bodies[name]
+        if body.rotates:
+            return 0
+        own = body.axis
         return (start == own) - (end == own)
 
     def ratios(self, name: str) -> dict[str, Scalar]:

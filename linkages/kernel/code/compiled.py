@@ -25,11 +25,14 @@ class CompiledKernel:
         Parameters, followed by what `prepare` derived from them.
     timed
         Number of values that depend on time alone.
+    held
+        Number of modes, and of what is remembered: the last entries of `parameters`.
     """
 
     code: MachineCode
     parameters: np.ndarray
     timed: int
+    held: int = 0
 
     @property
     def clock(self) -> int:
@@ -48,18 +51,19 @@ class Printed:
 
     Parameters
     ----------
-    assembly, parameters, timed
+    assembly, parameters, timed, held
         As `linkages.kernel.code.program.Program` has them.
     """
 
     assembly: str
     parameters: tuple[int, int]
     timed: int
+    held: int = 0
 
     @classmethod
     def of(cls, program: Program) -> Printed:
         """Without the nodes that it was printed from."""
-        return cls(program.assembly, program.parameters, program.timed)
+        return cls(program.assembly, program.parameters, program.timed, program.held)
 
 
 def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledKernel:
@@ -73,10 +77,10 @@ def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledK
         Values in the order of the model's inputs, shape (parameters,).
     """
     code, prepare = _loaded(program.assembly)
-    values = np.zeros(max(1, sum(program.parameters)))
+    values = np.zeros(max(1, sum(program.parameters) + program.held))
     values[: program.parameters[0]] = parameters
     prepare(values.ctypes.data)
-    return CompiledKernel(code, values, program.timed)
+    return CompiledKernel(code, values, program.timed, program.held)
 
 
 @lru_cache(maxsize=256)

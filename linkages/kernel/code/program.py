@@ -65,6 +65,9 @@ class Program:
         Number of values that depend on time alone.
     groups
         Nodes by level, for counting operations.
+    held
+        Number of modes, of numbers that the motion remembers and of their tangents: they follow
+        behind the derived values.
     """
 
     doc: str
@@ -72,6 +75,7 @@ class Program:
     parameters: tuple[int, int]
     timed: int
     groups: dict[Level, list[Scalar]]
+    held: int = 0
 
     @cached_property
     def assembly(self) -> str:
@@ -89,6 +93,7 @@ def write_program(
     accelerations: Sequence[Scalar],
     settled: Sequence[Scalar] | None = None,
     counted: Sequence[Scalar] = (),
+    switched: Sequence[Scalar] = (),
 ) -> Program:
     """Print the kernel that integrates a model.
 
@@ -103,9 +108,11 @@ def write_program(
         model that are carried along, if not given.
     counted
         Cosines, sines and speeds of dependent angles whose whole turns are counted.
+    switched
+        Functions whose signs are modes, then their rates.
     """
     settled = model.settled if settled is None else settled
-    roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted]
+    roots = [*accelerations, *model.margins, *model.margin_rates, *settled, *counted, *switched]
     n, blocks, carried = len(accelerations), len(model.margins), len(settled) // 2
     written = (
         f"accelerations ({n}), margins of the blocks ({blocks}), their rates ({blocks}),\n"
@@ -114,6 +121,9 @@ def write_program(
     if counted:
         count = len(counted) // 3
         written += f",\n     cosines, sines and speeds of dependent angles ({count} each)"
+    if switched:
+        count = len(switched) // 2
+        written += f",\n     functions whose signs are modes, their rates ({count} each)"
     return write_functions_of(model, roots, written)
 
 
@@ -138,16 +148,17 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     moments = [node for node in nodes if node.level == Level.TIME]
     timed = _boundary(by_level, Level.TIME, moments, needed)
     count = len(inputs.parameters)
+    held = _Held(count + len(derived), model)
     sizes = {
         "t": 0,
         "y": 3 * inputs.coordinates,
-        "p": count + len(derived),
+        "p": held.begin + held.size,
         "timed": len(timed),
         "out": len(roots),
     }
     checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
     places: dict[int, Place] = {
-        n.index: _entry(n, inputs) for n in model.graph.nodes if n.operation == "input"
+        n.index: _entry(n, inputs, held) for n in model.graph.nodes if n.operation == "input"
     }
     routines = []
     for (name, level, doc, arguments), first, wanted in zip(
@@ -163,14 +174,44 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     described = "\n".join(
         f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used
     )
+    described += held.described()
     heading = _DOC.format(GENERATOR_VERSION, described, inputs.coordinates, written)
-    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level)
+    return Program(heading, tuple(routines), (count, len(derived)), len(timed), by_level, held.size)
 
 
-def _entry(node: Scalar, inputs: Inputs) -> Entry:
+class _Held:
+    """Where modes, memories and tangents of memories stand, behind the derived values."""
+
+    def __init__(self, begin: int, model: Model) -> None:
+        inputs = [n.arguments for n in model.graph.nodes if n.operation == "input"]
+        tangents = [index for array, index in inputs if array == "memory_tangent"]
+        self.begin = begin
+        self._first = {
+            "mode": 0,
+            "memory": len(model.switches.switches),
+            "memory_tangent": len(model.switches.switches) + len(model.switches.memories),
+        }
+        self.size = self._first["memory_tangent"] + max(tangents, default=-1) + 1
+
+    def entry(self, array: str, index: int) -> Entry | None:
+        """Where an input stands, if it is one of these."""
+        first = self._first.get(array)
+        return None if first is None else Entry("p", self.begin + first + index)
+
+    def described(self) -> str:
+        """What they are, for the heading of a kernel; nothing where there are none."""
+        if not self.size:
+            return ""
+        last = self.begin + self.size - 1
+        return f"\n    p[{self.begin}] to p[{last}] modes, what is remembered, its tangents"
+
+
+def _entry(node: Scalar, inputs: Inputs, held: _Held) -> Entry:
     """Where an input stands; a state is followed by the accelerations computed from it."""
     array, index = node.arguments
-    return Entry("y", 2 * inputs.coordinates + index) if array == "a" else Entry(array, index)
+    if array == "a":
+        return Entry("y", 2 * inputs.coordinates + index)
+    return held.entry(array, index) or Entry(array, index)
 
 
 def _boundary(

@@ -19,11 +19,18 @@ class Evaluator:
     ----------
     roots
         The nodes wanted.
+
+    Attributes
+    ----------
+    switched
+        Whether they depend on modes, or on what a motion remembers.
     """
 
     def __init__(self, roots: Iterable[Scalar]) -> None:
         self._roots = tuple(roots)
         self._nodes = reachable(self._roots)
+        inputs = {node.arguments[0] for node in self._nodes if node.operation == "input"}
+        self.switched = not inputs.isdisjoint({"mode", "memory"})
         kept = {root.index for root in self._roots}
         last = {o.index: node.index for node in self._nodes for o in node.operands}
         self._drop: dict[int, list[int]] = {}

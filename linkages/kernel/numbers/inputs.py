@@ -11,8 +11,9 @@ from linkages.kernel.numbers.parameters import NEAREST
 
 _KEYS = frozenset(
     {
-        "angle", "center", "damping", "force", "inertia", "law", "length", "mass", "points",
-        "position", "ratio", "size", "speed", "spline", "stiffness", "through", "torque",
+        "angle", "center", "damping", "dissipation", "exponent", "force", "friction", "inertia",
+        "law", "least_rate", "length", "mass", "pin_radius", "points", "position", "ratio",
+        "restitution", "size", "slip", "speed", "spline", "stiffness", "through", "torque",
     }
 )  # fmt: skip
 
@@ -79,6 +80,18 @@ class Inputs:
     def nearest(self) -> Scalar:
         """Distance of a spring's ends below which it is round-off, in metres."""
         return self._placed(NEAREST)
+
+    def mode(self, index: int) -> Scalar:
+        """Mode of a switch, +1 or −1."""
+        return self.graph.input("mode", index, Level.STATE)
+
+    def memory(self, index: int) -> Scalar:
+        """A number kept from the last time at which a switch rose."""
+        return self.graph.input("memory", index, Level.STATE)
+
+    def memory_tangent(self, index: int) -> Scalar:
+        """Derivative of such a number along a tangent."""
+        return self.graph.input("memory_tangent", index, Level.STATE)
 
     def iterate(self, index: int) -> Scalar:
         """An unknown within an iteration."""

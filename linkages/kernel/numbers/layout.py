@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -38,6 +39,9 @@ class Layout:
         Number of solutions of the variational equations.
     parameters
         Path of each entry of the parameter array.
+    modes, memories
+        Names of modes, and of what a motion remembers. They are held beside the vector, ``[modes,
+        memories, memories of the first tangent, …]``, shape (h,).
     """
 
     free: tuple[str, ...]
@@ -46,6 +50,8 @@ class Layout:
     work: bool = False
     tangents: int = 0
     parameters: tuple[Path, ...] = ()
+    modes: tuple[str, ...] = ()
+    memories: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -90,6 +96,28 @@ class Layout:
         first = self.size - self.tangents * n
         places = first + np.arange(self.tangents) * n + np.arange(n)[:, None]
         return np.concatenate([places, self.size + places])
+
+    @property
+    def held(self) -> int:
+        """Number h of modes, memories and tangents of memories."""
+        return len(self.modes) + len(self.memories) * (1 + self.tangents)
+
+    @property
+    def remembered(self) -> int:
+        """Number of modes and memories, without their tangents."""
+        return len(self.modes) + len(self.memories)
+
+    def named(self, held: Floats) -> dict[str, Floats]:
+        """What is held by its name, for other free coordinates: a memory with its tangents."""
+        modes, memories = held[: len(self.modes)], held[len(self.modes) :]
+        rows = memories.reshape(1 + self.tangents, len(self.memories)).T if self.held else ()
+        found = {name: modes[k : k + 1] for k, name in enumerate(self.modes)}
+        return found | dict(zip(self.memories, rows, strict=True))
+
+    def holding(self, named: Mapping[str, Floats]) -> Floats:
+        """What is held in this layout, from its names, shape (h,)."""
+        modes = [named[name] for name in self.modes]
+        return np.concatenate([*modes, np.array([named[name] for name in self.memories]).T.ravel()])
 
     @property
     def work_row(self) -> int | None:

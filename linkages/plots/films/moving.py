@@ -16,7 +16,7 @@ from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.loads import draw_masses, draw_springs, draw_torsional
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import Poses
-from linkages.plots.mechanism.sliders import draw_guide_dampers, draw_guides, draw_sliders
+from linkages.plots.mechanism.sliders import draw_guide_springs, draw_guides, draw_sliders
 from linkages.plots.mechanism.view import Box
 
 if TYPE_CHECKING:
@@ -82,4 +82,4 @@ def draw_moving(ax: Axes, pose: Pose, first: Pose) -> None:
     draw_masses(ax, pose, labels)
     draw_joints(ax, pose, labels)
     draw_torsional(ax, pose, labels, first)
-    draw_guide_dampers(ax, pose, labels, first)
+    draw_guide_springs(ax, pose, labels, first)

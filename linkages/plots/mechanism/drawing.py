@@ -44,7 +44,7 @@ from linkages.plots.mechanism.senses import drive_sense
 from linkages.plots.mechanism.sliders import (
     block_place,
     draw_axial,
-    draw_guide_dampers,
+    draw_guide_springs,
     draw_sliders,
 )
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
@@ -137,7 +137,7 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
     for name in shown.mechanism.prescribed:
         _drive(ax, shown, name, labels)
     draw_axial(ax, shown, labels)
-    draw_guide_dampers(ax, shown, labels)
+    draw_guide_springs(ax, shown, labels)
     draw_forces(ax, shown, labels)
 
 
@@ -192,12 +192,14 @@ def _write(pose: Pose, labels: Labels) -> None:
             labels.beside_point(joint, place, symbols.PIN + 2, color=BLACK, weight="bold")
     for body in mechanism.bodies.values():
         places = list(pose.shown(body.name).values())
-        if places and body.kind == "clearance":
-            labels.beside_point(body.name, places[0], symbols.CLEARANCE_RING + 2, color=CLEARANCE)
-        elif places and body.guide is not None:
+        if places and body.guide is not None and body.kind != "offset":
             place = block_place(pose, body.name) or places[0]
             colour = body_colour(mechanism, body.name)
             labels.beside_point(body.name, place, symbols.BLOCK[1] + 2, color=colour)
+    for term in mechanism.displacements:
+        if term.joint in pose.positions:
+            place = pose.positions[term.joint]
+            labels.beside_point(term.name, place, symbols.CLEARANCE_RING + 2, color=CLEARANCE)
     for body, corners in outlines(pose):
         if body.rotates:
             _write_body(pose, body, corners, labels)

@@ -54,7 +54,7 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     return [
         found
         for found in free_coordinates(data)
-        if found.dimension == "clearance"
+        if (found.dimension == "clearance" and found.name in mechanism.bodies)
         or found.name in mechanism.initial
         or f" {found.name} " in free
     ]

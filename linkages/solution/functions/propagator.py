@@ -56,12 +56,15 @@ class Advanced:
         Tangents there.
     crossings
         Event → its crossings on the way.
+    held
+        Modes and what the motion remembers, by their names; tangents of the latter with them.
     """
 
     time: float
     y: Floats
     tangents: Floats
     crossings: Mapping[str, Crossed] = field(default_factory=dict)
+    held: Mapping[str, Floats] = field(default_factory=dict)
 
 
 class Propagator:
@@ -113,7 +116,12 @@ class Propagator:
         self._events = [replace(guard, wanted=int(stop)) for guard in guards]
 
     def advance(
-        self, y: ArrayLike, t0: float, t1: float, tangents: ArrayLike | None = None
+        self,
+        y: ArrayLike,
+        t0: float,
+        t1: float,
+        tangents: ArrayLike | None = None,
+        held: Mapping[str, Floats] | None = None,
     ) -> Advanced:
         """Move a state, and tangents to it, from one time to another.
 
@@ -125,6 +133,9 @@ class Propagator:
             Times in seconds; `t1` may be the earlier one.
         tangents : (2f, k)
             Tangents at `t0` as columns; the first k columns of the unit matrix if not given.
+        held
+            Of the advance before, in mechanisms with modes; they follow from the state if not
+            given.
 
         Raises
         ------
@@ -143,6 +154,8 @@ class Propagator:
             raise ValueError(f"tangents must have shape {shape}, found {columns.shape}")
         march = March(system.at(float(t0), given), self._run, tangents=self.tangents)
         march.tangents = columns
+        if held:
+            march.held = held
         motion = march.advance(np.array([float(t1)]), guards=self._events)
         if motion.failure is not None or march.flipped:
             kind = Interrupted if motion.interrupted else ComputationError
@@ -155,6 +168,7 @@ class Propagator:
                 name: Crossed(time=met.time, y=self._vectors(met).T)
                 for name, met in motion.crossings.items()
             },
+            held=march.held,
         )
 
     def _vectors(self, motion: Motion) -> Floats:

@@ -99,7 +99,22 @@ class Equations:
         assert self._flow.linearise is not None
         return self._flow.linearise()
 
-    def __call__(self, t: float, y: ArrayLike) -> Floats:
+    def held(self, t: float, y: ArrayLike) -> dict[str, float]:
+        """Modes that follow from a state, and what a motion remembers if it starts there.
+
+        Parameters
+        ----------
+        t
+            Time in seconds.
+        y : (2n,)
+            State.
+        """
+        if not self._flow.held:
+            return {}
+        values = self.system.at(t, np.asarray(y, dtype=float)).starting_held()
+        return dict(zip(self.system.model.switches.names, values.tolist(), strict=True))
+
+    def __call__(self, t: float, y: ArrayLike, held: Mapping[str, float] | None = None) -> Floats:
         """Derivative of the state, in the order of `names`.
 
         Parameters
@@ -108,6 +123,8 @@ class Equations:
             Time in seconds.
         y : (2n,)
             State.
+        held
+            Modes and what the motion remembers, if it has any; `held` of the state if not given.
 
         Raises
         ------
@@ -116,8 +133,8 @@ class Equations:
         """
         given = np.asarray(y, dtype=np.float64)
         size, written = len(self.state), self._flow.written
-        if given.shape != (size,):
-            return self.batch(t, given)
+        if given.shape != (size,) or self._flow.held:
+            return self.batch(t, given, held)
         # one array for everything: each address costs as much as a right-hand side
         work = np.empty(2 + size + written + self._flow.timed_size)
         work[0], work[2 : 2 + size] = t, given
@@ -134,7 +151,9 @@ class Equations:
             return self.batch(t, given)
         return np.concatenate([given[half:], accelerations])
 
-    def batch(self, times: ArrayLike, states: ArrayLike) -> Floats:
+    def batch(
+        self, times: ArrayLike, states: ArrayLike, held: Mapping[str, float] | None = None
+    ) -> Floats:
         """Derivatives of many states with one call, shape (2n, m).
 
         Parameters
@@ -144,6 +163,8 @@ class Equations:
         states : (2n, m) or (2n,)
             A state per column, as SciPy's ``solve_ivp`` returns them; of a single state a single
             derivative is returned, shape (2n,).
+        held
+            As the right-hand side itself takes it, for all states.
 
         Raises
         ------
@@ -151,12 +172,12 @@ class Equations:
             For the first state that cannot be assembled: which block does not close, and when.
         """
         time, rows, single = self._rows(times, states)
-        found = self._evaluated(self._flow, self._flow.written, time, rows)
+        found = self._evaluated(self._flow, self._flow.written, time, rows, held)
         n = len(self.state) // 2
         result = np.concatenate([rows[:, n:], found[:, :n]], axis=1)
         return result[0] if single else np.ascontiguousarray(result.T)
 
-    def jacobian(self, t: float, y: ArrayLike) -> Floats:
+    def jacobian(self, t: float, y: ArrayLike, held: Mapping[str, float] | None = None) -> Floats:
         """Derivatives ∂f_i/∂y_j at a time and a state, exact to round-off, shape (2n, 2n).
 
         Parameters
@@ -165,6 +186,8 @@ class Equations:
             Time in seconds.
         y : (2n,)
             State.
+        held
+            As the right-hand side itself takes it: modes do not change from state to state.
 
         Raises
         ------
@@ -174,7 +197,7 @@ class Equations:
         time, rows, _ = self._rows(t, y)
         n, flow = len(self.state) // 2, self._flow
         size = 2 * n * n + 2 * len(flow.margin_scale) + 2 * flow.carried
-        slopes = self._evaluated(self._slopes, size, time, rows)[0, : 2 * n * n]
+        slopes = self._evaluated(self._slopes, size, time, rows, held)[0, : 2 * n * n]
         return np.vstack([np.eye(n, 2 * n, n), slopes.reshape(n, 2 * n)])
 
     def outputs(self, names: Iterable[str], times: ArrayLike, states: ArrayLike) -> xr.Dataset:
@@ -276,12 +299,39 @@ class Equations:
         return np.ascontiguousarray(np.broadcast_to(found, len(rows))), rows, given.ndim == 1
 
     def _evaluated(
-        self, kernel: Flow | Companion, written: int, time: Floats, rows: Floats
+        self,
+        kernel: Flow | Companion,
+        written: int,
+        time: Floats,
+        rows: Floats,
+        held: Mapping[str, float] | None = None,
     ) -> Floats:
         """What a kernel writes for each state, shape (m, written)."""
+        if not kernel.held:
+            return self._alike(kernel, written, time, rows, kernel.parameters)
+        found = np.empty((len(rows), written))
+        given = [self.held(*at) if held is None else held for at in zip(time, rows, strict=True)]
+        names = self.system.model.switches.names
+        values = np.array([[one[name] for name in names] for one in given])
+        for alike in np.unique(values, axis=0):
+            here = (values == alike).all(axis=1)
+            parameters = kernel.parameters.copy()
+            parameters[len(parameters) - kernel.held :] = alike
+            found[here] = self._alike(kernel, written, time[here], rows[here], parameters)
+        return found
+
+    def _alike(
+        self,
+        kernel: Flow | Companion,
+        written: int,
+        time: Floats,
+        rows: Floats,
+        parameters: Floats,
+    ) -> Floats:
+        """The same for states with the same modes."""
         found, refused = np.empty((len(rows), written)), np.zeros(1, dtype=np.int64)
         timed = np.empty(max(1, kernel.timed_size))
-        addresses = (kernel.parameters, timed, time, rows, found)
+        addresses = (parameters, timed, time, rows, found)
         status = evaluate_states(
             kernel.clock, kernel.rates, *(array.ctypes.data for array in addresses),
             len(rows), rows.shape[1], written, refused.ctypes.data,

@@ -84,6 +84,7 @@ def evaluate_nodes(piece: Piece, nodes: list[Scalar]) -> NDArray[np.float64]:
             piece.state[:, part],
             piece.acceleration[:, part],
             flipped=flipped,
+            held=None if piece.held is None else piece.held[:, part],
         )
     return values
 

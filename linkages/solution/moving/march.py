@@ -7,25 +7,33 @@ motion is led through a change point, or it ends. Tangents go along, and guards 
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.errors import ComputationError
 from linkages.kernel.closure.dyads import LEAST_MARGIN
-from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.determined import is_determined
 from linkages.solution.moving.guards import Guard, Watched
-from linkages.solution.moving.motion import Motion, Piece, Settings, Watch
+from linkages.solution.moving.motion import Changed, Motion, Piece, Settings, Watch
 from linkages.solution.moving.passage import Crossing, Passage
 from linkages.solution.moving.plan import Plan
 from linkages.solution.moving.renormalising import Renormalised
-from linkages.solution.moving.switching import better_system, movable, passes, tangent_map
+from linkages.solution.moving.switching import (
+    better_system,
+    keeps_modes,
+    movable,
+    passes,
+    tangent_map,
+)
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
+from linkages.solvers.changes import Changes
 from linkages.solvers.events import Crossings
+from linkages.solvers.flow import Flow, Switching
 from linkages.solvers.integration import integrate
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
@@ -90,17 +98,25 @@ class March:
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
-        self._enter(system, {}, np.eye(2 * len(system.topology.free))[:, :tangents])
+        self._enter(system, {}, np.eye(2 * len(system.topology.free))[:, :tangents], {})
 
-    def _enter(self, system: System, angles: dict[str, float], tangents: Floats) -> None:
+    def _enter(
+        self,
+        system: System,
+        angles: dict[str, float],
+        tangents: Floats,
+        held: Mapping[str, Floats],
+    ) -> None:
         """Go on with the coordinates of a system, from its initial state.
 
-        `angles` are those of its bodies with all the turns that they have made, if any.
+        `angles` are those of its bodies with all the turns that they have made, `held` its modes
+        and what is remembered by their names, if any.
         """
         self.system = system
-        self.layout = Layout.of(system.topology, *self._extra)
         work, columns, counting = self._extra
         self._plan = Plan.of(system, work=work, tangents=columns, counting=counting)
+        self.layout = self._plan.layout
+        self._held = self._holding(held)
         self.flipped: tuple[int, ...] = ()
         self.time = system.time
         self._vector = self.layout.packed(system.state, self._work, tangents)
@@ -108,6 +124,16 @@ class March:
         turned = [angles.get(name, angle) - angle for name, angle in within.items()]
         self._turns = np.round(np.array(turned) / (2 * np.pi))
         self._angles = np.array([angles.get(name, 0.0) for name in self.layout.counted])
+
+    def _holding(self, held: Mapping[str, Floats]) -> Floats:
+        """Modes and what is remembered, shape (h,); those of the initial state, if not given."""
+        layout = self.layout
+        if not layout.held:
+            return np.zeros(0)
+        if held:
+            return layout.holding(held)
+        start = self.system.starting_held()
+        return np.concatenate([start, np.zeros(layout.held - len(start))])
 
     @property
     def state(self) -> Floats:
@@ -123,6 +149,15 @@ class March:
     def tangents(self, values: Floats) -> None:
         self._vector[self.layout.tangent_rows] = values
 
+    @property
+    def held(self) -> dict[str, Floats]:
+        """Modes and what is remembered by their names, the latter with its tangents."""
+        return self.layout.named(self._held)
+
+    @held.setter
+    def held(self, values: Mapping[str, Floats]) -> None:
+        self._held = self.layout.holding(values)
+
     def tangents_of(self, free: tuple[str, ...]) -> Floats:
         """The same in other free coordinates and their rates, shape (2n, k)."""
         if free == self.layout.free:
@@ -134,6 +169,7 @@ class March:
         """Another one in the same state, which goes its own way from there."""
         found = object.__new__(type(self))
         vars(found).update(vars(self), _vector=self._vector.copy(), cost=dict(self.cost))
+        found._held = self._held.copy()
         return found
 
     def starting(self, run: RunOptions) -> March:
@@ -146,17 +182,26 @@ class March:
     def sample(self) -> Piece:
         """Where the motion is now, as one sample."""
         turns = np.zeros((1, self.layout.size))
-        return self._piece(np.array([self.time]), self._vector[None], turns, self._angles[None])
+        rows = self._vector[None], turns, self._angles[None], self._held[None]
+        return self._piece(np.array([self.time]), *rows)
 
     @property
     def here(self) -> System:
         """The system where the motion is now, in the present assembly mode."""
-        return self.system.at(self.time, self.state, self.flipped)
+        held = self._held[: self.layout.remembered] if self.layout.held else None
+        return self.system.at(self.time, self.state, self.flipped, held)
 
     def _atol(self) -> Floats:
-        """Absolute tolerances, of everything that is integrated."""
-        atol = self.run.rtol if self.run.atol is None else self.run.atol
-        found = np.full(2 * self.layout.size, atol)
+        """Absolute tolerances, of everything that is integrated.
+
+        Unless they are given, lengths of an offset are measured in sizes of its clearance.
+        """
+        given = self.run.atol
+        found = np.full(2 * self.layout.size, self.run.rtol if given is None else given)
+        if given is None:
+            for contact in self.system.mechanism.contacts:
+                rows = [self.layout.coordinates.index(axis) for axis in contact.axes]
+                found[[*rows, *(self.layout.size + row for row in rows)]] *= contact.size.value
         found[self.layout.tangent_rows] = TANGENT_ATOL
         return found
 
@@ -218,9 +263,12 @@ class March:
         """
         self._times, self._taken = times, 0
         self._direction = 1.0 if times[-1] >= self.time else -1.0
+        if self._direction < 0.0 and self._plan.switching is not None:
+            self._require_past(self._plan.switching)
         self._begun = self.time
         self._pieces: list[Piece] = []
         self._notes: list[str] = []
+        self._changes: dict[str, Changed] = {}
         self._renormalised = renormalised
         self._watched = [Watched(guard) for guard in guards]
         self._least = self._thresholds()
@@ -244,7 +292,18 @@ class March:
             reason=trajectory.reason,
             notes=tuple(self._notes),
             crossings={watched.guard.name: watched.motion for watched in self._watched},
+            changes=self._changes,
         )
+
+    def _require_past(self, switching: Switching) -> None:
+        """Make sure that a state says where it came from."""
+        lost = [*switching.owners, *(k for k, place in enumerate(switching.jumps) if place >= 0)]
+        if lost:
+            raise ComputationError(
+                f"'{switching.names[lost[0]]}' remembers or jumps: such a motion cannot be "
+                "followed backward in time, for a state does not say where it came from",
+                time=self.time,
+            )
 
     def _integrate(self, watch: Watch | None) -> Trajectory:
         """Integrate until something happens, and keep the samples."""
@@ -258,7 +317,7 @@ class March:
             self.cost[key] += getattr(trajectory, key)
         self._keep(trajectory)
         self.time = trajectory.stop_time
-        self._vector = trajectory.final_state
+        self._vector, self._held = trajectory.final_state, trajectory.final_held
         self._turns = self._turns + trajectory.final_turns[: len(self._turns)]
         self._angles = trajectory.final_angles
         return trajectory
@@ -276,6 +335,7 @@ class March:
             angles=self._angles,
             events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
             tangents=None if tangents is None else tangents.plan(self.layout),
+            holds=self._held,
             watch=self._progress(watch),
         )
 
@@ -285,13 +345,12 @@ class March:
         return any(watched.enough(self._crossed(found)) for watched, found in pairs)
 
     def _crossed(self, found: Crossings) -> Piece:
-        return self._piece(found.time, found.state, found.turns, found.angles)
+        return self._piece(found.time, found.state, found.turns, found.angles, found.held)
 
     def _keep(self, trajectory: Trajectory) -> None:
         """Keep the samples of an integration, and what was crossed."""
-        samples = self._piece(
-            trajectory.time, trajectory.state, trajectory.turns, trajectory.angles
-        )
+        rows = trajectory.turns, trajectory.angles, trajectory.held
+        samples = self._piece(trajectory.time, trajectory.state, *rows)
         acceleration = trajectory.acceleration.T[: len(self._turns)]
         self._pieces.append(replace(samples, acceleration=acceleration))
         self._taken += len(trajectory.time)
@@ -299,8 +358,33 @@ class March:
             self._renormalised.add(trajectory, self.layout)
         for watched, found in zip(self._watched, trajectory.crossings, strict=True):
             watched.add(self._crossed(found))
+        names = () if self._plan.switching is None else self._plan.switching.names
+        for number, name in enumerate(names):
+            self._changed(name, number, trajectory.changes)
 
-    def _piece(self, time: Floats, state: Floats, turns: NDArray, angles: Floats) -> Piece:
+    def _changed(self, name: str, number: int, changes: Changes) -> None:
+        """Keep the changes of a mode in an integration."""
+        here = changes.which == number
+        found = Crossings(
+            time=changes.time[here],
+            state=changes.state[here],
+            turns=changes.turns[here],
+            angles=np.zeros((int(here.sum()), len(self._angles))),
+            held=changes.held[here],
+            count=int(changes.count[number]),
+        )
+        before = self._changes.get(name)
+        old = (before.pieces, before.rises, before.count) if before else ((), (), 0)
+        self._changes[name] = Changed(
+            # whole turns of dependent angles are not counted there
+            pieces=(*old[0], replace(self._crossed(found), counted={})),
+            rises=np.concatenate([np.asarray(old[1], dtype=bool), changes.rises[here]]),
+            count=old[2] + found.count,
+        )
+
+    def _piece(
+        self, time: Floats, state: Floats, turns: NDArray, angles: Floats, held: Floats
+    ) -> Piece:
         """States of an integration from the present one on, without accelerations."""
         count = len(self._turns)
         return Piece(
@@ -312,6 +396,7 @@ class March:
             work=self.layout.work_done(state.T),
             counted=self._counted(angles.T),
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
+            held=held.T[: self.layout.remembered],
         )
 
     def _counted(self, rows: Floats) -> dict[str, Floats]:
@@ -359,13 +444,13 @@ class March:
             f"{_exchange_words(movable(old), movable(better))}, which is better conditioned there"
         )
         tangents = self.tangents_of(better.topology.free) if self.layout.tangents else self.tangents
-        self._enter(better, self._present_angles(), tangents)
+        self._enter(better, self._present_angles(), tangents, self.held)
         self._least = self._thresholds()
         return True
 
     def _pass_through(self) -> bool:
         """Step across the change point ahead, if it is one."""
-        crossing = Crossing(self._plan.bind(self.system, self.flipped), self._direction)
+        crossing = Crossing(self._bound(self.flipped), self._direction)
         ahead = crossing.ahead(self.time, self._vector)
         if ahead is None:
             return False
@@ -374,7 +459,7 @@ class March:
         if not all(("side", block) in self.system.model.inputs.parameters for block in blocks):
             return False
         passage = crossing.across(
-            self._plan.bind(self.system, beyond),
+            self._bound(beyond),
             self.time,
             self._vector,
             left,
@@ -386,6 +471,12 @@ class March:
             return False
         return self._led_through(passage, beyond)
 
+    def _bound(self, flipped: tuple[int, ...]) -> Flow:
+        """The equations in an assembly mode, with what is held now."""
+        flow = self._plan.bind(self.system, flipped)
+        flow.parameters[len(flow.parameters) - flow.held :] = self._held
+        return flow
+
     def _tolerance(self) -> Floats:
         rtol = max(self.run.rtol, PASSAGE_RTOL)
         atol = np.maximum(self._atol(), PASSAGE_RTOL)
@@ -394,6 +485,8 @@ class March:
     def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:
         """Take the samples within a passage and go on behind it, if that may be done."""
         piece = self._led_across(passage, beyond)
+        if not keeps_modes(piece):
+            return False
         determined = is_determined(piece)
         if not (self._passing or determined):
             return False
@@ -427,7 +520,8 @@ class March:
         after = np.array([[b in beyond] for b in blocks])
         modes = np.where(passage.beyond, after, before)
         turns = np.zeros((len(passage.time), count))
-        piece = self._piece(passage.time, passage.state.T, turns, passage.angles.T)
+        held = np.tile(self._held, (len(passage.time), 1))
+        piece = self._piece(passage.time, passage.state.T, turns, passage.angles.T, held)
         return replace(
             piece,
             acceleration=passage.acceleration[:count],

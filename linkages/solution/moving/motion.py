@@ -72,6 +72,8 @@ class Piece:
         they were counted.
     flipped
         Blocks that are in the other assembly mode than at the start, shape (samples,) each.
+    held
+        Modes of the switches, then what is remembered, shape (h, samples).
     samples
         Where outputs are wanted if not at `time`: they are interpolated, for there they could only
         be computed with large round-off (near a change point).
@@ -87,6 +89,7 @@ class Piece:
     work: Floats | None = None
     counted: Mapping[str, Floats] = field(default_factory=dict)
     flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
+    held: Floats | None = None
     samples: Floats | None = None
     crossing: float = 0.0
 
@@ -106,6 +109,7 @@ class Piece:
             work=None if self.work is None else self.work[part],
             counted={name: angles[part] for name, angles in self.counted.items()},
             flipped={block: where[part] for block, where in self.flipped.items()},
+            held=None if self.held is None else self.held[:, part],
             samples=None,
         )
 
@@ -127,6 +131,7 @@ class Piece:
             work=None if self.work is None else self.interpolated(self.work),
             counted={name: self.interpolated(angles) for name, angles in self.counted.items()},
             flipped={**modes, **kept},
+            held=None if self.held is None else np.repeat(self.held[:, :1], len(beyond), axis=1),
             samples=None,
         )
 
@@ -135,6 +140,31 @@ class Piece:
         if self.samples is None:
             return rows
         return np.asarray(rows @ cardinals(self.time, self.samples).T)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Changed:
+    """Changes of a mode.
+
+    Parameters
+    ----------
+    pieces
+        States just before the changes, with the modes and memories behind them; without
+        accelerations.
+    rises
+        Whether the function rose through zero, shape (changes,).
+    count
+        Number of changes, of which the first are kept.
+    """
+
+    pieces: tuple[Piece, ...]
+    rises: NDArray[np.bool_]
+    count: int
+
+    @property
+    def time(self) -> Floats:
+        """In seconds, shape (changes,)."""
+        return np.concatenate([piece.time for piece in self.pieces])
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -160,6 +190,8 @@ class Motion:
         What happened on the way: change points passed, coordinates changed.
     crossings
         Name of a guard → states at which it was crossed, without accelerations.
+    changes
+        Name of a switch → changes of its mode.
     """
 
     pieces: tuple[Piece, ...]
@@ -171,6 +203,7 @@ class Motion:
     reason: str = ""
     notes: tuple[str, ...] = ()
     crossings: Mapping[str, Motion] = field(default_factory=dict)
+    changes: Mapping[str, Changed] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ended = "" if self.failure is None else f", stopped at t = {self.stop_time:g} s"

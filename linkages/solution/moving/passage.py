@@ -256,7 +256,8 @@ class Crossing:
         """Dependent angles at the start, the nodes and the end of a step, shape (d, m)."""
         if not len(start):
             return np.zeros((0, len(outputs)))
-        last = np.array(outputs)[:, -3 * len(start) :].reshape(len(outputs), 3, -1)
+        end = self._size - 2 * self._flow.switches
+        last = np.array(outputs)[:, end - 3 * len(start) : end].reshape(len(outputs), 3, -1)
         cosines, sines, speeds = last.transpose(1, 2, 0)
         _, weights, once = _gauss(STAGES)
         turned = h * speeds[:, 1:-1] @ np.vstack([np.zeros(STAGES), once, weights]).T

@@ -20,9 +20,10 @@ from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.structure import MOST_STRUCTURES
 from linkages.kernel.system import System
+from linkages.kernel.transitions import jump_places, transition_nodes
 from linkages.kernel.variations import variations
 from linkages.kernel.varying import Varying
-from linkages.solvers.flow import Companion, Flow
+from linkages.solvers.flow import Companion, Flow, Switching
 from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -43,16 +44,21 @@ class KernelSource:
         Second derivatives of all integrated coordinates.
     counted
         Cosines, sines and speeds of dependent angles whose whole turns are counted.
+    switched
+        Functions whose signs are modes, then their rates.
     """
 
     model: Model
     accelerations: tuple[Scalar, ...]
     counted: tuple[Scalar, ...] = ()
+    switched: tuple[Scalar, ...] = ()
 
     @cached_property
     def program(self) -> Program:
         """The printed kernel."""
-        return write_program(self.model, self.accelerations, counted=self.counted)
+        return write_program(
+            self.model, self.accelerations, counted=self.counted, switched=self.switched
+        )
 
 
 def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSource:
@@ -69,12 +75,28 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
     """
     layout = Layout.of(topology) if layout is None else layout
     model = Model(topology, layout.more)
-    accelerations = model.integrated_accelerations(model.free_accelerations)
-    if layout.work:
-        accelerations = [*accelerations, model.power]
+    moving = model.integrated_accelerations(model.free_accelerations)
+    accelerations = [*moving, model.power] if layout.work else moving
     accelerations = [*accelerations, *variations(model, layout)]
     counted = tuple(model.counted) if layout.counted else ()
-    return KernelSource(model, tuple(accelerations), counted)
+    functions = model.switches.functions
+    switched = (*functions, *model.switches.rates(functions, moving))
+    return KernelSource(model, tuple(accelerations), counted, switched)
+
+
+def switching_of(model: Model, layout: Layout) -> Switching | None:
+    """The switches of equations whose kernel has been made; None where there are none."""
+    switches = model.switches
+    if not switches.switches:
+        return None
+    return Switching(
+        names=tuple(switch.name for switch in switches.switches),
+        active=tuple(-1 if s.active is None else s.active for s in switches.switches),
+        owners=tuple(memory.owner for memory in switches.memories),
+        jumps=jump_places(model),
+        free=len(layout.free),
+        tangents=layout.tangents,
+    )
 
 
 @dataclass(frozen=True)
@@ -94,12 +116,15 @@ class Plan:
         Which integrated coordinates are kept within one turn.
     program
         The printed kernel.
+    switching
+        What modes there are; None where there are none.
     """
 
     key: tuple[Hashable, ...] = field(repr=False)
     layout: Layout
     rotates: tuple[bool, ...]
     program: Printed = field(compare=False, repr=False)
+    switching: Switching | None = field(default=None, repr=False)
 
     @classmethod
     def of(
@@ -141,11 +166,20 @@ class Plan:
             topology = system.topology
             layout = Layout.of(topology, work, tangents, counting)
             source = kernel_source(topology, layout)
-            layout = replace(layout, parameters=tuple(source.model.inputs.parameters))
+            switches = source.model.switches
+            modes = len(switches.switches)
+            layout = replace(
+                layout,
+                parameters=tuple(source.model.inputs.parameters),
+                modes=switches.names[:modes],
+                memories=switches.names[modes:],
+            )
             bodies, names = system.mechanism.bodies, layout.coordinates
             rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in names]
             rotates += [False] * (layout.size - len(names))
-            return cls(key, layout, tuple(rotates), Printed.of(source.program))
+            program = Printed.of(source.program)
+            switching = switching_of(source.model, layout)
+            return cls(key, layout, tuple(rotates), program, switching)
 
         return _PLANS.get(key, made)
 
@@ -236,7 +270,22 @@ class Plan:
             counted=len(layout.counted),
             keepalive=kernel,
             linearise=linearise,
+            switching=self._switching(system, parameters),
         )
+
+    def _switching(self, system: System, parameters: Floats) -> Switching | None:
+        """The switches, with what they do to a state bound to numbers."""
+        switching = self.switching
+        if switching is None or not (switching.values or switching.tangents):
+            return switching
+
+        def made() -> Printed:
+            model = kernel_source(system.topology, self.layout).model
+            nodes = transition_nodes(model, self.layout)
+            return Printed.of(write_functions_of(model, nodes, "what becomes of the state"))
+
+        kernel = bind_kernel(_FURTHER.get((self.key, "transitions"), made), parameters)
+        return replace(switching, transition=_companion(kernel))
 
     def watch(
         self,
@@ -297,6 +346,7 @@ def _companion(kernel: CompiledKernel) -> Companion:
         parameters=kernel.parameters,
         timed_size=kernel.timed,
         keepalive=kernel,
+        held=kernel.held,
     )
 
 

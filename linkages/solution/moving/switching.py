@@ -21,7 +21,12 @@ from linkages.errors import InputError
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Piece
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
+
+CLEARANCES = ("clearance", "offset")
+"""Kinds of bodies whose coordinates are always free."""
 
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
@@ -33,7 +38,7 @@ SAME_PLACE = 1e-6
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
-    return tuple(name for name in system.topology.free if bodies[name].kind != "clearance")
+    return tuple(name for name in system.topology.free if bodies[name].kind not in CLEARANCES)
 
 
 def passes(system: System, run: RunOptions) -> bool:
@@ -100,6 +105,17 @@ def tangent_map(
     return values.reshape(2 * count, 2 * count)
 
 
+def keeps_modes(piece: Piece) -> bool:
+    """Whether the functions of all switches keep the signs that they have within a piece."""
+    switches = piece.system.model.switches.switches
+    if piece.held is None or not len(piece.held):
+        return True
+    values = evaluate_nodes(piece, [switch.function for switch in switches])
+    modes = piece.held[: len(switches)]
+    watched = [s.active is None or modes[s.active, 0] > 0.0 for s in switches]
+    return bool((values * modes >= 0.0)[watched].all())
+
+
 class _Configuration:
     """Where everything is, and how fast it moves."""
 
@@ -154,7 +170,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind != "clearance"
+            if name not in topology.slaves and bodies[name].kind not in CLEARANCES
         ]
         for given in movable(self._system):
             for candidate in candidates:

@@ -120,7 +120,7 @@ class _Statics:
     def _applied(self) -> Floats:
         """Forces and moments of all loads on each body."""
         rows, piece = self._column(), self._piece
-        for load in self._system.model.loads:
+        for load in self._system.model.acting:
             for body, joint, force in load.forces():
                 if body is not None:
                     self._add(rows, body, joint, evaluate_nodes(piece, [force.x, force.y]).T)
@@ -164,10 +164,10 @@ class _Statics:
         """A unit force between a slider and its carrier, across the axis or along it."""
         column, axis = self._column(), self._units[self._index[body.name]]
         force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
-        pin = next(iter(body.points))
+        pin, bearing = next(iter(body.points), body.axis), self._system.mechanism.bearing(body)
         self._add(column, body.name, pin, force)
-        if body.guide is not None and body.guide.body is not None:
-            self._add(column, body.guide.body, pin, -force)
+        if bearing is not None:
+            self._add(column, bearing, pin, -force)
         return column
 
     def _add_torque(self, rows: Floats, body: str, torque: float | Floats) -> None:
@@ -195,7 +195,8 @@ class _Statics:
         return self._places[self._first(body)]
 
     def _first(self, body: str) -> int:
-        return self._joint[next(iter(self._system.mechanism.bodies[body].points))]
+        moved = self._system.mechanism.bodies[body]
+        return self._joint[next(iter(moved.points), moved.axis)]
 
     def _inertia(self) -> Floats:
         """Mass times acceleration less weight, and rates of angular momentum."""
@@ -219,7 +220,7 @@ class _Statics:
     def _centre(self, body: Body) -> tuple[Floats, Floats]:
         """Centre of mass relative to the first joint, and its acceleration."""
         index, first = self._index[body.name], self._first(body.name)
-        origin = next(iter(body.points.values()))
+        origin = next(iter(body.points.values()), body.centre)
         x, y = (c.value - o.value for c, o in zip(body.centre, origin, strict=True))
         if body.guide is not None:
             x = y = 0.0

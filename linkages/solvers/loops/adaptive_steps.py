@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from linkages.solvers.loops.commit import (
     DONE,
     EVENT,
@@ -17,6 +19,7 @@ from linkages.solvers.loops.commit import (
 )
 from linkages.solvers.loops.step_size import (
     SHRINK_BLOCKED,
+    SHRINK_FRESH,
     SHRINK_TURNING,
     error_norm,
     first_step,
@@ -31,6 +34,7 @@ from linkages.solvers.steps.views import (
     STOP,
     Hook,
     Record,
+    Switching,
     System,
     Table,
 )
@@ -48,6 +52,7 @@ def adaptive_steps(
     table: Table,
     record: Record,
     hook: Hook,
+    switching: Switching,
     start: float,
     end: float,
     rtol: float,
@@ -72,7 +77,7 @@ def adaptive_steps(
     h = first_step(system, start, end - start, order, rtol, atol, zeros)
     t, carry, first = start, 0.0, abs(h)
     trouble, rejected, before = 0, False, 1.0
-    error = 0.0
+    error, fresh, kind = 0.0, False, 0
     while outcome == DONE and t != end:
         if control[STOP] != 0.0:
             return INTERRUPTED
@@ -94,7 +99,15 @@ def adaptive_steps(
             accepted = error <= 1.0
             if accepted and turns_too_far(system, table.end, h):
                 accepted, factor = False, SHRINK_TURNING
-        if accepted:
+        changing = False
+        if accepted and switching.look != 0:
+            part = call_hook(switching.look, switching.context, t, h, t_end)
+            changing = part <= 1.0
+            if part < 1.0:
+                h *= part
+                t_end = t + h
+                next_carry = (t_end - t) - (h - carry)
+        if accepted and h != 0.0:
             part = check_margins(system, table, record, t, h, t_end)
             if part < 1.0:
                 return cut_short(system, table, record, t, h, part, SINGULAR)
@@ -111,10 +124,29 @@ def adaptive_steps(
             commit(system, table, record, t_end)
             outcome = margin_outcome(system, record)
             t, carry, before = t_end, next_carry, error
+            if fresh and not changing and t != end:
+                floats(switching.first_steps)[kind] = abs(h)
             h *= min(factor, 1.0) if rejected else factor
-            trouble, rejected = 0, False
+            trouble, rejected, fresh = 0, False, False
+            if changing and outcome == DONE:
+                outcome = int(call_hook(switching.change, switching.context, t, end - start, t))
+                if outcome == DONE and t != end:
+                    counters[EVALUATIONS] += 1
+                    h = first_step(system, t, end - t, order, rtol, atol, zeros)
+                    kind = integers(switching.kind)[0]
+                    last = floats(switching.first_steps)[kind]
+                    if last > 0.0 and abs(h) > 2.0 * last:
+                        h = math.copysign(2.0 * last, h)
+                    before, fresh = 1.0, True
         else:
             counters[REJECTED] += 1
+            if switching.look != 0:
+                if fresh:
+                    factor = min(factor, SHRINK_FRESH)
+                elif not rejected:
+                    # beyond a change forces may bend: errors there say nothing of those before
+                    part = call_hook(switching.guess, switching.context, t, h, t_end)
+                    factor = min(factor, part)
             rejected = True
             h *= factor
             if abs(h) < SMALLEST_STEP * max(abs(t), first):

@@ -30,6 +30,8 @@ STEP_BUDGET = int(Outcome.STEP_BUDGET)
 INTERRUPTED = int(Outcome.INTERRUPTED)
 NOT_CONVERGED = int(Outcome.NOT_CONVERGED)
 EVENT = int(Outcome.EVENT)
+SLIDING = int(Outcome.SLIDING)
+CHATTER = int(Outcome.CHATTER)
 
 
 @compiled

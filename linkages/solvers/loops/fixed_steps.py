@@ -17,7 +17,7 @@ from linkages.solvers.loops.commit import (
 )
 from linkages.solvers.steps.compiled import call_hook, entry, floats, integers
 from linkages.solvers.steps.stages import NOT_FINITE, try_step
-from linkages.solvers.steps.views import EVALUATIONS, STOP, Hook, Record, System, Table
+from linkages.solvers.steps.views import EVALUATIONS, STOP, Hook, Record, Switching, System, Table
 from linkages.solvers.watched.counting import expect_end
 from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.reach import reachable_part
@@ -30,6 +30,7 @@ def fixed_steps(
     table: Table,
     record: Record,
     hook: Hook,
+    switching: Switching,
     start: float,
     end: float,
     count: int,
@@ -56,25 +57,42 @@ def fixed_steps(
         # Multiplied rather than added up: t is right to its last digit after any number of steps.
         t = start + i * h
         t_end = end if i == count - 1 else start + (i + 1) * h
-        counters[EVALUATIONS] += table.end
-        status = try_step(system, table, t, h, t_end)
-        if status == NOT_FINITE:
-            return DIVERGED
-        if status != 0:
-            outcome = outcome_of(record, status)
-            part = reachable_part(system, table, record, t, h)
-            return cut_short(system, table, record, t, h, part, outcome)
-        part = check_margins(system, table, record, t, h, t_end)
-        if part < 1.0:
-            return cut_short(system, table, record, t, h, part, SINGULAR)
-        if hook.function != 0:
-            part = call_hook(hook.function, hook.context, t, h, t_end)
-            if part <= 1.0:
-                return cut_short(system, table, record, t, h, part, EVENT)
-        status = take_samples(system, table, record, t, h, t_end, slack)
-        if status != 0:
-            return outcome_of(record, status)
-        expect_end(system, table, record, h)
-        commit(system, table, record, t_end)
-        outcome = margin_outcome(system, record)
+        made, reached = h, t_end
+        while True:
+            counters[EVALUATIONS] += table.end
+            status = try_step(system, table, t, made, reached)
+            if status == NOT_FINITE:
+                return DIVERGED
+            if status != 0:
+                outcome = outcome_of(record, status)
+                part = reachable_part(system, table, record, t, made)
+                return cut_short(system, table, record, t, made, part, outcome)
+            changing = False
+            if switching.look != 0:
+                part = call_hook(switching.look, switching.context, t, made, reached)
+                changing = part <= 1.0
+                if part < 1.0:
+                    made *= part
+                    reached = t + made
+            if made != 0.0:
+                part = check_margins(system, table, record, t, made, reached)
+                if part < 1.0:
+                    return cut_short(system, table, record, t, made, part, SINGULAR)
+                if hook.function != 0:
+                    part = call_hook(hook.function, hook.context, t, made, reached)
+                    if part <= 1.0:
+                        return cut_short(system, table, record, t, made, part, EVENT)
+                near = slack if reached == t_end else 0.0
+                status = take_samples(system, table, record, t, made, reached, near)
+                if status != 0:
+                    return outcome_of(record, status)
+            expect_end(system, table, record, made)
+            commit(system, table, record, reached)
+            outcome = margin_outcome(system, record)
+            if changing and outcome == DONE:
+                outcome = int(call_hook(switching.change, switching.context, t, h, reached))
+            if reached == t_end or outcome != DONE:
+                break
+            # what is left of the step behind a change
+            t, made, reached = reached, t_end - reached, t_end
     return outcome

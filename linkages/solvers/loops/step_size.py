@@ -19,6 +19,12 @@ SHRINK_MOST, GROW_MOST = 1 / 3, 6.0
 SHRINK_BLOCKED = 0.25
 # Halving is enough for links that turned too far to be watched.
 SHRINK_TURNING = 0.5
+# An end at which everything is so much steeper than at the start says nothing about round-off: a
+# trial that dived into a wall must not excuse itself.
+WILD = 1e4
+# Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
+# powers of the step there, whatever the order.
+SHRINK_FRESH = 0.1
 OVERFLOW = 1e150
 # Steps that were much better than asked for say nothing about how the error develops.
 LEAST_BEFORE = 1e-4
@@ -54,6 +60,10 @@ def error_norm(system: System, table: Table, h: float, rtol: float, atol: int) -
     n, width, end = system.n, system.width, table.end
     rows, weights, least = floats(system.rows), floats(table.error), floats(atol)
     noise = abs(h) * rounding(system, end)
+    early, late = 0.0, 0.0
+    for i in range(2 * n):
+        early = max(early, abs(rows[n + i]))
+        late = max(late, abs(rows[end * width + n + i]))
     main, low = 0.0, 0.0
     for i in range(2 * n):
         first, second = 0.0, 0.0
@@ -63,6 +73,8 @@ def error_norm(system: System, table: Table, h: float, rtol: float, atol: int) -
             second += weights[end + 1 + j] * slope
         start, stop = abs(rows[i]), abs(rows[end * width + i])
         steepest = max(abs(rows[n + i]), abs(rows[end * width + n + i]))
+        if late > WILD * early:
+            steepest = abs(rows[n + i])
         unit = 1.0 / (least[i] + rtol * max(start, stop) + noise * steepest)
         main += (first * unit) ** 2
         low += (second * unit) ** 2

@@ -25,7 +25,7 @@ class Gauss(Method):
 
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop; a step must be given."""
-        from linkages.solvers import arrays
+        from linkages.solvers import arrays, hooks
         from linkages.solvers.loops.implicit_steps import implicit_steps
 
         assert job.step is not None
@@ -43,7 +43,7 @@ class Gauss(Method):
             arrays.nodes(memory, self.collocation, job.flow, first),
             table,
             record,
-            arrays.hook(memory, job, system, table, record),
+            hooks.hook(memory, hooks.events(memory, job), system, table, record),
             job.start,
             job.end,
             step_count(job),

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,12 +30,18 @@ class Method(ABC):
         Whether steps follow a tolerance unless a step is given.
     summary
         One line for lists of methods.
+
+    Attributes
+    ----------
+    switching
+        Whether it stops where modes of a flow change, and goes on.
     """
 
     name: str
     order: int
     adaptive: bool
     summary: str
+    switching: ClassVar[bool] = False
 
     @abstractmethod
     def prepare(self, job: Job) -> Callable[[], int]:
@@ -60,6 +67,7 @@ class RungeKutta(Method):
 
     build: Callable[[], Tableau]
     memory: float = 0.0
+    switching: ClassVar[bool] = True
 
     @cached_property
     def tableau(self) -> Tableau:
@@ -70,18 +78,20 @@ class RungeKutta(Method):
         """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
         # Compiled modules are loaded by the first run: listing methods need not wait for Numba,
         # nor a run with one loop for the other.
-        from linkages.solvers import arrays
+        from linkages.solvers import arrays, hooks
 
         tableau, store = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
         system = arrays.system(store, job, rows)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
+        events = hooks.events(store, job)
         shared = (
             system,
             table,
             record,
-            arrays.hook(store, job, system, table, record),
+            hooks.hook(store, events, system, table, record),
+            hooks.switching(store, job, events, system, table, record),
             job.start,
             job.end,
         )

@@ -14,10 +14,10 @@ class System(NamedTuple):
     """A flow and the workspace for its steps.
 
     `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b),
-    settled (c), settled_rate (c), cosine (d), sine (d), speed (d)]`` for each stage, so that the
-    state is ``row[:2n]``, its derivative ``row[n:3n]``, and the kernel writes straight into
-    ``row[2n:]``. Row 0 is the start of the step, row `Table.end` its end, and the last row a
-    scratch row for samples.
+    settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m),
+    function_rate (m)]`` for each stage, so that the state is ``row[:2n]``, its derivative
+    ``row[n:3n]``, and the kernel writes straight into ``row[2n:]``. Row 0 is the start of the
+    step, row `Table.end` its end, and the last row a scratch row for samples.
     """
 
     clock: int
@@ -33,6 +33,8 @@ class System(NamedTuple):
     carried: int
     counted: int  # number d of dependent angles whose turns are counted
     backward: int  # 1 where time runs backward, otherwise 0
+    holding: int  # number h of modes, of what is remembered, and of its tangents
+    held: int  # (h,) of float64: these, the last ones of the parameters
     rows: int
     width: int  # of a row
 
@@ -90,7 +92,8 @@ class Record(NamedTuple):
     angles: int  # (d,) of float64: dependent angles in row 0, with their turns
     ahead: int  # (d,) of float64: about where they are in the row that is written next
     sampled: int  # (m, d) of float64
-    counters: int  # (5,) of int64
+    sampled_held: int  # (m, h) of float64
+    counters: int  # (6,) of int64
     control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
     observer: int  # a compiled function ``(context, t, h, t_end)`` that follows every step, or 0
     observed: int  # its context
@@ -113,6 +116,39 @@ class Events(NamedTuple):
     state: int  # (rows, 2n) of float64
     turns: int  # (rows, n) of int64
     angles: int  # (rows, d) of float64
+    held: int  # (rows, h) of float64
+
+
+class Switches(NamedTuple):
+    """Modes that change where functions of time and state cross zero."""
+
+    modes: int  # their number m
+    memories: int  # number of what is remembered
+    tangents: int
+    free: int  # number of free coordinates, and of entries of a tangent
+    values: int  # number of new values that `transition` writes
+    active: int  # (m,) of int64: see `flow.Switching`
+    owners: int  # (memories,) of int64
+    jumps: int  # (m,) of int64
+    transition: int  # (4,) of int64: clock, rates, parameters, timed; zeros if there is none
+    written: int  # what it wrote, of float64
+    before: int  # (3n,) of float64: state and accelerations before a change
+    copies: int  # (c, 2) of int64: where what is held is needed as well, and how much of it
+    copied: int  # their number c
+    events: int  # number of events
+    values_of_events: int  # see `Events.values`
+    pending: int  # (2,) of int64: the switch that changes next; changes in a row
+    kind: int  # see `Switching`
+    since: int  # (1,) of float64: time of the first of them
+    capacity: int  # of the record of changes
+    found: int  # (m,) of int64: changes of each switch
+    noted: int  # (1,) of int64: all changes
+    time: int  # (capacity,) of float64
+    which: int  # (capacity,) of int64
+    rises: int  # (capacity,) of int64, 0 or 1
+    state: int  # (capacity, 2n) of float64, before the change
+    turns: int  # (capacity, n) of int64
+    held: int  # (capacity, h) of float64, behind the change
 
 
 class Tangents(NamedTuple):
@@ -125,6 +161,8 @@ class Tangents(NamedTuple):
     orthogonal: int  # 0 or 1
     seen: int  # (1,) of int64: samples that are done
     lengths: int  # (times, columns) of float64: logarithms of lengths before
+    memories: int  # number of what is remembered
+    moved: int  # (columns, memories) of float64: its tangents
 
 
 class Hook(NamedTuple):
@@ -138,9 +176,27 @@ class Hook(NamedTuple):
     context: int
 
 
+class Switching(NamedTuple):
+    """Compiled functions that find and make the changes of modes; 0 if there are none.
+
+    ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
+    changes, with the workspace holding the step up to there, or more than 1; `guess` about the
+    same for a rejected step. Then ``change`` of the same arguments makes the change at the state in
+    row 0 and returns an `Outcome`. `context` is the address of a `System`, `Table`, `Record` and
+    `Switches` in a row.
+    """
+
+    look: int
+    guess: int
+    change: int
+    context: int
+    kind: int  # (1,) of int64: what the last change was, 2·switch, and 1 more for a rise
+    first_steps: int  # (2m,) of float64: lengths of the steps behind the last changes of each kind
+
+
 # When a row is evaluated: at the time of the row before, at its node, at the end of the step.
 KEEP, NODE, STEP_END = range(3)
 # Entries of `counters`.
-SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK = range(5)
+SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, and whether to stop.
 NOW, STOP = range(2)

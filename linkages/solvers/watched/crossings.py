@@ -66,6 +66,8 @@ def note(
     for i in range(2 * n):
         floats(state)[i] = source[i]
     wrap_angles(system, state, record.final_turns, events.turns + WORD * place * n)
+    for i in range(system.holding):
+        floats(events.held)[place * system.holding + i] = floats(system.held)[i]
     if system.counted > 0:
         expect_end(system, table, record, h)
         angles = events.angles + WORD * place * system.counted

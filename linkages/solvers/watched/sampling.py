@@ -26,6 +26,8 @@ def write_sample(system: System, record: Record, row: int) -> None:
     wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
     for i in range(system.counted):
         floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
+    for i in range(system.holding):
+        floats(record.sampled_held)[k * system.holding + i] = floats(system.held)[i]
     counters[SAMPLES] = k + 1
 
 

@@ -60,6 +60,8 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
     state = record.state + WORD * sample * 2 * n + begin
     here, lengths = system.rows + begin, floats(tangents.lengths)
     samples = integers(record.counters)[SAMPLES]
+    # of what is remembered: it belongs to the state, but has no part in lengths
+    memories, moved = tangents.memories, floats(tangents.moved)
     for column in range(tangents.columns):
         own = WORD * column * size
         total = 1.0
@@ -72,12 +74,16 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
                     later = state + WORD * k * 2 * n
                     subtract(n, 2, size, factor, later + other, later + own)
                 subtract(n, 3, size, factor, here + other, here + own)
+                for r in range(memories):
+                    moved[column * memories + r] -= factor * moved[before * memories + r]
             length = math.sqrt(product(n, size, state + own, state + own))
             total *= length
             scale(n, 2, size, 1.0 / length, state + own)
             for k in range(1, samples - sample):
                 scale(n, 2, size, 1.0 / length, state + WORD * k * 2 * n + own)
             scale(n, 3, size, 1.0 / length, here + own)
+            for r in range(memories):
+                moved[column * memories + r] /= length
         lengths[row * tangents.columns + column] = math.log(total)
 
 

@@ -1,0 +1,240 @@
+"""Modes of a motion: on which side of zero functions of time and state were last seen.
+
+A mode changes only where a motion crosses the zero of its function, at a time that solvers locate.
+Between such times it is a constant, and the equations are smooth. In the graph modes are inputs of
+value +1 or −1, and what a motion remembers from such a time is an input as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.graph.differentiation import derivative_along
+from linkages.kernel.graph.scalars import Level, Scalar
+
+if TYPE_CHECKING:
+    from linkages.kernel.model import Model
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Switch:
+    """A mode, and what changes it.
+
+    Parameters
+    ----------
+    name
+        What sentences and results call it.
+    function
+        The mode is +1 where this is not negative, otherwise −1.
+    active
+        Number of another mode: where that is −1 the function is not watched and this one is −1 as
+        well. None if it is watched always.
+    jump
+        Rates of the free coordinates behind a time at which the function rises through zero; empty
+        if they are those before it.
+    """
+
+    name: str
+    function: Scalar
+    active: int | None = None
+    jump: tuple[Scalar, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """A number that a motion keeps from the last time at which a switch rose.
+
+    Parameters
+    ----------
+    name
+        What results call it.
+    owner
+        Number of the switch.
+    node
+        What is kept.
+    """
+
+    name: str
+    owner: int
+    node: Scalar
+
+
+class Switches:
+    """The switches of a model, in the order in which its accelerations need them.
+
+    Parameters
+    ----------
+    model
+        What they belong to.
+
+    Attributes
+    ----------
+    switches, memories
+        All of them.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self.switches: list[Switch] = []
+        self.memories: list[Memory] = []
+        self._known: dict[tuple[int, int | None], int] = {}
+        self._called: dict[str, int] = {}
+        self._collecting = 0
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        """While the accelerations are built: what they ask for becomes a mode."""
+        self._collecting += 1
+        try:
+            yield
+        finally:
+            self._collecting -= 1
+
+    def add(
+        self,
+        name: str,
+        function: Scalar,
+        *,
+        active: Scalar | None = None,
+        jump: Sequence[Scalar] = (),
+    ) -> Scalar:
+        """The mode of a function, +1.0 or −1.0; equal functions have one mode.
+
+        What no acceleration depends on needs no mode: there, and where nothing is integrated, it is
+        the sign of the function itself.
+
+        Parameters
+        ----------
+        name
+            What sentences and results call it, such as ``"gap: touch"``.
+        function
+            Of time and state; its value must be continuous along the motion between jumps.
+        active
+            Mode of another switch: where that is −1 the function is not watched, and this mode is
+            −1; where it becomes +1, this mode is set from the sign of the function.
+        jump
+            New rates of the free coordinates where the function rises through zero.
+        """
+        graph, moves = self._model.graph, function.level > Level.PARAMETERS
+        if moves and not self._collecting and self._model.topology.coordinates:
+            _ = self._model.free_accelerations  # so that the order is always the same
+        owner = None if active is None else self._number(active)
+        known = self._known.get((function.index, owner))
+        if known is None and not jump:
+            other = self._known.get((graph.negate(function).index, owner))
+            if owner is None and other is not None and not self.switches[other].jump:
+                return -self._model.inputs.mode(other)
+        if known is None:
+            if not (moves and self._collecting):
+                if jump:
+                    raise ValueError(f"switch {name!r} jumps, but no acceleration needs it")
+                return graph.select(function, graph.one, -graph.one)
+            known = len(self.switches)
+            self._known[function.index, owner] = known
+            self.switches.append(Switch(self._unused(name), function, owner, tuple(jump)))
+        self._called.setdefault(name, known)
+        return self._model.inputs.mode(known)
+
+    def memory(self, name: str, node: Scalar) -> Scalar:
+        """The value that a node had when a switch rose last, or at the start.
+
+        Parameters
+        ----------
+        name
+            Of the switch, as it was added.
+        node
+            What is kept, a function of time and state.
+        """
+        owner = self._called[name]
+        for number, memory in enumerate(self.memories):
+            if memory.owner == owner and memory.node is node:
+                return self._model.inputs.memory(number)
+        count = sum(memory.owner == owner for memory in self.memories)
+        called = self.switches[owner].name + (f" ({count + 1})" if count else "")
+        self.memories.append(Memory(called, owner, node))
+        return self._model.inputs.memory(len(self.memories) - 1)
+
+    def _unused(self, name: str) -> str:
+        """The name, with a number behind it where it is taken."""
+        taken = {switch.name for switch in self.switches}
+        count = 2
+        found = name
+        while found in taken:
+            found, count = f"{name} ({count})", count + 1
+        return found
+
+    def _number(self, mode: Scalar) -> int:
+        if mode.operation == "input" and mode.arguments[0] == "mode":
+            return int(mode.arguments[1])
+        raise ValueError(f"active must be the mode of a switch, found {mode!r}")
+
+    @property
+    def functions(self) -> list[Scalar]:
+        """Whose signs the modes are."""
+        return [switch.function for switch in self.switches]
+
+    @property
+    def nodes(self) -> list[Scalar]:
+        """All that changes of modes depend on."""
+        jumps = [rate for switch in self.switches for rate in switch.jump]
+        return [*self.functions, *(memory.node for memory in self.memories), *jumps]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of everything that is held: modes, then memories."""
+        modes = (f"mode {switch.name}" for switch in self.switches)
+        return (*modes, *(f"memory {memory.name}" for memory in self.memories))
+
+    def rates(self, nodes: Sequence[Scalar], accelerations: Sequence[Scalar]) -> list[Scalar]:
+        """Derivatives of nodes with respect to time along the motion.
+
+        Parameters
+        ----------
+        nodes
+            Functions of time and state.
+        accelerations
+            Of the integrated coordinates of the motion.
+        """
+        if not nodes:
+            return []
+        inputs = self._model.inputs
+        direction = {inputs.time.index: self._model.graph.one}
+        for index, acceleration in enumerate(accelerations):
+            direction[inputs.coordinate(index).index] = inputs.rate(index)
+            direction[inputs.rate(index).index] = acceleration
+        return [rate for (rate,) in derivative_along(nodes, [direction])]
+
+    def signed(self, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Modes by the signs of their functions, and memories as if the switches had just risen.
+
+        Parameters
+        ----------
+        inputs
+            Arguments of an evaluator: arrays whose first axis is the input's index.
+
+        Returns
+        -------
+        Further arguments, with the same axes behind the first.
+        """
+        shape = np.broadcast_shapes(*(array.shape[1:] for array in inputs.values()))
+        modes = np.full((len(self.switches), *shape), -1.0)
+        memory = np.zeros((len(self.memories), *shape))
+        found = {"mode": modes, "memory": memory}
+        for number, switch in enumerate(self.switches):
+            (value,) = self._model.evaluator([switch.function])(**inputs, **found)
+            on = value >= 0.0
+            if switch.active is not None:
+                on &= modes[switch.active] > 0.0
+            modes[number] = np.where(on, 1.0, -1.0)
+            for place, kept in enumerate(self.memories):
+                if kept.owner == number:
+                    memory[place] = self._model.evaluator([kept.node])(**inputs, **found)[0]
+        return found

@@ -1,0 +1,123 @@
+"""What watches the steps of a job: its events, and its modes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from linkages.solvers.arrays import Memory
+from linkages.solvers.flow import Companion
+from linkages.solvers.job import Job
+from linkages.solvers.steps.views import (
+    WORD,
+    Events,
+    Hook,
+    Record,
+    Switches,
+    Switching,
+    System,
+    Table,
+)
+
+
+def events(memory: Memory, job: Job) -> Events | None:
+    """The events of a job, if it has any."""
+    log = job.log
+    if not log.events:
+        return None
+    return Events(
+        events=len(log.events),
+        weights=memory.floats(log.weights),
+        functions=memory.integers([_function(memory, job, event.function) for event in log.events]),
+        values=memory.floats(np.full((len(log.events), 5), np.nan)),
+        level=memory.floats([event.level for event in log.events]),
+        period=memory.floats(log.periods),
+        direction=memory.integers([event.direction for event in log.events]),
+        terminal=memory.integers([event.terminal for event in log.events]),
+        first=memory.integers(log.first),
+        found=memory.integers(log.found),
+        time=memory.floats(log.time),
+        state=memory.floats(log.state),
+        turns=memory.integers(log.turns),
+        angles=memory.floats(log.angles),
+        held=memory.floats(log.held),
+    )
+
+
+def hook(
+    memory: Memory, found: Events | None, system: System, table: Table, record: Record
+) -> Hook:
+    """What watches the steps of a job for its events; nothing where it has none."""
+    if found is None:
+        return Hook(0, 0)
+    # Compiled by the first run that has events.
+    from linkages.solvers.watched.crossings import watch_step
+
+    context = memory.integers([*system, *table, *record, *found])
+    return Hook(watch_step.address, context)
+
+
+def _function(memory: Memory, job: Job, function: Companion | None) -> list[int]:
+    """Addresses of what an event watches."""
+    if function is None:
+        return [0, 0, 0, 0]
+    parameters = memory.floats(job.holding(function))
+    if function.held:
+        first = WORD * (len(function.parameters) - function.held)
+        memory.copies.append((parameters + first, function.held))
+    timed = memory.floats(np.zeros(function.timed_size))
+    return [function.clock, function.rates, parameters, timed]
+
+
+def switching(
+    memory: Memory,
+    job: Job,
+    found: Events | None,
+    system: System,
+    table: Table,
+    record: Record,
+) -> Switching:
+    """What finds and makes changes of modes; nothing where there are none."""
+    own = job.flow.switching
+    if own is None:
+        return Switching(0, 0, 0, 0, 0, 0)
+    # Compiled by the first run that has modes.
+    from linkages.solvers.loops.transitions import change
+    from linkages.solvers.watched.switches import guess, look
+
+    changes, n = job.changes, job.flow.coordinates
+    # events have left their copies there
+    transition = _function(memory, job, own.transition)
+    switches = Switches(
+        modes=len(own.names),
+        memories=len(own.owners),
+        tangents=own.tangents,
+        free=own.free,
+        values=own.values,
+        active=memory.integers(own.active),
+        owners=memory.integers(own.owners),
+        jumps=memory.integers(own.jumps),
+        transition=memory.integers(transition),
+        written=memory.floats(np.zeros(own.written)),
+        before=memory.floats(np.zeros(3 * n)),
+        copies=memory.integers(memory.copies),
+        copied=len(memory.copies),
+        events=0 if found is None else found.events,
+        values_of_events=0 if found is None else found.values,
+        pending=memory.integers(np.zeros(2)),
+        kind=memory.integers(np.zeros(1)),
+        since=memory.floats([job.start]),
+        capacity=len(changes.time),
+        found=memory.integers(changes.found),
+        noted=memory.integers(changes.noted),
+        time=memory.floats(changes.time),
+        which=memory.integers(changes.which),
+        rises=memory.integers(changes.rises),
+        state=memory.floats(changes.state),
+        turns=memory.integers(changes.turns),
+        held=memory.floats(changes.held),
+    )
+    context = memory.integers([*system, *table, *record, *switches])
+    first_steps = memory.floats(np.zeros(2 * len(own.names)))
+    return Switching(
+        look.address, guess.address, change.address, context, switches.kind, first_steps
+    )

@@ -1,0 +1,212 @@
+"""Motions whose modes change: closed forms, invariance, tangents, and what cannot go on."""
+
+import math
+
+import numpy as np
+import pytest
+from switched_blocks import (
+    block,
+    bounced,
+    damped_floor,
+    floor,
+    forces_by_nodes,
+    impacts,
+    remembering_floor,
+    rubbed,
+    rubbing,
+)
+
+import linkages
+from linkages.errors import ComputationError
+from linkages.kernel.system import System
+from linkages.options.run import RunOptions
+from linkages.solution.moving.march import March
+
+ADAPTIVE = ("tsit5", "dop853", "vern9")
+TIMES = np.linspace(0.0, 3.0, 301)
+
+
+@pytest.fixture(autouse=True)
+def _forces():
+    with forces_by_nodes():
+        yield
+
+
+def positions(mechanism, times=TIMES, **options):
+    return linkages.simulate(mechanism, times=times, **options).data.slider_position.to_numpy()[
+        :, 0
+    ]
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_ball_on_a_spring(method):
+    found = positions(block(floor, 1.0, 0.0), method=method, rtol=1e-11)
+    # a thousand times the tolerance: speeds of 4.4 m/s, and 14 changes in a row
+    assert found == pytest.approx(bounced(TIMES, 1.0), abs=1e-8)
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_friction_of_constant_magnitude(method):
+    found = positions(block(rubbing, 0.1, 0.0), method=method, rtol=1e-11)
+    assert found == pytest.approx(rubbed(TIMES, 0.1), abs=1e-10)
+
+
+def test_order_of_a_fixed_step_survives():
+    """Steps that straddle a jump of the force would leave order one."""
+    mechanism = block(rubbing, 0.1, 0.0)
+    steps = np.array([0.02, 0.01, 0.005])
+    errors = [
+        np.abs(
+            positions(mechanism, TIMES[:201], method="rk4", step=h) - rubbed(TIMES[:201], 0.1)
+        ).max()
+        for h in steps
+    ]
+    slope, _ = np.polyfit(np.log(steps), np.log(errors), 1)
+    assert slope == pytest.approx(4.0, abs=0.15)
+
+
+def test_error_falls_with_the_tolerance():
+    mechanism = block(floor, 1.0, 0.0)
+    errors = [
+        np.abs(positions(mechanism, rtol=rtol) - bounced(TIMES, 1.0)).max()
+        for rtol in (1e-6, 1e-8, 1e-10)
+    ]
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+
+
+def march(mechanism, times, tangents=0, **options):
+    found = March(System(mechanism), RunOptions(**{"rtol": 1e-11, **options}), tangents=tangents)
+    return found, found.advance(np.asarray(times))
+
+
+def test_times_of_impacts():
+    """Falls shorten geometrically: t_k = t_1 (1 + 2 e (1 - e^(k-1))/(1 - e))."""
+    _, motion = march(block(impacts, 1.0, 0.0), [3.5])
+    found = motion.changes["floor: impact"]
+    k, e = np.arange(len(found.time)), 0.8
+    expected = math.sqrt(2 / 9.81) * (1 + 2 * e * (1 - e**k) / (1 - e))
+    assert len(k) == 9
+    assert found.time == pytest.approx(expected, abs=1e-10)
+    assert found.rises.all()
+    assert found.count == len(k)
+    # located to round-off: the floor is where it is
+    assert np.abs(np.concatenate([p.state[0] for p in found.pieces])).max() < 1e-14
+
+
+def test_impacts_without_end_are_named():
+    end = math.sqrt(2 / 9.81) * (1 + 2 * 0.8 / 0.2)
+    _, motion = march(block(impacts, 1.0, 0.0), [end + 1.0])
+    assert "floor: impact: A mode changes again and again" in motion.failure
+    # where they accumulate: flights that last no longer than round-off of time
+    assert motion.stop_time == pytest.approx(end, abs=1e-9)
+
+
+def test_sliding_is_named():
+    # the spring of 100 N/m pulls with less than the friction of 0.5 N within 5 mm
+    _, motion = march(block(rubbing, 0.023, 0.0), [3.0])
+    assert "block: sign(speed): A mode has no value" in motion.failure
+    assert motion.stop_time == pytest.approx(2 * math.pi / 10, abs=1e-10)
+
+
+def test_samples_change_nothing():
+    mechanism = block(remembering_floor, 1.0, 0.0)
+    end = [march(mechanism, times)[0].state for times in ([3.0], TIMES[1:], [0.45, 0.4517, 3.0])]
+    assert end[0].tobytes() == end[1].tobytes() == end[2].tobytes()
+
+
+def test_outputs_take_the_modes_of_their_samples():
+    data = linkages.simulate(
+        block(remembering_floor, 1.0, 0.0),
+        times=np.linspace(0.0, 3.0, 3001),
+        outputs=["slider_position", "slider_acceleration", "load_force"],
+        rtol=1e-11,
+    ).data
+    touching = data.slider_position.to_numpy()[:, 0] < 0.0
+    assert 20 < touching.sum() < 2000
+    force = data.load_force.to_numpy()[:, 0]
+    assert force[~touching] == pytest.approx(-9.81)
+    assert (force[touching] >= -9.81 - 1e-9).all()
+    # of a block of 1 kg, and by another road: the kernel's acceleration
+    assert data.slider_acceleration.to_numpy()[:, 0] == pytest.approx(force, abs=1e-6)
+
+
+@pytest.mark.parametrize("law", [floor, damped_floor, remembering_floor, impacts])
+def test_halves_equal_the_whole(law):
+    mechanism = block(law, 1.0, 0.3)
+    whole, _ = march(mechanism, [1.9])
+    half, _ = march(mechanism, [0.4713])
+    half.advance(np.array([1.9]))
+    assert half.state == pytest.approx(whole.state, abs=1e-8)
+    for name, values in whole.held.items():
+        assert half.held[name] == pytest.approx(values, abs=1e-8)
+
+
+@pytest.mark.parametrize("law", [floor, damped_floor, remembering_floor, impacts, rubbing])
+@pytest.mark.parametrize("method", ["dop853", "vern9"])
+def test_tangents_cross_changes(law, method):
+    """Against differences of the motion itself."""
+    start = (0.1, 0.03) if law is rubbing else (1.0, 0.3)
+    rhs = linkages.compile(block(law, *start))
+    flow = rhs.flow(tangents=2, rtol=1e-12, method=method)
+    own, size = flow.advance(rhs.state, 0.0, 1.4), len(rhs.state)
+    found = np.empty((size, size))
+    for column in range(size):
+        aside = 1e-6 * np.eye(size)[column]
+        ends = [flow.advance(rhs.state + s * aside, 0.0, 1.4).y for s in (1, -1)]
+        found[:, column] = (ends[0] - ends[1]) / 2e-6
+    scale = np.abs(found).max()
+    assert scale > 1.5 or law is rubbing
+    # tangents are integrated with a tolerance of 1e-6 a step
+    assert np.abs(own.tangents - found).max() < 2e-5 * scale
+
+
+def test_tangents_of_an_impact():
+    """For speed v of approach the saltation matrix is [[-e, 0], [(1 + e) g/v, -e]]."""
+    g, e, height = 9.81, 0.8, 1.0
+    fall = math.sqrt(2 * height / g)
+    found, _ = march(block(impacts, height, 0.0), [1.5 * fall], tangents=2)
+    across = np.array([[-e, 0.0], [(1 + e) / fall, -e]])
+    expected = [[1.0, 0.5 * fall], [0.0, 1.0]] @ across @ [[1.0, fall], [0.0, 1.0]]
+    assert found.tangents == pytest.approx(expected, abs=1e-9)
+
+
+def test_memory_is_a_part_of_tangents():
+    """Halves with what is remembered, and its tangents, equal the whole."""
+    rhs = linkages.compile(block(remembering_floor, 1.0, 0.3))
+    flow = rhs.flow(tangents=2, rtol=1e-12)
+    whole = flow.advance(rhs.state, 0.0, 1.4)
+    touch = flow.advance(rhs.state, 0.0, 0.487)
+    assert touch.y[0] < 0.0
+    half = flow.advance(touch.y, 0.487, 1.4, touch.tangents, touch.held)
+    assert half.y == pytest.approx(whole.y, abs=1e-9)
+    assert half.tangents == pytest.approx(whole.tangents, abs=2e-4)
+    # and without it there is another motion
+    assert np.abs(flow.advance(touch.y, 0.487, 1.4).y - whole.y).max() > 1e-3
+
+
+def test_backward_in_time():
+    mechanism = block(floor, 1.0, 0.3)
+    forth, _ = march(mechanism, [2.0], rtol=1e-12)
+    forth.advance(np.array([0.0]))
+    assert forth.state == pytest.approx(System(mechanism).state, abs=1e-8)
+
+
+def test_no_way_back_from_what_is_remembered():
+    with pytest.raises(ComputationError, match="'floor: touch' remembers or jumps"):
+        march(block(remembering_floor, 1.0, 0.3), [-1.0])
+
+
+@pytest.mark.parametrize("method", ["gauss8", "radau"])
+def test_methods_that_cannot_change_modes(method):
+    step = {"step": 1e-3} if method == "gauss8" else {}
+    with pytest.raises(ValueError, match="cannot change modes on the way, as 'floor: touch'"):
+        march(block(floor, 1.0, 0.0), [1.0], method=method, **step)
+
+
+def test_right_hand_side_takes_modes():
+    rhs = linkages.compile(block(rubbing, 0.1, 0.2))
+    assert rhs(0.0, rhs.state)[1] == pytest.approx(-10.5)
+    assert rhs(0.0, rhs.state, {"mode block: sign(speed)": -1.0})[1] == pytest.approx(-9.5)
+    assert rhs.held(0.0, -rhs.state) == {"mode block: sign(speed)": -1.0}
+    both = rhs.batch(0.0, np.column_stack([rhs.state, -rhs.state]))
+    assert both[1] == pytest.approx([-10.5, 10.5])

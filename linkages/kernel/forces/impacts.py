@@ -1,8 +1,8 @@
 """Rigid contact: impacts change rates at once, and resting contact is a constraint.
 
-While contact is closed the normal force is what keeps the indentation at zero. Errors of steps move
-it to either side, so a pin that is all but at rest across the wall counts as touching a little above
-the wall: round-off does not open a contact, the force does.
+While contact is closed the normal force is what keeps the indentation at zero. Errors of steps
+move it to either side, so a pin that is all but at rest across the wall counts as touching a little
+above the wall: round-off does not open a contact, the force does.
 """
 
 from __future__ import annotations

@@ -140,6 +140,17 @@ def test_rest_ends_where_friction_no_longer_holds():
     assert motion.state[0] == pytest.approx(expected, abs=1e-11)
 
 
+@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("rtol", [1e-6, 1e-11])
+def test_no_release_is_missed(method, rtol):
+    """Nothing moves at rest, so that steps would be long; a force beyond friction is short."""
+    mechanism = block(sticking, 0.0, 0.0, "0.501*sin(7*t)")
+    _, motion = march(mechanism, [1.0], method=method, rtol=rtol)
+    times = motion.changes["block: sign(speed)"].time
+    assert len(times) == 4
+    assert times[0] == pytest.approx(math.asin(0.5 / 0.501) / 7, abs=1e-12)
+
+
 def belt_by_hand(end):
     """Stick and slip on the belt by SciPy, each with its own equations and events."""
 

@@ -59,6 +59,6 @@ class Clearance(Component):
             points={self.joint: (ZERO, ZERO), renamed: (size, ZERO)},
         )
         return (
-            Displacement(self.joint, self.bar, renamed, link),
+            Displacement(self.name, self.joint, self.bar, renamed, (link,)),
             Initial(self.name, self.angle, self.speed, self.path),
         )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.contributed.terms import axis_label
 from linkages.equations.places import Places
 from linkages.equations.polar import Polar, Terms, collected, components
 from linkages.equations.symbols import Symbols
@@ -68,7 +67,7 @@ class BlockEquations:
 
 def closure(topology: Topology, symbols: Symbols, places: Places) -> tuple[BlockEquations, ...]:
     """One equation per independent loop, block by block in the order in which they are solved."""
-    axes = {axis_label(name): f"the axis of {name}" for name in topology.mechanism.bodies}
+    axes = {body.axis: f"the axis of {name}" for name, body in topology.mechanism.bodies.items()}
     found = []
     for block in topology.solved_blocks:
         unknowns = tuple(symbols.coordinates[name] for name in block.unknowns)

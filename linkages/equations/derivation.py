@@ -8,6 +8,7 @@ import sympy as sp
 
 from linkages.equations.closure import BlockEquations, LoopEquation, closure
 from linkages.equations.coefficients import Definition
+from linkages.equations.contacts import contact_forces, require_forces_of_the_state
 from linkages.equations.energies import (
     MassiveBody,
     gravitational_energy,
@@ -49,6 +50,8 @@ class Equations:
         Bodies with mass and their centres of mass.
     loads
         What acts; `elastic` and `forces` refer to its `lengths`.
+    contacts
+        Distances, rates, forces and slips of clearances that open, each from what stands before it.
     kinetic_energy
         T in J, over the coordinates of all bodies.
     gravitational, elastic
@@ -72,6 +75,7 @@ class Equations:
     blocks: tuple[BlockEquations, ...]
     bodies: tuple[MassiveBody, ...]
     loads: ActingLoads
+    contacts: tuple[Definition, ...]
     kinetic_energy: sp.Expr
     gravitational: sp.Expr
     elastic: sp.Expr
@@ -98,7 +102,8 @@ class Equations:
         """Distances and their rates, each from what stands before it."""
         found, rates = self.loads.lengths.values(), self.symbols.rates
         lengths = [Definition(d.symbol, d.length) for d in found]
-        return (*lengths, *(Definition(d.rate, d.speed(rates)) for d in found))
+        speeds = (Definition(d.rate, d.speed(rates)) for d in found)
+        return (*lengths, *speeds, *self.contacts)
 
     def expanded(self, expression: sp.Expr) -> sp.Expr:
         """An expression over coordinates and rates, without lengths of loads."""
@@ -116,6 +121,7 @@ def derive(topology: Topology) -> Equations:
         Its blocks give the loops and their order.
     """
     mechanism = topology.mechanism
+    require_forces_of_the_state(mechanism)
     symbols = Symbols(mechanism, tuple(topology.slaves))
     places = Places(topology, symbols)
     driven, free, dependent = (
@@ -130,6 +136,9 @@ def derive(topology: Topology) -> Equations:
     potential = gravitational + elastic
     efforts = _efforts(topology, symbols)
     forces = acting.generalised_forces(efforts)
+    contacts = contact_forces(mechanism, symbols, places)
+    for q, force in contacts.generalised.items():
+        forces[q] = forces.get(q, sp.S.Zero) + force
     return Equations(
         title=mechanism.name,
         symbols=symbols,
@@ -138,7 +147,7 @@ def derive(topology: Topology) -> Equations:
         free=free,
         dependent=dependent,
         followers=tuple(
-            Definition(symbol, places.orientation(name))
+            Definition(symbol, places.coordinate(name))
             for name, symbol in symbols.followers.items()
         ),
         drives=_drives(topology, symbols),
@@ -146,6 +155,7 @@ def derive(topology: Topology) -> Equations:
         blocks=blocks,
         bodies=bodies,
         loads=acting,
+        contacts=contacts.definitions,
         kinetic_energy=kinetic_energy(bodies, symbols.rates),
         gravitational=gravitational,
         elastic=elastic,

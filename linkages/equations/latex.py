@@ -11,7 +11,7 @@ from linkages.equations.symbols import Notation, Symbols
 
 _PER_ROW = 5
 _SIGNS = {"+": "+", "−": "-"}
-_GREEK = frozenset({"theta", "alpha", "phi", "omega"})
+_GREEK = frozenset({"theta", "alpha", "phi", "omega", "mu"})
 _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}")
 _ESCAPES = {
     "\\": r"\textbackslash{}",

@@ -15,7 +15,7 @@ from linkages.equations.symbols import Notation, Symbols
 
 WIDTH = 100
 _GLUE = "\xa0"  # no name contains it
-_GREEK = {"theta": "θ", "alpha": "α", "phi": "φ", "omega": "ω"}
+_GREEK = {"theta": "θ", "alpha": "α", "phi": "φ", "omega": "ω", "mu": "μ"}
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DOTS = ("", "\u0307", "\u0308")
 

@@ -68,6 +68,10 @@ class Variable:
         after; taken as they are if not given.
     compared
         The output that it compares with that of the same mechanism without clearances.
+    flags
+        What the numbers 0, 1, … of a variable mean that has no other values.
+    opening
+        Whether it is there for mechanisms with a clearance that opens only.
     """
 
     dims: tuple[str, ...]
@@ -85,6 +89,8 @@ class Variable:
     reciprocal: bool = False
     reduced: Callable[[Floats], Floats] | None = None
     compared: str = ""
+    flags: tuple[str, ...] = ()
+    opening: bool = False
 
     @property
     def whole(self) -> bool:
@@ -124,10 +130,19 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.driven
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in _dyads(model))
+    if dim == "cam":
+        return tuple(model.mechanism.cams)
     if dim in LOADS:
         return tuple(load.label for load in model.loads if load.dimension == dim)
-    kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "clearance": ("clearance",)}[dim]
+    if dim == "clearance":
+        return tuple(term.name for term in model.mechanism.displacements)
+    kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "offset": ("offset",)}[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
+
+
+def links(model: Model) -> tuple[str, ...]:
+    """Clearances whose pin and hole stay in contact: massless links."""
+    return tuple(name for name in labels(model, "clearance") if name in model.mechanism.bodies)
 
 
 def _components(vectors: Sequence[Vector]) -> list[Scalar]:
@@ -135,7 +150,7 @@ def _components(vectors: Sequence[Vector]) -> list[Scalar]:
 
 
 def _of_bodies(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [getattr(model, field).bodies[name] for name in labels(model, dim)]
+    return lambda model: [getattr(model, field).moving(name) for name in labels(model, dim)]
 
 
 def _of_turning(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
@@ -160,11 +175,34 @@ def _efforts(model: Model) -> list[Scalar]:
 
 
 def _clearance_forces(model: Model) -> list[Scalar]:
-    """Tension: the force that would be needed to lengthen the link, reversed."""
-    return [
-        -model.required_force(model.accelerations, model.partial(name, stretch=name))
-        for name in labels(model, "clearance")
-    ]
+    """Tension: the force that would be needed to lengthen the link, reversed.
+
+    Where pin and hole may part, what presses them together.
+    """
+    contacts = {nodes.contact.name: nodes for nodes in model.contacts}
+
+    def force(name: str) -> Scalar:
+        if name in contacts:
+            return contacts[name].force
+        return -model.required_force(model.accelerations, model.partial(name, stretch=name))
+
+    return [force(name) for name in labels(model, "clearance")]
+
+
+def _of_clearances(order: int) -> Callable[[Model], list[Scalar]]:
+    """Directions of clearances (`order` 0), or a derivative of them."""
+    of_link: Callable[[Model, str], Scalar] = (
+        lambda model, name: model.positions.angle(name),
+        lambda model, name: model.velocities.bodies[name],
+        lambda model, name: model.accelerations.bodies[name],
+    )[order]
+
+    def nodes(model: Model) -> list[Scalar]:
+        turned = {nodes.contact.name: nodes.turned(order) for nodes in model.contacts}
+        names = labels(model, "clearance")
+        return [turned[name] if name in turned else of_link(model, name) for name in names]
+
+    return nodes
 
 
 def _dyads(model: Model) -> list[Block]:
@@ -201,11 +239,7 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
 
     def nodes(model: Model) -> list[Scalar]:
         partials = [model.partial(name) for name in model.topology.driven]
-        return [
-            1.0 / (partial.turning(name) if dim == "bar" else partial.bodies[name])
-            for partial in partials
-            for name in labels(model, dim)
-        ]
+        return [1.0 / partial.moving(name) for partial in partials for name in labels(model, dim)]
 
     return nodes
 
@@ -280,7 +314,7 @@ _OWN: dict[str, Variable] = {
         ("slider",),
         "m",
         "displacement",
-        lambda m: [m.positions.displacements[name] for name in labels(m, "slider")],
+        lambda m: [m.positions.displacement(name) for name in labels(m, "slider")],
         default=True, coordinate=True, rate="slider_velocity",
     ),
     "slider_velocity": Variable(
@@ -303,18 +337,18 @@ _OWN: dict[str, Variable] = {
         default=True, compared="slider_acceleration",
     ),
     "clearance_angle": Variable(
-        ("clearance",), "rad", "clearance angle", _angles("clearance"),
+        ("clearance",), "rad", "clearance angle", _of_clearances(0),
         default=True, coordinate=True, angle=True, rate="clearance_speed",
     ),
     "clearance_speed": Variable(
-        ("clearance",), "rad/s", "clearance speed", _of_bodies("clearance", "velocities"),
+        ("clearance",), "rad/s", "clearance speed", _of_clearances(1),
         default=True, rate="clearance_acceleration",
     ),
     "clearance_acceleration": Variable(
         ("clearance",),
         "rad/s^2",
         "clearance acceleration",
-        _of_bodies("clearance", "accelerations"),
+        _of_clearances(2),
         default=True,
     ),
     "clearance_force": Variable(

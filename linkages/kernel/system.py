@@ -153,7 +153,9 @@ class System:
         """Loads must have a value at the start, as the laws of drives must."""
         found = []
         for load in self.model.loads:
-            if not np.isfinite(self._place.values(load.given, self.assembly)).all():
+            given = np.isfinite(self._place.values(load.given, self.assembly))
+            rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
+            if not given.all() or (not rated[:1].all() and rated[1:].all()):
                 message = f"cannot act at t = {self.time:g} s: {load.undefined}"
                 found.append((load.load.path, message))
         if found:
@@ -327,9 +329,9 @@ class System:
 
     @property
     def axes(self) -> dict[str, Floats]:
-        """Slider → unit vector of its axis at the initial state."""
+        """Slider → unit vector of its axis at the initial state, for a cam times its slope."""
         sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
-        units = [self.model.positions.unit(name) for name in sliders]
+        units = [self.model.positions.travel(name) for name in sliders]
         nodes = [node for unit in units for node in (unit.x, unit.y)]
         return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 

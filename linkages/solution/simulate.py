@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +25,9 @@ from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
-from linkages.solution.values.requests import REACTION, requested
+from linkages.solution.values.contact_notes import contact_notes
+from linkages.solution.values.episodes import states
+from linkages.solution.values.requests import REACTION, STATE, requested
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
 
@@ -109,6 +111,7 @@ def simulate(
         try:
             with interrupts_kept():  # else the motion would be lost
                 values = evaluate_variables(motion, plain)
+                notes += contact_notes(motion)
             if motion.failure is None or len(motion.time):
                 _add_derived(system, settings, motion, names, values, notes)
         except KeyboardInterrupt:
@@ -166,7 +169,7 @@ def _add_derived(
     settings: Settings,
     motion: Motion,
     names: list[str],
-    values: dict[str, NDArray[np.float64]],
+    values: dict[str, NDArray[Any]],
     notes: list[str],
 ) -> None:
     """Outputs that need more than the motion at one time."""
@@ -182,6 +185,8 @@ def _add_derived(
         # the first sample may be taken later than the motion starts
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
+    if STATE in names:
+        values[STATE] = states(motion)
     if REACTION in names:
         from linkages.solution.values.reactions import joint_reactions
 

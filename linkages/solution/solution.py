@@ -168,7 +168,10 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
         entry = VARIABLES[name]
         dims |= dict.fromkeys(entry.dims)
         units, long_name = entry.described(system.model)
-        attrs = {"units": units, "long_name": long_name}
+        attrs: dict[str, Any] = {"units": units, "long_name": long_name}
+        if entry.flags:
+            attrs["flag_values"] = np.arange(len(entry.flags), dtype=np.int8)
+            attrs["flag_meanings"] = " ".join(entry.flags)
         variables[name] = (("time", *entry.dims), array, attrs)
     coordinates: dict[str, Any] = {
         "time": ("time", motion.time, {"units": "s", "long_name": "time"})
@@ -199,7 +202,7 @@ def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
 
     `least` is a size of which small parts are round-off.
     """
-    if not array.sizes["time"]:
+    if not array.sizes["time"] or VARIABLES[str(array.name)].flags:
         return []
     values, dims = array.to_numpy(), array.dims[1:]
     variable = VARIABLES[str(array.name)]

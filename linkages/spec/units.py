@@ -6,7 +6,7 @@ that hertz, rad/s and a pure number, which SI gives the same dimension, cannot b
 Grammar::
 
     product = power {("*" | "/" | nothing) power}
-    power   = atom ["**" INTEGER]
+    power   = atom ["**" NUMBER]
     atom    = NAME | "(" product ")"
 """
 
@@ -22,7 +22,7 @@ from linkages.reading.wording import shown, suggestion
 
 _LONGEST = 40
 _SMALLEST = 1e-100
-_TOKEN = re.compile(r"\s*(?:(\*\*|[*/()])|([-+]?[0-9]+)|([^\W\d]\w*|°))")
+_TOKEN = re.compile(r"\s*(?:(\*\*|[*/()])|([-+]?[0-9]+(?:\.[0-9]+)?)|([^\W\d]\w*|°))")
 _SPELLINGS = {"·": "*", "⋅": "*", "×": "*", "^": "**", "²": "**2", "³": "**3"}
 _USUAL = (
     "m", "mm", "cm", "km", "um", "in", "ft", "meter", "metre", "millimeter", "millimetre",
@@ -49,9 +49,9 @@ class Unit:
     """
 
     scale: float
-    exponents: tuple[tuple[str, int], ...]
+    exponents: tuple[tuple[str, float], ...]
 
-    def times(self, other: Unit, power: int = 1) -> Unit:
+    def times(self, other: Unit, power: float = 1) -> Unit:
         """Return the product of this unit and a power of another."""
         exponents = dict(self.exponents)
         for base, exponent in other.exponents:
@@ -123,9 +123,10 @@ def _power(tokens: list[str]) -> Unit:
         return base
     tokens.pop(0)
     exponent = tokens.pop(0) if tokens else ""
-    if not re.fullmatch("[-+]?[1-9]", exponent):
-        raise UnitError("the power of a unit is a whole number such as 2 or -1")
-    return Unit(1.0, ()).times(base, int(exponent))
+    if not re.fullmatch(r"[-+]?([1-9](\.[0-9]+)?|0\.[0-9]*[1-9])", exponent):
+        raise UnitError("the power of a unit is a number such as 2, -1 or 1.5")
+    power = float(exponent)
+    return Unit(1.0, ()).times(base, int(power) if power.is_integer() else power)
 
 
 def _atom(tokens: list[str]) -> Unit:

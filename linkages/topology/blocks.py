@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from linkages.components.contributed.terms import Body, axis_label, point_words
+from linkages.components.contributed.terms import Body, point_words
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.decomposition import Group
 from linkages.topology.orientation import Orientation
@@ -165,7 +165,7 @@ class BlockBuilder:
         for body in self._sliding & points.keys():
             points[body] = points[body][1:]
         for body in group.sliding:
-            points[body] = (axis_label(body), next(iter(self._body(body).points)))
+            points[body] = self._mechanism.labels(body)[:2]
         return points
 
     def _place(
@@ -227,7 +227,11 @@ class BlockBuilder:
         if len(loops) != 1 or len(unknowns) != 2:
             return ITERATED
         for step in loops[0].steps:
-            if self._masters(step.body, unknowns) and not self._orientations[step.body].rigid:
+            orientation, own = self._orientations[step.body], step.body in unknowns
+            slides = not (own or self._body(step.body).rotates)
+            if self._masters(step.body, unknowns) and not orientation.rigid:
+                return ITERATED
+            if slides and {*orientation.moved} & {*unknowns}:
                 return ITERATED
         sliding = [u for u in unknowns if not self._body(u).rotates]
         guided = any(self._masters(slider, unknowns) for slider in sliding)

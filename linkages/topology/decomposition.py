@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from linkages.components.contributed.terms import axis_label
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.orientation import Orientation
 
@@ -188,9 +187,9 @@ def _owners(
     body = mechanism.bodies[name]
     if body.rotates:
         return masters
-    if label == axis_label(name):
-        return (name, *masters)
-    return () if label == next(iter(body.points)) else masters
+    if label == body.axis:
+        return (*orientations[name].moved, *masters)
+    return () if label == next(iter(mechanism.attachments[name])) else masters
 
 
 def _groups(
@@ -232,7 +231,8 @@ def _groups(
     # x, y and the angle of a body may be components of their own: it stands in the last
     last = {body: step for step, c in enumerate(order) for body in matched(c, "body")}
     for body, orientation in orientations.items():
-        last[body] = max([last[body], *(solved[m] for m in orientation.masters if m in solved)])
+        needed = {*orientation.masters, *({*orientation.moved} - {body})}
+        last[body] = max([last[body], *(solved[m] for m in needed if m in solved)])
     groups = []
     for step, component in enumerate(order):
         bodies = tuple(b for b in mechanism.bodies if last[b] == step)

@@ -18,9 +18,13 @@ def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
 
 
 def single_joints(mechanism: Mechanism) -> dict[str, str]:
-    """Joint that one body has only → that body; a ground joint that none uses is not one."""
+    """Joint that one body has only → that body; a ground joint that none uses is not one.
+
+    Nor is a joint whose other body a clearance has displaced.
+    """
     meeting = bodies_at(mechanism).items()
-    return {j: first for j, (first, *others) in meeting if not others and first != GROUND}
+    left = {term.joint for term in mechanism.displacements} | {GROUND}
+    return {j: first for j, (first, *others) in meeting if not others and not left & {j, first}}
 
 
 def pairs(mechanism: Mechanism) -> tuple[Revolute, ...]:
@@ -42,7 +46,7 @@ def topology_graph(mechanism: Mechanism) -> nx.MultiGraph:
         graph.add_edge(pair.first, pair.second, key=pair.joint, kind="revolute")
     for body in mechanism.bodies.values():
         if body.guide is not None:
-            carrier = GROUND if body.guide.body is None else body.guide.body
+            carrier = mechanism.bearing(body) or GROUND
             graph.add_edge(carrier, body.name, key=body.name, kind="prismatic")
     return graph
 

@@ -39,7 +39,7 @@ def test_terms():
     ).terms()
     assert (displacement.joint, displacement.body) == ("B", "rocker")
     assert displacement.renamed == "B.r1"
-    link = displacement.link
+    link = displacement.links[0]
     assert (link.name, link.kind, link.rotates) == ("r1", "clearance", True)
     assert [*link.points] == ["B", "B.r1"]
     assert link.points["B"] == (ZERO, ZERO)

@@ -50,10 +50,29 @@ loads: [{slider: slider, force: 25}]
 drives: {crank: {angle: 0.5, speed: 3}}
 """
 
+# offsets of random states are large beside the size: most of them press, some of them pull
+OPENS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap: {joint: A, bar: rod, size: 5 mm, contact: hunt-crossley-constant, stiffness: 2e3 N/m^1.5,
+        dissipation: 1.5 s/m, carries: pin, pin_radius: 8 mm, friction: 0.3, slip: 1 m/s}
+  end: {joint: B, bar: rod, size: 1 mm, contact: kelvin-voigt, stiffness: 900 N/m,
+        damping: 20 N*s/m}
+drives: {crank: {angle: 0.3, speed: 20}}
+loads: [{slider: piston, force: -200}]
+assembly: {B: [0.18, 0]}
+"""
+
 KINDS = ("class-three", "parallelogram-free", "planetary", "floating-guides", "scotch-yoke")
 MECHANISMS = {
     "nine-bar": NINE_BAR,
     "plates": PLATES,
+    "opens": OPENS,
     **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
 }
 

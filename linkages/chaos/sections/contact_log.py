@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
 from linkages.chaos.sections.contact import Contact, contact_check
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import labels, links
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
@@ -35,7 +35,7 @@ def check_interval(system: System, span: float = 0.0) -> float | None:
     A part of the period of the drives, or the interval of samples of the definition where drives
     have none; longer for a motion over a `span` that would need too many.
     """
-    if not labels(system.model, "clearance"):
+    if not links(system.model):
         return None
     try:
         interval = common_period(system.mechanism) / PER_PERIOD
@@ -88,7 +88,9 @@ def contacts_in(motion: Motion, places: Any = slice(None)) -> tuple[Contact, ...
     if len(time) < 2:
         return ()
     forces = evaluate_variables(motion, ["clearance_force"])["clearance_force"][places]
-    names = labels(motion.pieces[0].system.model, "clearance")
+    model = motion.pieces[0].system.model
+    names, known = links(model), labels(model, "clearance")
+    forces = forces[:, [known.index(name) for name in names]]
     return tuple(
         replace(contact_check(name, time, force), share_lost=float((force < 0).mean()))
         for name, force in zip(names, forces.T, strict=True)

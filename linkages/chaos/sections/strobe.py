@@ -11,7 +11,7 @@ from linkages.chaos.sections.common_period import common_period
 from linkages.chaos.sections.contact import Contact
 from linkages.chaos.sections.contact_log import MOST_TIMES, PER_PERIOD, contacts_in
 from linkages.chaos.sections.free_states import free_values
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
 from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
@@ -89,7 +89,7 @@ def strobe(
     period = common_period(system.mechanism)
     periods, first = options.periods, options.phase + options.skip
     parts, lasting = 1, 0
-    if labels(system.model, "clearance"):
+    if links(system.model):
         lasting = max(1, periods - 1)  # contact is looked at over a period at least
         parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
     wanted = period * (first + np.arange(periods, dtype=np.float64))

@@ -14,10 +14,9 @@ from linkages.chaos.sections.contact_log import contact_values
 from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
 from linkages.chaos.sections.section import section_points
 from linkages.chaos.sections.strobe import strobe
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, Interrupted
-from linkages.kernel.outputs import labels
+from linkages.errors import ComputationError, Interrupted, UnfinishedError
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
@@ -159,7 +158,7 @@ def stroboscopic_points(
         end_of(system, motion, place) if asked and place is not None else None
         for place, asked in zip(places, ends, strict=True)
     )
-    names = labels(system.model, "clearance")
+    names = links(system.model)
     return Visited(
         values=found.values(options.wrap)
         | (contact_values(found.contacts, names) if names else {}),

@@ -14,7 +14,7 @@ from linkages.chaos.sections.free_states import PAIRS, free_names
 from linkages.chaos.sweeps.continuation import Visited
 from linkages.chaos.sweeps.sweep import INTERRUPTED, Outcome, reason_of
 from linkages.errors import ComputationError
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def _padded(values: Sequence[Value | None], output: str, points: int, width: int
 def _contact(
     system: System, values: Sequence[Value | None], shape: tuple[int, int]
 ) -> dict[str, Any]:
-    names = labels(system.model, "clearance")
+    names = links(system.model)
     if not names:
         return {}
     nothing = np.full(len(names), np.nan)

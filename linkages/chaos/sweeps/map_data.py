@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from linkages.chaos.sections.contact import Contact
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
 from linkages.chaos.sweeps.sweep import Swept
-from linkages.kernel.outputs import labels
+from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def map_data(
         sign = {"long_name": "sign of the exponent, 0 where it cannot be told from zero"}
         variables |= {"error": (("y", "x"), errors, error), "sign": (("y", "x"), signs, sign)}
     members = {"coordinate": np.array(angles, dtype=object)}
-    if names := labels(first.model, "clearance"):
+    if names := links(first.model):
         variables |= _contact(names, found, shape)
         members["clearance"] = np.array(names, dtype=object)
     return xr.Dataset(variables, {**varied, **members}, attributes)

@@ -228,4 +228,5 @@ def conservative(mechanism: Mechanism) -> bool:
 
     Drives and given forces may still put energy in and take it out.
     """
-    return not any(load.dissipates for load in mechanism.loads)
+    loads, contacts = mechanism.loads, mechanism.contacts
+    return not any([*(a.dissipates for a in loads), *(b.dissipates for b in contacts)])

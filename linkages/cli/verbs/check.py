@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from linkages.cli.loading import mechanism_from, require_folder
@@ -10,7 +11,7 @@ from linkages.cli.terminal import console, print_json
 from linkages.cli.verbs.check_report import print_report
 from linkages.cli.verbs.contributions import drives, loads, relations
 from linkages.components.contributed.measures import Distance
-from linkages.components.contributed.terms import Body, axis_label
+from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.assembly.modes import Assembly
 from linkages.kernel.system import System
@@ -24,20 +25,20 @@ from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
 
 
-def run_check(request: Request, kernel: bool, modes: bool) -> int:
+def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     """Print the report of a file; returns the exit code."""
     mechanism = mechanism_from(request.file, request.assignments)
-    if request.out is not None:
-        require_folder(request.out)
+    if out is not None:
+        require_folder(out)
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
     if kernel:
         content["kernel"] = _kernel(system)
-    if modes:
+    if modes or out is not None:
         from linkages.cli.verbs.modes import modes_content
 
-        content["modes"] = modes_content(system, request.out, request.format)
+        content["modes"] = modes_content(system, out, request.format)
     if request.json:
         print_json(content)
     else:
@@ -112,7 +113,7 @@ def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
 def joint_of(system: System, block: Block) -> str:
     """The joint at which a block closes; the pin of a slider that closes at its axis."""
     apex = block.loops[0].apex
-    pins = {axis_label(n): next(iter(b.points)) for n, b in system.mechanism.bodies.items()}
+    pins = {b.axis: next(iter(b.points)) for b in system.mechanism.bodies.values() if b.points}
     return apex if apex in system.topology.joints else pins.get(apex, apex)
 
 

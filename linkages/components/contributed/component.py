@@ -9,10 +9,12 @@ from typing import Any, ClassVar, Literal, dataclass_transform
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
+from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.measures import Friction, Load
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -30,12 +32,14 @@ Term = (
     | GroundPin
     | Displacement
     | Relation
+    | CamSize
     | PointMass
     | Prescribed
     | Initial
     | Gravity
     | Hint
     | Load
+    | Contact
     | Friction
 )
 """What components contribute."""

@@ -46,11 +46,12 @@ def resolved(
     """
     if isinstance(term, ClearanceFriction):
         second = term.clearance
-        first = next(d.body for d in displacements if d.link.name == second)
+        first = next(d.body for d in displacements if d.name == second)
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    return Load(Turn(second, against), term.law, term.path)
+    called = term.called if isinstance(term, JointFriction) else ""
+    return Load(Turn(second, against), term.law, term.path, called=called)
 
 
 def ambiguity(

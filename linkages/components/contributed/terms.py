@@ -5,12 +5,12 @@ Lengths are metres, angles radians (counter-clockwise from +x), masses kilograms
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from linkages.components.contributed.functions import Function
+    from linkages.components.contributed.functions import Function, Table
 
 Path = tuple[str | int, ...]
 
@@ -57,11 +57,12 @@ class Guide:
     ----------
     origin
         The point of the axis that displacements count from: a joint, or coordinates in the frame
-        of `body`.
+        of `body`. A joint that moves carries the axis along, which keeps its direction.
     angle
         Direction of the axis in the frame of `body`.
     body
-        The body that carries the axis; None for the ground.
+        The body whose frame the direction counts from, and that carries the axis unless a moving
+        joint does; None for the ground.
     """
 
     origin: Origin
@@ -116,6 +117,17 @@ class Body:
         """Whether the coordinate is an angle."""
         return self.guide is None
 
+    @property
+    def afloat(self) -> bool:
+        """Whether a joint carries its axis, in a mechanism that has resolved all other origins."""
+        return self.guide is not None and isinstance(self.guide.origin, str)
+
+    @property
+    def axis(self) -> str:
+        """The point that the displacement of a sliding body of a mechanism counts from."""
+        origin = None if self.guide is None else self.guide.origin
+        return origin if isinstance(origin, str) else axis_label(self.name)
+
 
 @dataclass(frozen=True)
 class GroundPin:
@@ -127,34 +139,96 @@ class GroundPin:
 
 @dataclass(frozen=True)
 class Displacement:
-    """At ``joint``, the point of ``body`` is called ``renamed`` and joined by body ``link``."""
+    """At ``joint``, the point of ``body`` is called ``renamed`` and reached along ``links``.
 
+    Parameters
+    ----------
+    name
+        Of the clearance.
+    joint, body, renamed
+        The point of `body` at `joint` is called `renamed`.
+    links
+        Massless bodies from the joint to that point: one that turns while pin and hole stay in
+        contact, or two that slide along x and y where they may part.
+    """
+
+    name: str
     joint: str
     body: str
     renamed: str
-    link: Body
+    links: tuple[Body, ...]
 
 
 @dataclass(frozen=True)
 class Relation:
-    """The angle of a body follows from others: θ = offset + Σ ratio·θ_other (welds, gears).
+    """The coordinate of a body follows from others: q = offset + f(Σ ratio·q_other).
+
+    Welds and gears tie angles, racks an angle and a displacement; there f is the sum itself.
 
     Parameters
     ----------
     body
-        A body that turns.
+        A body that turns or slides.
     parts
-        Other bodies that turn, with their ratios. A ratio of exactly 1 is structure.
+        Other bodies with their ratios. Between angles a ratio of exactly 1 is structure.
     offset
-        In radians.
+        In radians or metres.
     path
         Where it stands in the definition file.
+    inverse
+        The same for another body, which is taken where something else gives that of `body`.
+    profile
+        f of a body that slides, a spline over `X`, the sum; None if it is the sum.
     """
 
     body: str
     parts: tuple[tuple[str, Parameter], ...]
     offset: Parameter
     path: Path
+    inverse: Relation | None = None
+    profile: Table | None = None
+
+
+def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Relation]:
+    """Relations as they are taken where the coordinates of some bodies are driven or free.
+
+    One that has an inverse gives the coordinate that nothing else gives, as far as there is one.
+    """
+    found = list(relations)
+    given = {*known, *(relation.body for relation in found if relation.inverse is None)}
+    left = [place for place, relation in enumerate(found) if relation.inverse is not None]
+    while left:
+        place = next((p for p in left if {found[p].body, _back(found[p]).body} & given), left[0])
+        left.remove(place)
+        own, back = found[place], _back(found[place])
+        found[place] = back if own.body in given else replace(own, inverse=None)
+        given.add(found[place].body)
+    return found
+
+
+def _back(relation: Relation) -> Relation:
+    assert relation.inverse is not None
+    return relation.inverse
+
+
+@dataclass(frozen=True)
+class CamSize:
+    """What the pressure angle of a cam's follower depends on besides its lift.
+
+    Parameters
+    ----------
+    slider
+        The follower, which translates.
+    base, roller
+        Radii of the base circle and of the roller (m).
+    eccentricity
+        Distance of the follower's axis from the cam's pin (m).
+    """
+
+    slider: str
+    base: Parameter
+    roller: Parameter
+    eccentricity: Parameter
 
 
 @dataclass(frozen=True)

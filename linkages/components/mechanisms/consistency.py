@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.friction import ambiguity, meeting
@@ -11,6 +11,7 @@ from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Body, Displacement, Path, Relation
 from linkages.components.mechanisms.coordinates import coordinate_findings
 from linkages.components.mechanisms.declared import Declared, expected_one_of
+from linkages.components.mechanisms.formulas import formula_findings
 from linkages.components.mechanisms.guides import circular_guides, sliders_on_air
 
 __all__ = ["Declared", "Finding", "findings"]
@@ -24,11 +25,15 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     if declared.complete:
         found += _unknown_names(components, declared)
         found += _missing_points(components, declared)
+        found += _carried_elsewhere(components, declared)
         found += sliders_on_air(declared)
         found += _ambiguous_frictions(declared)
+        found += formula_findings(components, declared)
     found += _repeated_entries(components)
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
+    found += _rubbing_in_the_open(declared)
+    found += _several_rigid_contacts(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
     return found
@@ -73,6 +78,19 @@ def _missing_points(components: Sequence[Component], declared: Declared) -> list
     return found
 
 
+def _carried_elsewhere(
+    components: Sequence[Component], declared: Declared
+) -> Iterator[tuple[Path, str]]:
+    """Sliders whose axis something else carries than it should."""
+    references = [component.references() for component in components]
+    for path, name, carrier in (c for r in references for c in r.carried):
+        body = declared.by_name.get(name)
+        if body is not None and body.guide is not None and body.guide.body != carrier:
+            own = body.guide.body or GROUND
+            expected = f"expected what carries the axis of {name!r}: {own}"
+            yield path, f"{expected}, found {carrier or GROUND}"
+
+
 def _lacks(body: Body, joint: str) -> str:
     what = "slider" if body.kind == "slider" else "bar"
     return f"{what} {body.name!r} has no joint {joint!r}; it has {', '.join(body.points)}"
@@ -94,16 +112,17 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
 
 
 def _repeated_names(declared: Declared) -> list[Finding]:
-    places = [*declared.bodies, *((path, term.link) for path, term in declared.displacements)]
-    counts = Counter(body.name for _, body in places)
+    places = [(path, body.name) for path, body in declared.bodies]
+    places += [(path, term.name) for path, term in declared.displacements]
+    counts = Counter(name for _, name in places)
     seen: set[str] = set()
     found: list[Finding] = []
-    for path, body in places:
-        if body.name in seen:
-            found.append((path, f"the name {body.name!r} is taken already; expected a new one"))
-        seen.add(body.name)
+    for path, name in places:
+        if name in seen:
+            found.append((path, f"the name {name!r} is taken already; expected a new one"))
+        seen.add(name)
     if "ground" in counts:
-        path = next(path for path, body in places if body.name == "ground")
+        path = next(path for path, name in places if name == "ground")
         found.append((path, "the name 'ground' stands for the frame; expected another one"))
     return found
 
@@ -129,8 +148,33 @@ def _misplaced_clearances(declared: Declared) -> list[Finding]:
             found.append((path, f"bar {body.name!r} is welded at joint {term.joint!r}"))
         elif _only_one_at(term.joint, declared):
             found.append((path, f"nothing but bar {body.name!r} is at joint {term.joint!r}"))
-        taken[term.joint, term.body] = term.link.name
+        taken[term.joint, term.body] = term.name
     return found
+
+
+def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
+    """Friction against the link of a clearance that has none."""
+    return [
+        (
+            (*term.path, "clearance"),
+            f"clearance {term.clearance!r} opens, so no link turns in it; expected 'friction' "
+            "beside its 'contact'",
+        )
+        for term in declared.rubbing
+        if term.clearance in declared.opening
+    ]
+
+
+def _several_rigid_contacts(declared: Declared) -> list[Finding]:
+    """Rigid contacts beyond the first: their impulses and forces would depend on each other."""
+    return [
+        (
+            (*term.path, "contact"),
+            f"clearance {declared.rigid[0].name!r} is rigid already; expected one rigid contact, "
+            "and laws of a force for all others",
+        )
+        for term in declared.rigid[1:]
+    ]
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:

@@ -11,13 +11,17 @@ from itertools import chain
 from pathlib import Path as FilePath
 
 from linkages.components.clearance import Clearance
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.component import Component, Term
+from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
 from linkages.components.contributed.listed import numbered
-from linkages.components.contributed.measures import Friction, Load
+from linkages.components.contributed.measures import Friction, Load, Measure
+from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -29,6 +33,7 @@ from linkages.components.contributed.terms import (
     Prescribed,
     Relation,
     axis_label,
+    oriented,
 )
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.mechanisms.consistency import Declared, findings
@@ -177,19 +182,30 @@ class Mechanism:
         """Ground joints and their positions."""
         return {t.joint: t.position for t in self.terms if isinstance(t, GroundPin)}
 
+    @property
+    def clearances(self) -> tuple[Clearance | ContactClearance, ...]:
+        """Joints with clearance."""
+        return tuple(c for c in self.components if isinstance(c, Clearance | ContactClearance))
+
+    @cached_property
+    def displacements(self) -> tuple[Displacement, ...]:
+        """What clearances displace."""
+        return tuple(t for t in self.terms if isinstance(t, Displacement))
+
     @cached_property
     def bodies(self) -> dict[str, Body]:
         """All moving bodies; clearances have displaced the ends of their bars.
 
-        The origin of every guide is resolved to coordinates in the frame that carries it.
+        The origin of every guide of theirs is resolved to coordinates in the frame that carries it;
+        the axes of an offset go through the joint itself.
         """
-        displaced = [t for t in self.terms if isinstance(t, Displacement)]
         given = {t.name: t for t in self.terms if isinstance(t, Body)}
-        bodies = [self._resolved(body, given, displaced) for body in given.values()]
-        return {body.name: body for body in [*bodies, *(term.link for term in displaced)]}
+        bodies = [self._resolved(body, given) for body in given.values()]
+        links = [link for term in self.displacements for link in term.links]
+        return {body.name: body for body in [*bodies, *links]}
 
-    def _resolved(self, body: Body, given: dict[str, Body], displaced: list[Displacement]) -> Body:
-        renamed = {t.joint: t.renamed for t in displaced if t.body == body.name}
+    def _resolved(self, body: Body, given: dict[str, Body]) -> Body:
+        renamed = {t.joint: t.renamed for t in self.displacements if t.body == body.name}
         points = {renamed.get(joint, joint): place for joint, place in body.points.items()}
         guide = body.guide
         if guide is not None and isinstance(guide.origin, str):
@@ -220,7 +236,7 @@ class Mechanism:
 
     def labels(self, body: str) -> tuple[str, ...]:
         """All points of a body, the axis point of a slider's own guide first."""
-        own = () if self.bodies[body].rotates else (axis_label(body),)
+        own = () if self.bodies[body].rotates else (self.bodies[body].axis,)
         return (*own, *self.attachments[body])
 
     @cached_property
@@ -237,18 +253,35 @@ class Mechanism:
     def loads(self) -> tuple[Load, ...]:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
         bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
-        displaced = [t for t in self.terms if isinstance(t, Displacement)]
-        return tuple(
-            resolved(t, bodies, self.ground, displaced) if isinstance(t, Friction) else t
+        sliders = {name for name, body in bodies.items() if not body.rotates}
+        found = (
+            resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
+        return tuple(with_sliders(load, sliders) for load in found)
+
+    @cached_property
+    def sensed(self) -> tuple[Measure, ...]:
+        """What loads depend on beside what they act along, each once."""
+        return tuple(dict.fromkeys(measure for load in self.loads for measure in load.sensed))
 
     def carrier(self, joint: str) -> str | None:
         """The body that loads and masses at a joint belong to: the first there, or None."""
         if joint in self.ground:
             return None
         return next((name for name, body in self.bodies.items() if joint in body.points), None)
+
+    def bearing(self, slider: Body) -> str | None:
+        """The body that carries the axis of a sliding body; None for the ground."""
+        if slider.afloat:
+            return self.carrier(slider.axis)
+        return None if slider.guide is None else slider.guide.body
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What presses in clearances that open."""
+        return tuple(t for t in self.terms if isinstance(t, Contact))
 
     @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:
@@ -257,8 +290,14 @@ class Mechanism:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Welds and gears."""
-        return tuple(t for t in self.terms if isinstance(t, Relation))
+        """Welds, gears and racks."""
+        known = {*self.prescribed, *self.initial}
+        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+
+    @cached_property
+    def cams(self) -> dict[str, CamSize]:
+        """Followers of cams whose size is known."""
+        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
 
     @cached_property
     def gravity(self) -> Gravity:
@@ -374,10 +413,12 @@ class Mechanism:
             if isinstance(component, Clearance) and component.name in state:
                 angle, speed = state[component.name]
                 kept.append(replace(component, angle=angle, speed=speed))
+            elif isinstance(component, ContactClearance):
+                kept.append(component.at(state))
             elif not isinstance(component, FreeAngle | FreePosition):
                 kept.append(component)
         for name, (value, rate) in state.items():
-            if self.bodies[name].kind == "clearance":
+            if self.bodies[name].kind in ("clearance", "offset"):
                 continue
             if self.bodies[name].rotates:
                 kept.append(FreeAngle(name=name, angle=value, speed=rate))
@@ -387,7 +428,7 @@ class Mechanism:
 
     def ideal(self) -> Mechanism:
         """The same mechanism without its clearances and the friction in them."""
-        gone = (Clearance, ClearanceDamper)
+        gone = (Clearance, ContactClearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
 

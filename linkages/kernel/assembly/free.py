@@ -43,8 +43,7 @@ def _candidate(mechanism: Mechanism, body: Body) -> FreeAngle | None:
     followers = (relation.body for relation in mechanism.relations)
     taken = body.name in {*mechanism.prescribed, *mechanism.initial, *followers}
     pins = [joint for joint in body.points if joint in mechanism.ground]
-    links = (link for link in mechanism.bodies.values() if link.kind == "clearance")
-    beside = {displaced: joint for joint, displaced in (link.points for link in links)}
+    beside = {term.renamed: term.joint for term in mechanism.displacements}
     hints = [(j, mechanism.hints.get(beside.get(j, j))) for j in body.points if j not in pins]
     places = [(j, hint.position) for j, hint in hints if hint is not None and hint.position]
     if taken or not body.rotates or not pins or not places or body.name == GROUND:

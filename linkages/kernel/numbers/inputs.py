@@ -11,8 +11,9 @@ from linkages.kernel.numbers.parameters import NEAREST
 
 _KEYS = frozenset(
     {
-        "angle", "center", "damping", "force", "inertia", "law", "length", "mass", "points",
-        "position", "ratio", "size", "speed", "spline", "stiffness", "through", "torque",
+        "angle", "center", "damping", "dissipation", "exponent", "force", "friction", "inertia",
+        "law", "least_rate", "length", "mass", "pin_radius", "points", "position", "ratio",
+        "restitution", "size", "slip", "speed", "spline", "stiffness", "through", "torque",
     }
 )  # fmt: skip
 

@@ -22,12 +22,7 @@ THICKNESS = 3.4  # points
 
 def clearance_ends(mechanism: Mechanism) -> dict[str, str]:
     """Points of bars that sit beside a pin with clearance → the joint of that pin."""
-    ends = {}
-    for body in mechanism.bodies.values():
-        if body.kind == "clearance":
-            joint, displaced = body.points
-            ends[displaced] = joint
-    return ends
+    return {term.renamed: term.joint for term in mechanism.displacements}
 
 
 def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
@@ -36,7 +31,7 @@ def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
     Bodies that carry a slot reach to its ends. Clearances and plain blocks are left out.
     """
     for name, body in pose.mechanism.bodies.items():
-        if body.kind == "clearance":
+        if body.kind in ("clearance", "offset"):
             continue
         places = [np.array(list(pose.shown(name).values())).reshape(-1, 2)]
         if body.rotates:

@@ -63,7 +63,7 @@ def contacts(data: xr.Dataset, mechanism: Mechanism) -> list[Contact]:
         name = hole.removeprefix(f"{joint}.")
         force = data.get("clearance_force")
         values = None if force is None else np.asarray(force.sel(clearance=name), dtype=float)
-        size = mechanism.bodies[name].points[hole][0].value
+        size = next(own.size for own in mechanism.clearances if own.name == name)
         found.append(Contact(name, joint, size, way / size, values))
     return found
 

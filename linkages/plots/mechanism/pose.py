@@ -119,9 +119,10 @@ class Pose:
     def axis(self, name: str) -> Axis | None:
         """The axis of a slider; None if it cannot be told, or the slider's pin is not known."""
         body = self.mechanism.bodies[name]
-        pin = next(iter(body.points))
-        angle = self.angle(name)
-        if body.guide is None or pin not in self.positions or angle is None:
+        if body.guide is None or body.kind == "offset":
+            return None
+        pin, angle = next(iter(body.points)), self.angle(name)
+        if pin not in self.positions or angle is None:
             return None
         assert not isinstance(body.guide.origin, str)
         origin = self.place(body.guide.body, body.guide.origin)

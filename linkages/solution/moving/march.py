@@ -197,9 +197,16 @@ class March:
         return self.system.at(self.time, self.state, self.flipped, held)
 
     def _atol(self) -> Floats:
-        """Absolute tolerances, of everything that is integrated."""
-        atol = self.run.rtol if self.run.atol is None else self.run.atol
-        found = np.full(2 * self.layout.size, atol)
+        """Absolute tolerances, of everything that is integrated.
+
+        Unless they are given, lengths of an offset are measured in sizes of its clearance.
+        """
+        given = self.run.atol
+        found = np.full(2 * self.layout.size, self.run.rtol if given is None else given)
+        if given is None:
+            for contact in self.system.mechanism.contacts:
+                rows = [self.layout.coordinates.index(axis) for axis in contact.axes]
+                found[[*rows, *(self.layout.size + row for row in rows)]] *= contact.size.value
         found[self.layout.tangent_rows] = self._tangent_atol
         return found
 

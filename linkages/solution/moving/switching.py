@@ -25,6 +25,9 @@ from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Piece
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
 
+CLEARANCES = ("clearance", "offset")
+"""Kinds of bodies whose coordinates are always free."""
+
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
 
@@ -35,7 +38,7 @@ SAME_PLACE = 1e-6
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
-    return tuple(name for name in system.topology.free if bodies[name].kind != "clearance")
+    return tuple(name for name in system.topology.free if bodies[name].kind not in CLEARANCES)
 
 
 def passes(system: System, run: RunOptions) -> bool:
@@ -130,7 +133,7 @@ class _Configuration:
         sliders = [name for name, body in bodies.items() if not body.rotates]
         own = [name for name in bodies if name not in self._topology.slaves]
         places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
-        units = [model.positions.unit(name) for name in sliders]
+        units = [model.positions.travel(name) for name in sliders]
         axes = [n for u in units for n in (u.x, u.y)]
         coordinates = [model.positions.coordinate(name) for name in own]
         rates = [model.velocities.bodies[name] for name in own]
@@ -167,7 +170,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind != "clearance"
+            if name not in topology.slaves and bodies[name].kind not in CLEARANCES
         ]
         for given in movable(self._system):
             for candidate in candidates:

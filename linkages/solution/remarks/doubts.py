@@ -23,16 +23,14 @@ def doubts(mechanism: Mechanism) -> list[str]:
 
 def _large_clearances(mechanism: Mechanism) -> list[str]:
     """Clearances that are large beside the bar whose end they displace."""
-    bodies = mechanism.bodies.values()
     found = []
-    for link in (body for body in bodies if body.kind == "clearance"):
-        _, displaced = link.points
-        bar = next(body for body in bodies if body is not link and displaced in body.points)
-        size, length = longest(link), longest(bar)
+    for clearance in mechanism.clearances:
+        bar = mechanism.bodies[clearance.bar]
+        size, length = clearance.size, longest(bar)
         if size > LARGEST_PLAY * length:
             found.append(
-                f"clearance {link.name} of {size:g} m is large beside {bar.name} of {length:g} m; "
-                "numbers without a unit are metres"
+                f"clearance {clearance.name} of {size:g} m is large beside {bar.name} of "
+                f"{length:g} m; numbers without a unit are metres"
             )
     return found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from linkages.components.contributed.terms import axis_label
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
 from linkages.solution.remarks.undefined import loads_at_stop
@@ -20,7 +19,7 @@ def block_place(model: Model, block: int, time: float) -> str:
     found = next(b for b in model.topology.solved_blocks if b.index == block)
     names = " and ".join(found.unknowns)
     apex = found.loops[0].apex
-    slid = next((n for n in found.unknowns if axis_label(n) == apex), None)
+    slid = next((n for n in found.unknowns if model.mechanism.bodies[n].axis == apex), None)
     joint = apex if slid is None else next(iter(model.mechanism.bodies[slid].points))
     return f"at t = {time:.9g} s, joint {joint}, block {block} ({found.title} of {names})"
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.terms import Body
+from linkages.components.contributed.terms import Body, Relation
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -120,7 +120,7 @@ class _Statics:
     def _applied(self) -> Floats:
         """Forces and moments of all loads on each body."""
         rows, piece = self._column(), self._piece
-        for load in self._system.model.loads:
+        for load in self._system.model.acting:
             for body, joint, force in load.forces():
                 if body is not None:
                     self._add(rows, body, joint, evaluate_nodes(piece, [force.x, force.y]).T)
@@ -164,38 +164,49 @@ class _Statics:
         """A unit force between a slider and its carrier, across the axis or along it."""
         column, axis = self._column(), self._units[self._index[body.name]]
         force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
-        pin = next(iter(body.points))
+        pin, bearing = next(iter(body.points), body.axis), self._system.mechanism.bearing(body)
         self._add(column, body.name, pin, force)
-        if body.guide is not None and body.guide.body is not None:
-            self._add(column, body.guide.body, pin, -force)
+        if bearing is not None:
+            self._add(column, bearing, pin, -force)
         return column
 
     def _add_torque(self, rows: Floats, body: str, torque: float | Floats) -> None:
         rows[:, self._row[body] + 2] += torque
 
     def _effort_columns(self) -> Iterator[Floats]:
-        """Efforts of drives (of free coordinates too, which come out as zero), welds and gears."""
+        """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
         for name in (*self._topology.driven, *self._topology.free):
-            body = self._system.mechanism.bodies[name]
-            if body.rotates:
-                column = self._column()
-                self._add_torque(column, name, 1.0)
-                yield column
-            else:
-                yield self._along_guide(body, across=False)
+            yield self._effort(name)
         for relation in self._system.mechanism.relations:
-            column = self._column()
-            self._add_torque(column, relation.body, 1.0)
+            column = self._effort(relation.body)
+            slope = self._slope(relation)
             for other, ratio in relation.parts:
-                self._add_torque(column, other, -ratio.value)
+                column -= ratio.value * slope * self._effort(other)
             yield column
+
+    def _slope(self, relation: Relation) -> Floats | float:
+        """Of the lift of a cam, shape (samples, 1)."""
+        if relation.profile is None:
+            return 1.0
+        slope = self._system.model.positions.slope(relation.body)
+        return evaluate_nodes(self._piece, [slope]).T
+
+    def _effort(self, name: str) -> Floats:
+        """A unit torque on a body that turns, or force along the axis of one that slides."""
+        body = self._system.mechanism.bodies[name]
+        if not body.rotates:
+            return self._along_guide(body, across=False)
+        column = self._column()
+        self._add_torque(column, name, 1.0)
+        return column
 
     def _reference(self, body: str) -> Floats:
         """The point that moments of a body are taken about: its first joint."""
         return self._places[self._first(body)]
 
     def _first(self, body: str) -> int:
-        return self._joint[next(iter(self._system.mechanism.bodies[body].points))]
+        moved = self._system.mechanism.bodies[body]
+        return self._joint[next(iter(moved.points), moved.axis)]
 
     def _inertia(self) -> Floats:
         """Mass times acceleration less weight, and rates of angular momentum."""
@@ -219,7 +230,7 @@ class _Statics:
     def _centre(self, body: Body) -> tuple[Floats, Floats]:
         """Centre of mass relative to the first joint, and its acceleration."""
         index, first = self._index[body.name], self._first(body.name)
-        origin = next(iter(body.points.values()))
+        origin = next(iter(body.points.values()), body.centre)
         x, y = (c.value - o.value for c, o in zip(body.centre, origin, strict=True))
         if body.guide is not None:
             x = y = 0.0

@@ -9,6 +9,7 @@ from linkages.kernel.system import System
 from linkages.reading.wording import suggestion
 
 REACTION = "joint_reaction"
+STATE = "clearance_state"
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
@@ -43,5 +44,7 @@ def available(system: System) -> list[str]:
 def _has(system: System, name: str) -> bool:
     variable = VARIABLES[name]
     if variable.compared and not labels(system.model, "clearance"):
+        return False
+    if variable.opening and not system.model.contacts:
         return False
     return all(labels(system.model, dim) for dim in variable.dims)

@@ -1,0 +1,103 @@
+"""Clearances that open: offset of the pin in its hole, indentation, friction and slip.
+
+A clearance whose pin and hole stay in contact has the offset of its massless link.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from linkages.kernel.forces.contacts import ContactNodes
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.model import Model
+from linkages.kernel.outputs import Variable, labels
+
+
+def _contacts(model: Model) -> dict[str, ContactNodes]:
+    return {nodes.contact.name: nodes for nodes in model.contacts}
+
+
+def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
+    """From the joint to the displaced point, or the rate of that."""
+
+    def nodes(model: Model) -> list[Scalar]:
+        found, contacts = [], _contacts(model)
+        for term in model.mechanism.displacements:
+            if term.name in contacts:
+                own = contacts[term.name]
+                vector = own.offset if field == "positions" else own.offset_rate(model.velocities)
+            else:
+                points: dict[str, Vector] = getattr(model, field).joints
+                vector = points[term.renamed] - points[term.joint]
+            found += [vector.x, vector.y]
+        return found
+
+    return nodes
+
+
+def _scalars(value: Callable[[ContactNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
+    """One value of each clearance that opens, and zero of the others."""
+
+    def nodes(model: Model) -> list[Scalar]:
+        contacts = _contacts(model)
+        names = labels(model, "clearance")
+        return [value(contacts[n]) if n in contacts else model.graph.zero for n in names]
+
+    return nodes
+
+
+def _offsets(field: str) -> Callable[[Model], list[Scalar]]:
+    def nodes(model: Model) -> list[Scalar]:
+        if field == "positions":
+            return [model.positions.displacements[name] for name in labels(model, "offset")]
+        return [getattr(model, field).bodies[name] for name in labels(model, "offset")]
+
+    return nodes
+
+
+OUTPUTS = {
+    "clearance_offset": Variable(
+        ("clearance", "axis"), "m", "offset of the displaced point from the pin",
+        _vectors("positions"), default=True, opening=True, rate="clearance_offset_rate",
+    ),
+    "clearance_offset_rate": Variable(
+        ("clearance", "axis"), "m/s", "rate of the offset", _vectors("velocities"),
+        default=True, opening=True,
+    ),
+    "clearance_indentation": Variable(
+        ("clearance",), "m", "indentation, negative where the gap is open",
+        _scalars(lambda contact: contact.indentation),
+        default=True, opening=True, rate="clearance_indentation_rate",
+    ),
+    "clearance_indentation_rate": Variable(
+        ("clearance",), "m/s", "rate of the indentation", _scalars(lambda contact: contact.speed),
+        opening=True, smooth=False,
+    ),
+    "clearance_friction": Variable(
+        ("clearance",), "N", "force of friction on the pin along the wall of its hole",
+        _scalars(lambda contact: contact.friction), default=True, opening=True, smooth=False,
+    ),
+    "clearance_slip": Variable(
+        ("clearance",), "m/s", "velocity of slip of the pin in its hole",
+        _scalars(lambda contact: contact.slip(contact.model.velocities)),
+        default=True, opening=True, smooth=False,
+    ),
+    "clearance_normal_loss": Variable(
+        ("clearance",), "W", "power lost across the wall",
+        _scalars(lambda contact: contact.normal_loss), opening=True, smooth=False,
+    ),
+    "clearance_friction_loss": Variable(
+        ("clearance",), "W", "power lost by friction along the wall",
+        _scalars(lambda contact: contact.friction_loss), opening=True, smooth=False,
+    ),
+    "clearance_state": Variable(
+        ("clearance",), "1", "state of the contact", None, default=True, opening=True,
+        smooth=False, flags=("free", "impact", "following"),
+    ),
+    "offset_position": Variable(
+        ("offset",), "m", "offset along an axis", _offsets("positions"),
+        coordinate=True, rate="offset_rate",
+    ),
+    "offset_rate": Variable(("offset",), "m/s", "rate of an offset", _offsets("velocities")),
+}  # fmt: skip

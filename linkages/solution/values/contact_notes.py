@@ -1,0 +1,62 @@
+"""What is said of contacts after a motion: how often, how fast, how long, how deep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from linkages.kernel.forces.contacts import ContactNodes
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Motion
+from linkages.solution.values.episodes import STATES, Episodes, episodes
+
+DEEPEST = 0.1
+"""Indentation over size above which the laws of small areas of contact are extrapolated."""
+
+LASTING = 0.5
+"""Part of a motion that a contact lasts to be called one that is not lost again."""
+
+
+def contact_notes(motion: Motion) -> list[str]:
+    """A sentence on each clearance that opens, and on what its law is not made for."""
+    contacts = motion.pieces[0].system.model.contacts
+    if not contacts or len(motion.time) < 2:
+        return []
+    pairs = zip(contacts, episodes(motion), strict=True)
+    return [note for nodes, found in pairs for note in _notes(motion, nodes, found)]
+
+
+def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str]:
+    name, normal, size = found.name, nodes.contact.normal, nodes.contact.size.value
+    yield f"clearance {name}: {_summary(motion, found)}"
+    deepest = max(
+        float(evaluate_nodes(piece, [nodes.indentation]).max(initial=-np.inf))
+        for piece in motion.pieces
+    )
+    if deepest > DEEPEST * size:
+        yield (
+            f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
+            f"the size; laws of contact are made for less than {DEEPEST:.0%}"
+        )
+    lasting = found.lasting[-1:] > LASTING * abs(motion.stop_time - motion.time[0])
+    follows = len(found.end) and found.end[-1] == motion.stop_time and not found.impact[-1]
+    if not nodes.contact.rigid and normal.least_rate is not None and follows and lasting.all():
+        yield (
+            f"clearance {name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
+            "damping is what the rate of that touch has made it, so that other starts end on "
+            "other motions: hunt-crossley-constant has no such memory"
+        )
+
+
+def _summary(motion: Motion, found: Episodes) -> str:
+    """Touches, their rates, and parts of the time in each state."""
+    if not found.touches:
+        return "contact throughout" if len(found.begin) else "free throughout"
+    rates = found.rate[np.isfinite(found.rate)]
+    count = f"{found.touches} touch{'es' if found.touches > 1 else ''}"
+    whole = abs(motion.stop_time - motion.time[0])
+    impact, following = (float(found.lasting[kind].sum()) for kind in (found.impact, ~found.impact))
+    parts = zip((whole - impact - following, impact, following), STATES, strict=True)
+    shares = ", ".join(f"{part / whole:.0%} {state}" for part, state in parts)
+    return f"{count} at {rates.min():.3g} to {rates.max():.3g} m/s; {shares}"

@@ -1,0 +1,155 @@
+"""Times at which pins touch and leave their holes, and what lies between: impacts, or following.
+
+A contact that lasts no longer than twice the impact of a free body at the same rate is an impact.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.contacts import RigidContact
+from linkages.kernel.forces.contacts import ContactNodes
+from linkages.kernel.model import Model
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Changed, Motion
+
+Floats = NDArray[np.float64]
+
+FREE, IMPACT, FOLLOWING = 0, 1, 2
+STATES = ("free", "impact", "following")
+
+LONGEST = 2.0
+"""Durations of an impact of a free body after which a contact follows the wall."""
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Contacts of one clearance in a motion.
+
+    Parameters
+    ----------
+    name
+        Of the clearance.
+    begin, end
+        In seconds, shape (contacts,); the start of the motion for one that it starts in, its end
+        for one that outlasts it.
+    rate
+        Rate of the indentation at each touch in m/s; nan for one that the motion starts in.
+    impact
+        Whether it is an impact.
+    touches
+        How often the pin touched its hole; more than there are contacts here if not all were kept.
+    """
+
+    name: str
+    begin: Floats
+    end: Floats
+    rate: Floats
+    impact: NDArray[np.bool_]
+    touches: int
+
+    @property
+    def lasting(self) -> Floats:
+        """How long each contact lasts in seconds, shape (contacts,)."""
+        return np.abs(self.end - self.begin)
+
+    def state(self, times: Floats) -> NDArray[np.int8]:
+        """What is at some times: one of `STATES`, by its number."""
+        found = np.full(len(times), FREE, dtype=np.int8)
+        for begin, end, impact in zip(self.begin, self.end, self.impact, strict=True):
+            found[(times >= begin) & (times <= end)] = IMPACT if impact else FOLLOWING
+        return found
+
+
+def episodes(motion: Motion) -> list[Episodes]:
+    """The contacts of every clearance that opens."""
+    model = motion.pieces[0].system.model
+    return [_of_contact(motion, nodes) for nodes in model.contacts]
+
+
+def states(motion: Motion) -> NDArray[np.int8]:
+    """Numbers of `STATES` at the samples, shape (samples, clearances).
+
+    Where pin and hole cannot part they follow each other.
+    """
+    names = [term.name for term in motion.pieces[0].system.mechanism.displacements]
+    found = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
+    for contact in episodes(motion):
+        found[:, names.index(contact.name)] = contact.state(motion.time)
+    return found
+
+
+def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
+    changed = motion.changes.get(nodes.touch)
+    if changed is None:
+        changed = Changed(pieces=(), rises=np.zeros(0, dtype=bool), count=0)
+    time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
+    rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
+    begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
+    if nodes.contact.rigid:  # thrown back at once, or closed
+        number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
+        held = [piece.held for piece in changed.pieces if piece.held is not None]
+        closed = np.concatenate([rows[number] > 0 for rows in held] or [rises])
+        end = np.where(closed[rises], end, begin)
+    if _touching_at_start(motion, nodes):
+        begin, rates = np.append(motion.time[:1], begin), np.append(np.nan, rates)
+        end = np.append(np.append(time, motion.stop_time)[:1], end)
+        lasting = np.append(np.nan, lasting)
+    touches = int(rises.sum())
+    if changed.count > len(time):  # touches and leaves take turns
+        touches += (changed.count - len(time)) // (1 if nodes.contact.rigid else 2)
+    return Episodes(
+        nodes.contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches
+    )
+
+
+def _touching_at_start(motion: Motion, nodes: ContactNodes) -> bool:
+    first = next((piece for piece in motion.pieces if len(piece.time)), None)
+    return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
+
+
+def _at_touches(changed: Changed, nodes: ContactNodes) -> tuple[Floats, Floats]:
+    """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
+    model = nodes.model
+    rows = [n for row in model.mass_matrix for n in row]
+    if not changed.pieces:
+        return np.zeros(0), np.zeros(0)
+    found = [
+        evaluate_nodes(piece, [nodes.speed, nodes.normal.x, nodes.normal.y, *rows])
+        for piece in changed.pieces
+    ]
+    speed, x, y, *inertia = np.hstack(found)
+    mass = _effective_mass(model, nodes, np.array([x, y]), np.array(inertia))
+    return speed, _duration(nodes, mass, np.abs(speed))
+
+
+def _effective_mass(model: Model, nodes: ContactNodes, normal: Floats, rows: Floats) -> Floats:
+    """1/(N J⁻¹ Nᵀ) with the derivatives N of the indentation by the free coordinates."""
+    free = model.topology.free
+    count, times = len(free), normal.shape[1]
+    inertia = np.zeros((times, count, count))
+    lower = np.tril_indices(count)
+    inertia[:, lower[0], lower[1]] = inertia[:, lower[1], lower[0]] = rows.T
+    along = np.zeros((times, count, 1))
+    for axis, name in enumerate(nodes.contact.axes):
+        along[:, free.index(name), 0] = normal[axis]
+    moved = np.linalg.solve(inertia, along)
+    return np.asarray(1.0 / (along * moved).sum(axis=(1, 2)))
+
+
+def _duration(nodes: ContactNodes, mass: Floats, speed: Floats) -> Floats:
+    """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
+    normal = nodes.contact.normal
+    if isinstance(normal, RigidContact):
+        return np.zeros(speed.shape)
+    stiffness, exponent = normal.numbers
+    power = exponent.value + 1.0
+    factor = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + 1.0 / power)
+    factor /= math.gamma(0.5 + 1.0 / power)
+    with np.errstate(divide="ignore"):
+        deepest = (power * mass * speed**2 / (2.0 * stiffness.value)) ** (1.0 / power)
+        return np.asarray(factor * deepest / speed)

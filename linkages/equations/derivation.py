@@ -147,7 +147,7 @@ def derive(topology: Topology) -> Equations:
         free=free,
         dependent=dependent,
         followers=tuple(
-            Definition(symbol, places.orientation(name))
+            Definition(symbol, places.coordinate(name))
             for name, symbol in symbols.followers.items()
         ),
         drives=_drives(topology, symbols),

@@ -233,7 +233,7 @@ class Model:
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"
-        return solution
+        return self.switches.sticking(solution)
 
     @cached_property
     def power(self) -> Scalar:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.friction import ambiguity, meeting
@@ -25,6 +25,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     if declared.complete:
         found += _unknown_names(components, declared)
         found += _missing_points(components, declared)
+        found += _carried_elsewhere(components, declared)
         found += sliders_on_air(declared)
         found += _ambiguous_frictions(declared)
         found += formula_findings(components, declared)
@@ -75,6 +76,19 @@ def _missing_points(components: Sequence[Component], declared: Declared) -> list
             listed = ", ".join(here)
             found.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
     return found
+
+
+def _carried_elsewhere(
+    components: Sequence[Component], declared: Declared
+) -> Iterator[tuple[Path, str]]:
+    """Sliders whose axis something else carries than it should."""
+    references = [component.references() for component in components]
+    for path, name, carrier in (c for r in references for c in r.carried):
+        body = declared.by_name.get(name)
+        if body is not None and body.guide is not None and body.guide.body != carrier:
+            own = body.guide.body or GROUND
+            expected = f"expected what carries the axis of {name!r}: {own}"
+            yield path, f"{expected}, found {carrier or GROUND}"
 
 
 def _lacks(body: Body, joint: str) -> str:

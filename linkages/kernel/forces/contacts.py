@@ -45,7 +45,7 @@ class ContactNodes(Acting):
 
     def offset_rate(self, velocities: Velocities) -> Vector:
         """Its rate, at velocities that may be partial ones."""
-        x, y = (velocities.bodies[name] for name in self.contact.axes)
+        x, y = (velocities.moving(name) for name in self.contact.axes)
         return Vector(x, y)
 
     @cached_property

@@ -49,7 +49,8 @@ PASSAGE_RTOL = 1e-10
 """Errors below this cannot be told from round-off in a step through a change point."""
 
 TANGENT_ATOL = 1e-6
-"""Absolute tolerance of tangents: they are of length one when they start."""
+"""Absolute tolerance of tangents that are only asked how they grow: they are of length one when
+they start."""
 
 Floats = NDArray[np.float64]
 
@@ -73,6 +74,8 @@ class March:
         Whether to integrate the work of drives and loads as well.
     tangents
         Number of solutions of the variational equations that are carried along.
+    tangent_atol
+        Their absolute tolerance.
     counting
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
@@ -93,9 +96,11 @@ class March:
         *,
         work: bool = False,
         tangents: int = 0,
+        tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
         self.run, self._passing = run, passes(system, run)
+        self._tangent_atol = tangent_atol
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
@@ -206,7 +211,7 @@ class March:
             names = self.layout.coordinates
             scales = [turned if mechanism.bodies[name].rotates else length for name in names]
             found[self.layout.motion_rows] *= [*scales, *scales]
-        found[self.layout.tangent_rows] = TANGENT_ATOL
+        found[self.layout.tangent_rows] = self._tangent_atol
         return found
 
     @property

@@ -5,7 +5,6 @@ import pytest
 from linkage_models import system_of
 
 from linkages.components.contributed.terms import Parameter
-from linkages.kernel.closure.frames import Frames
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.scalars import Level
 

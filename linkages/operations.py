@@ -147,7 +147,7 @@ _ROWS = (
     _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS, llvm="llvm.sqrt.f64"),
     Elementary("floor", OTHERS, math.floor, "floor", lambda apply, f, x: (0.0,),
                llvm="llvm.floor.f64"),
-    Elementary("atan2", TURNS, math.atan2, "arctan2", _atan2, 2),
+    Elementary("atan2", TURNS, math.atan2, "arctan2", _atan2, 2, formula=True),
     # the first value where the condition is not negative, otherwise the second
     Elementary("select", OTHERS, lambda c, a, b: a if c >= 0.0 else b,
                _where,
@@ -176,8 +176,13 @@ COMPOSITE = {
     "abs": Composite(1, abs, lambda apply, x: apply("select", x, x, apply("neg", x))),
     "min": Composite(2, min, lambda apply, a, b: apply("select", apply("sub", b, a), a, b)),
     "max": Composite(2, max, lambda apply, a, b: apply("select", apply("sub", a, b), a, b)),
+    "sign": Composite(1, lambda x: 1.0 if x >= 0.0 else -1.0,
+                      lambda apply, x: apply("select", x, 1.0, -1.0)),
+    # its first argument is a difference: formulas write a comparison
+    "where": Composite(3, lambda c, a, b: a if c >= 0.0 else b,
+                       lambda apply, c, a, b: apply("select", c, a, b)),
     "power": Composite(2, math.pow, _power, formula=False),
-}
+}  # fmt: skip
 """All composite functions by their names."""
 
 

@@ -9,8 +9,9 @@ from linkages.components.contributed.listed import ListedComponent
 from linkages.components.contributed.measures import Distance, Load, Slide, damper_law
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Path
+from linkages.components.laws.law import DampingLaw, function_of
 from linkages.components.spring import ends, two_joints
-from linkages.spec.quantities import Damping, Name
+from linkages.spec.quantities import Name
 
 
 @component
@@ -24,14 +25,14 @@ class LineDamper(ListedComponent):
     between
         Two joints; one may be fixed to the ground.
     damping
-        N·s/m, ≥ 0.
+        N·s/m, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "dampers"
 
     index: int
     between: tuple[Name, Name]
-    damping: Damping
+    damping: DampingLaw
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different joints."""
@@ -43,7 +44,8 @@ class LineDamper(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A damper between the joints."""
-        return (Load(Distance(*self.between), damper_law(self.number("damping")), self.path),)
+        damping = function_of(self.damping, (*self.path, "damping"))
+        return (Load(Distance(*self.between), damper_law(damping), self.path),)
 
 
 @component
@@ -57,7 +59,7 @@ class GuideDamper(ListedComponent):
     slider
         Slider name.
     damping
-        N·s/m, ≥ 0.
+        N·s/m, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "dampers"
@@ -65,7 +67,7 @@ class GuideDamper(ListedComponent):
 
     index: int
     slider: Name
-    damping: Damping
+    damping: DampingLaw
 
     def references(self) -> References:
         """The slider."""
@@ -73,4 +75,5 @@ class GuideDamper(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """One damper along the axis."""
-        return (Load(Slide(self.slider), damper_law(self.number("damping")), self.path),)
+        damping = function_of(self.damping, (*self.path, "damping"))
+        return (Load(Slide(self.slider), damper_law(damping), self.path),)

@@ -1,4 +1,4 @@
-"""Forces on sliders and joints from outside."""
+"""Forces on sliders and joints from outside, and between joints."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ from typing import ClassVar
 
 from linkages.components.contributed.component import component
 from linkages.components.contributed.listed import ListedComponent
-from linkages.components.contributed.measures import Coordinate, Load, Slide
+from linkages.components.contributed.measures import BodyAxis, Coordinate, Distance, Load, Slide
 from linkages.components.contributed.references import References
+from linkages.components.contributed.terms import Path
 from linkages.components.laws.law import ForceLaw, function_of
+from linkages.components.spring import ends, two_joints
 from linkages.spec.quantities import Name
 
 
@@ -23,7 +25,7 @@ class SliderForce(ListedComponent):
     slider
         Slider name.
     force
-        Newtons, positive along the axis, or a law of time. What carries the axis gets the
+        Newtons, positive along the axis, or a law. What carries the axis gets the
         opposite force.
     """
 
@@ -40,7 +42,87 @@ class SliderForce(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One force."""
         force = function_of(self.force, (*self.path, "force"))
-        return (Load(Slide(self.slider), force, self.path),)
+        return (Load(Slide(self.slider), force, self.path, applied=True),)
+
+
+@component
+class FollowerForce(ListedComponent):
+    """A force at a joint whose components turn with a body.
+
+    Parameters
+    ----------
+    index
+        Place in the list of loads.
+    joint
+        A joint that moves, of this body or another one.
+    on
+        The bar, plate or slider whose frame the force is given in.
+    force
+        Two numbers in newtons, along the body's own axis and across it, or laws.
+    """
+
+    # above `JointForce`: entries of both have its key, and the first one that fits is taken
+    section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "on"
+
+    index: int
+    joint: Name
+    on: Name
+    force: tuple[ForceLaw, ForceLaw]
+
+    def references(self) -> References:
+        """The joint and the body."""
+        return References(
+            moving=(((*self.path, "joint"), self.joint),),
+            bodies=(((*self.path, "on"), self.on, ("bar", "plate", "slider")),),
+        )
+
+    def terms(self) -> tuple[Load, ...]:
+        """One force along each axis of the body."""
+        return tuple(
+            Load(
+                BodyAxis(self.joint, self.on, axis),
+                function_of(law, (*self.path, "force", axis)),
+                self.path,
+                applied=True,
+            )
+            for axis, law in enumerate(self.force)
+        )
+
+
+@component
+class ForceBetweenJoints(ListedComponent):
+    """A force between two joints, along the line through them.
+
+    Parameters
+    ----------
+    index
+        Place in the list of loads.
+    between
+        Two joints; one may be fixed to the ground.
+    force
+        Newtons, positive where it pushes them apart, or a law.
+    """
+
+    section: ClassVar[str] = "loads"
+    told_by: ClassVar[str] = "between"
+
+    index: int
+    between: tuple[Name, Name]
+    force: ForceLaw
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different joints."""
+        return two_joints((*self.path, "between"), self.between)
+
+    def references(self) -> References:
+        """The joints."""
+        return References(joints=ends((*self.path, "between"), self.between))
+
+    def terms(self) -> tuple[Load, ...]:
+        """One force."""
+        force = function_of(self.force, (*self.path, "force"))
+        return (Load(Distance(*self.between), force, self.path, applied=True),)
 
 
 @component
@@ -54,7 +136,7 @@ class JointForce(ListedComponent):
     joint
         A joint that moves.
     force
-        Two numbers in newtons, or laws of time.
+        Two numbers in newtons, or laws.
     """
 
     section: ClassVar[str] = "loads"
@@ -75,6 +157,7 @@ class JointForce(ListedComponent):
                 Coordinate(self.joint, axis),
                 function_of(law, (*self.path, "force", axis)),
                 self.path,
+                applied=True,
             )
             for axis, law in enumerate(self.force)
         )

@@ -9,7 +9,8 @@ from linkages.components.contributed.listed import ListedComponent
 from linkages.components.contributed.measures import Distance, Load, spring_law
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Path
-from linkages.spec.quantities import Damping, Name, NonNegativeLength, Stiffness
+from linkages.components.laws.law import DampingLaw, StiffnessLaw, function_of
+from linkages.spec.quantities import Name, NonNegativeLength
 
 
 @component
@@ -23,20 +24,20 @@ class JointSpring(ListedComponent):
     between
         Two joints; one may be fixed to the ground.
     stiffness
-        N/m, ≥ 0.
+        N/m, ≥ 0, or a law.
     length
         Length without force in metres, ≥ 0.
     damping
-        N·s/m, ≥ 0.
+        N·s/m, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "springs"
 
     index: int
     between: tuple[Name, Name]
-    stiffness: Stiffness
+    stiffness: StiffnessLaw
     length: NonNegativeLength
-    damping: Damping = 0.0
+    damping: DampingLaw = 0.0
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different joints."""
@@ -48,7 +49,11 @@ class JointSpring(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A spring and damper; numbers of exactly zero are structure."""
-        law = spring_law(*map(self.number, ("stiffness", "length", "damping")))
+        law = spring_law(
+            function_of(self.stiffness, (*self.path, "stiffness")),
+            self.number("length"),
+            function_of(self.damping, (*self.path, "damping")),
+        )
         return (Load(Distance(*self.between), law, self.path),)
 
 

@@ -30,7 +30,7 @@ class BarTorque(ListedComponent):
     bar
         The bar or plate.
     torque
-        Newton metres, counter-clockwise positive, or a law of time.
+        Newton metres, counter-clockwise positive, or a law.
     """
 
     section: ClassVar[str] = "loads"
@@ -47,7 +47,7 @@ class BarTorque(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One torque."""
         torque = function_of(self.torque, (*self.path, "torque"))
-        return (Load(Turn(self.bar, None), torque, self.path),)
+        return (Load(Turn(self.bar, None), torque, self.path, applied=True),)
 
 
 @component
@@ -62,7 +62,7 @@ class TorqueBetweenBars(ListedComponent):
         Two bars or plates: the torque acts on the second, the opposite one on the first. The
         first may be ``ground``.
     torque
-        Newton metres, counter-clockwise positive, or a law of time.
+        Newton metres, counter-clockwise positive, or a law.
     """
 
     section: ClassVar[str] = "loads"
@@ -83,4 +83,4 @@ class TorqueBetweenBars(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One torque and its reaction."""
         torque = function_of(self.torque, (*self.path, "torque"))
-        return (Load(Turn(self.bars[1], reference(self.bars)), torque, self.path),)
+        return (Load(Turn(self.bars[1], reference(self.bars)), torque, self.path, applied=True),)

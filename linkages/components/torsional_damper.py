@@ -15,7 +15,8 @@ from linkages.components.contributed.measures import (
 )
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Path
-from linkages.spec.quantities import Name, TorsionalDamping
+from linkages.components.laws.law import TorsionalDampingLaw, function_of
+from linkages.spec.quantities import Name
 
 
 @component
@@ -29,7 +30,7 @@ class JointDamper(ListedComponent):
     joint
         A joint at which two bodies turn against each other, or one against the ground.
     damping
-        N·m·s/rad, ≥ 0.
+        N·m·s/rad, ≥ 0, or a law.
     bars
         Which two, where more meet; the first may be ``ground``.
     """
@@ -39,7 +40,7 @@ class JointDamper(ListedComponent):
 
     index: int
     joint: Name
-    damping: TorsionalDamping
+    damping: TorsionalDampingLaw
     bars: tuple[Name, Name] | None = None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
@@ -57,9 +58,8 @@ class JointDamper(ListedComponent):
 
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
-        return (
-            JointFriction(self.joint, self.bars, damper_law(self.number("damping")), self.path),
-        )
+        damping = function_of(self.damping, (*self.path, "damping"))
+        return (JointFriction(self.joint, self.bars, damper_law(damping), self.path),)
 
 
 @component
@@ -73,7 +73,7 @@ class DamperBetweenBars(ListedComponent):
     bars
         Two bars or plates; the first may be ``ground``.
     damping
-        N·m·s/rad, ≥ 0.
+        N·m·s/rad, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "dampers"
@@ -81,7 +81,7 @@ class DamperBetweenBars(ListedComponent):
 
     index: int
     bars: tuple[Name, Name]
-    damping: TorsionalDamping
+    damping: TorsionalDampingLaw
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different bodies."""
@@ -93,8 +93,9 @@ class DamperBetweenBars(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A damper along their angle."""
+        damping = function_of(self.damping, (*self.path, "damping"))
         angle = Turn(self.bars[1], reference(self.bars))
-        return (Load(angle, damper_law(self.number("damping")), self.path),)
+        return (Load(angle, damper_law(damping), self.path),)
 
 
 @component
@@ -108,7 +109,7 @@ class ClearanceDamper(ListedComponent):
     clearance
         Clearance name.
     damping
-        N·m·s/rad, ≥ 0.
+        N·m·s/rad, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "dampers"
@@ -116,7 +117,7 @@ class ClearanceDamper(ListedComponent):
 
     index: int
     clearance: Name
-    damping: TorsionalDamping
+    damping: TorsionalDampingLaw
 
     def references(self) -> References:
         """The clearance."""
@@ -124,4 +125,5 @@ class ClearanceDamper(ListedComponent):
 
     def terms(self) -> tuple[ClearanceFriction, ...]:
         """Friction against a bar that the clearance knows."""
-        return (ClearanceFriction(self.clearance, damper_law(self.number("damping")), self.path),)
+        damping = function_of(self.damping, (*self.path, "damping"))
+        return (ClearanceFriction(self.clearance, damper_law(damping), self.path),)

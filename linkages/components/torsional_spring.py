@@ -15,12 +15,24 @@ from linkages.components.contributed.listed import (
 from linkages.components.contributed.measures import Load, Turn, spring_law
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Path
-from linkages.spec.quantities import Angle, Name, TorsionalDamping, TorsionalStiffness
+from linkages.components.laws.law import (
+    TorsionalDampingLaw,
+    TorsionalStiffnessLaw,
+    function_of,
+)
+from linkages.spec.quantities import Angle, Name
 
 
 class _Torsional(ListedComponent):
+    stiffness: TorsionalStiffnessLaw
+    damping: TorsionalDampingLaw
+
     def _spring(self, body: str, against: str | None) -> tuple[Load, ...]:
-        law = spring_law(*map(self.number, ("stiffness", "angle", "damping")))
+        law = spring_law(
+            function_of(self.stiffness, (*self.path, "stiffness")),
+            self.number("angle"),
+            function_of(self.damping, (*self.path, "damping")),
+        )
         return (Load(Turn(body, against), law, self.path),)
 
 
@@ -35,11 +47,11 @@ class BarSpring(_Torsional):
     bar
         The bar or plate.
     stiffness
-        N·m/rad, ≥ 0.
+        N·m/rad, ≥ 0, or a law.
     angle
         Angle of the bar without torque, in radians; whole turns count.
     damping
-        N·m·s/rad, ≥ 0.
+        N·m·s/rad, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "springs"
@@ -47,9 +59,9 @@ class BarSpring(_Torsional):
 
     index: int
     bar: Name
-    stiffness: TorsionalStiffness
+    stiffness: TorsionalStiffnessLaw
     angle: Angle = 0.0
-    damping: TorsionalDamping = 0.0
+    damping: TorsionalDampingLaw = 0.0
 
     def references(self) -> References:
         """The bar."""
@@ -71,11 +83,11 @@ class SpringBetweenBars(_Torsional):
     between_bars
         Two bars or plates; the first may be ``ground``.
     stiffness
-        N·m/rad, ≥ 0.
+        N·m/rad, ≥ 0, or a law.
     angle
         Angle of the second against the first without torque, in radians; whole turns count.
     damping
-        N·m·s/rad, ≥ 0.
+        N·m·s/rad, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "springs"
@@ -83,9 +95,9 @@ class SpringBetweenBars(_Torsional):
 
     index: int
     between_bars: tuple[Name, Name]
-    stiffness: TorsionalStiffness
+    stiffness: TorsionalStiffnessLaw
     angle: Angle = 0.0
-    damping: TorsionalDamping = 0.0
+    damping: TorsionalDampingLaw = 0.0
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different bodies."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.functions import FIRST
+from linkages.components.contributed.contacts import Contact, NormalForce, RigidContact
+from linkages.components.contributed.functions import FIRST, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
@@ -17,24 +18,28 @@ from linkages.equations.places import Places
 from linkages.equations.symbols import Symbols
 
 
-def require_no_memory(mechanism: Mechanism) -> None:
-    """A force that depends on how a contact began is no function of the state.
+def require_forces_of_the_state(mechanism: Mechanism) -> None:
+    """Impulses, and forces that depend on how a contact began, are no functions of the state.
 
     Raises
     ------
     InputError
-        For the laws of such forces.
+        For the laws of such contacts.
     """
-    found = [
-        (
-            (*contact.path, "contact"),
-            "the force depends on the rate at which each contact began, which is no function of "
-            "the state: there are no equations in closed form; expected a law without that memory "
-            "(hertz, hunt-crossley-constant, kelvin-voigt)",
+    found = []
+    for contact in mechanism.contacts:
+        normal = contact.normal
+        if isinstance(normal, RigidContact):
+            why = "impacts change rates at once, by no force"
+        elif FIRST in leaves(normal.force):
+            why = "the force depends on the rate at which each contact began"
+        else:
+            continue
+        message = (
+            f"{why}, which is no function of the state: there are no equations in closed form; "
+            "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
         )
-        for contact in mechanism.contacts
-        if FIRST in leaves(contact.normal.force)
-    ]
+        found.append(((*contact.path, "contact"), message))
     if found:
         raise mechanism.error(found)
 
@@ -67,6 +72,11 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     return ContactForces(tuple(definitions), {q: force for q, force in total.items() if force != 0})
 
 
+def _picked(*values: sp.Expr) -> Callable[[Measured], sp.Expr]:
+    """What laws are measured by, by its order."""
+    return lambda found: values[found.order]
+
+
 class _Contact:
     """One contact; where its gap is open the distance counts as its size: nothing is 0/0."""
 
@@ -76,6 +86,7 @@ class _Contact:
         self._symbols, self._places = symbols, places
         self.definitions: list[Definition] = []
         normal, name = contact.normal, contact.name
+        assert isinstance(normal, NormalForce)
         x, y = (symbols.coordinates[axis] for axis in contact.axes)
         dx, dy = symbols.rates[x], symbols.rates[y]
         size, radius = symbols.parameter(contact.size), symbols.parameter(contact.pin_radius)
@@ -86,7 +97,7 @@ class _Contact:
         pin, hole = map(self._turning, bodies)
         self._deepening = (x * dx + y * dy) / apart
         self._slip = (x * dy - y * dx) / apart + radius * pin - (radius + apart) * hole
-        measured = (apart - size, self._define("v", name, self._deepening))
+        measured = _picked(apart - size, self._define("v", name, self._deepening))
         force = law_of(normal.force, symbols, measured)
         if normal.pressing is not None:
             force = Select(law_of(normal.pressing, symbols, measured), force, sp.S.Zero)
@@ -94,7 +105,7 @@ class _Contact:
         self._friction: sp.Expr = sp.S.Zero
         if contact.friction is not None:
             slip = self._define("w", name, self._slip)
-            part = law_of(contact.friction.coefficient, symbols, (slip, slip))
+            part = law_of(contact.friction.coefficient, symbols, _picked(slip, slip))
             self._friction = self._define("F", name, self._force * part)
 
     def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:

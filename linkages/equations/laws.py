@@ -18,7 +18,7 @@ from linkages.components.contributed.functions import (
     Time,
 )
 from linkages.equations.symbols import Symbols
-from linkages.operations import ELEMENTARY
+from linkages.operations import COMPOSITE, ELEMENTARY
 
 _LARGEST_DENOMINATOR = 100
 
@@ -51,26 +51,38 @@ class Spline(sp.Function):
         return Spline(number, order + 1, time)
 
 
+def _of_time_alone(_: Measured) -> sp.Expr:
+    raise ValueError("a function of time is not measured along anything")
+
+
 def law_of(
-    function: Function, symbols: Symbols, measured: tuple[sp.Expr, sp.Expr] | None = None
+    function: Function,
+    symbols: Symbols,
+    measured: Callable[[Measured], sp.Expr] = _of_time_alone,
 ) -> sp.Expr:
-    """Return a law over the symbols of its numbers, time, and what a load is `measured` along."""
+    """Return a law over the symbols of its numbers, of time, and of what it is `measured` by."""
     match function:
         case Number(parameter):
             return symbols.parameter(parameter) if parameter.path else exact(parameter.value)
         case Time():
             return symbols.time
-        case Measured(order):
-            if measured is None:
-                raise ValueError("a function of time is not measured along anything")
-            return measured[order]
+        case Measured():
+            return measured(function)
         case Table():
-            return Spline(symbols.table(function), 0, symbols.time)
+            over = law_of(function.over, symbols, measured)
+            return Spline(symbols.table(function), 0, over)
         case Operation(name, arguments):
-            found = (law_of(argument, symbols, measured) for argument in arguments)
+            found = [law_of(argument, symbols, measured) for argument in arguments]
+            if name in COMPOSITE and name != "power":
+                return COMPOSITE[name].expanded(_applied, *found)
             return _on_symbols(name)(*found)
         case _:
             assert_never(function)
+
+
+def _applied(name: str, *operands: Any) -> Any:
+    found = (exact(o) if isinstance(o, float) else o for o in operands)
+    return _on_symbols(name)(*found)
 
 
 def _on_symbols(name: str) -> Callable[..., Any]:

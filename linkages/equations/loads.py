@@ -9,8 +9,16 @@ from typing import assert_never
 
 import sympy as sp
 
-from linkages.components.contributed.functions import Function, Number
-from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.functions import Function, Measured, Number
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Measure,
+    Slide,
+    Turn,
+)
 from linkages.equations.laws import law_of
 from linkages.equations.places import Places
 from linkages.equations.polar import Terms, collected, derivative, dot
@@ -84,8 +92,9 @@ class ActingLoads:
         self._places = places
         self.lengths: dict[tuple[str, str], Length] = {}
         for load in self._loads:
-            if isinstance(load.measure, Distance):
-                self._add_length(load.measure)
+            for measure in (load.measure, *load.sensed):
+                if isinstance(measure, Distance):
+                    self._add_length(measure)
 
     def _add_length(self, measure: Distance) -> None:
         ends = measure.first, measure.second
@@ -99,7 +108,7 @@ class ActingLoads:
 
     def stored_energy(self) -> sp.Expr:
         """Potential energy, such as ½ k (D − L)² and ½ k (θ − φ)², in J."""
-        return sp.Add(*(self._law(load.energy, self._along(load)) for load in self._loads))
+        return sp.Add(*(self._law(load.energy, self._along(load.measure)) for load in self._loads))
 
     def generalised_forces(self, efforts: Mapping[sp.Symbol, sp.Symbol]) -> Forces:
         """Q of every coordinate that a load or a drive acts on, in N·m or N.
@@ -113,14 +122,15 @@ class ActingLoads:
         """
         total: Forces = dict(efforts)
         for _, same in groupby(self._loads, key=lambda load: (load.path, _joint(load))):
-            parts = [(self._force(load, along := self._along(load)), along) for load in same]
+            found = [(load, self._along(load.measure)) for load in same]
+            parts = [(self._force(load, along), along) for load, along in found]
             for q in self._symbols.rates:
                 total[q] = total.get(q, sp.S.Zero) + _work(parts, q)
         return {coordinate: force for coordinate, force in total.items() if force != 0}
 
     def _force(self, load: Load, along: Along) -> sp.Expr:
         """What works along a measure beyond the stored energy."""
-        if isinstance(load.measure, Coordinate) and isinstance(load.law, Number):
+        if isinstance(load.measure, Coordinate | BodyAxis) and isinstance(load.law, Number):
             entry = load.path[-1]
             number = str(entry + 1) if isinstance(entry, int) else load.measure.joint
             notation = ("F", number, "xy"[load.measure.axis])
@@ -128,12 +138,16 @@ class ActingLoads:
         return self._law(load.working, along)
 
     def _law(self, law: Function, along: Along) -> sp.Expr:
-        return law_of(law, self._symbols, (along.value, along.rate))
+        def measured(found: Measured) -> sp.Expr:
+            of = along if found.measure is None else self._along(found.measure)
+            return of.rate if found.order else of.value
 
-    def _along(self, load: Load) -> Along:
+        return law_of(law, self._symbols, measured)
+
+    def _along(self, measure: Measure) -> Along:
         places, rates = self._places, self._symbols.rates
         slopes: Slopes = {}
-        match load.measure:
+        match measure:
             case Distance(first, second):
                 length = self.lengths[first, second]
                 slopes = {q: [(sp.S.One, length.derivative(q))] for q in rates}
@@ -143,15 +157,22 @@ class ActingLoads:
                 if reference is not None:
                     value -= places.orientation(reference)
             case Slide(body):
-                value = self._symbols.coordinates[body]
+                value = places.coordinate(body)
             case Coordinate(joint, axis):
                 place, part = places.joint(joint), (sp.cos, sp.sin)[axis]
                 value = sp.Add(*(term.components[axis] for term in place))
                 slopes = {
                     q: [(p.length, part(p.angle)) for p in derivative(place, q)] for q in rates
                 }
+            case BodyAxis(joint, body, axis):
+                value, part = sp.S.NaN, (sp.cos, sp.sin)[axis]
+                place, turned = places.joint(joint), places.orientation(body)
+                slopes = {
+                    q: [(p.length, part(p.angle - turned)) for p in derivative(place, q)]
+                    for q in rates
+                }
             case _:
-                assert_never(load.measure)
+                assert_never(measure)
         slopes = slopes or {q: [(sp.S.One, sp.diff(value, q))] for q in rates}
         rate = sp.Add(*(a * b * rates[q] for q, terms in slopes.items() for a, b in terms))
         return Along(value, rate, slopes)
@@ -167,4 +188,4 @@ def _work(parts: Sequence[tuple[sp.Expr, Along]], coordinate: sp.Symbol) -> sp.E
 
 
 def _joint(load: Load) -> str | None:
-    return load.measure.joint if isinstance(load.measure, Coordinate) else None
+    return load.measure.joint if isinstance(load.measure, Coordinate | BodyAxis) else None

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import sympy as sp
 
+from linkages.components.contributed.functions import TIME
 from linkages.equations.coefficients import Definition, LinearSystem
 from linkages.equations.derivation import Equations
 from linkages.equations.polar import Polar, Terms
@@ -127,8 +128,9 @@ def _coordinates(equations: Equations) -> Iterator[Line]:
         yield Line((definition.symbol, definition.value), "by a weld or gear")
     for number, table in enumerate(equations.symbols.tables, 1):
         what = f"{_JOINED[table.interpolation]}{', periodic,' if table.periodic else ''}"
-        function = Formula(f"f_{number}(t)", f"f_{{{number}}}(t)")
-        yield Line((function,), f"{what} through {len(table.times)} points: {dotted(table.path)}")
+        of = "(t)" if table.over == TIME else ""
+        function = Formula(f"f_{number}{of}", f"f_{{{number}}}{of}")
+        yield Line((function,), f"{what} through {len(table.places)} points: {dotted(table.path)}")
 
 
 def _derivatives(index: int, law: sp.Expr, time: sp.Symbol) -> Iterator[Line]:

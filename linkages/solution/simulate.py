@@ -23,9 +23,9 @@ from linkages.solution.moving.motion import Motion, Settings, Watch, compute_mot
 from linkages.solution.moving.starting import State, asked_for, own_times, started
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
-from linkages.solution.remarks.contacts import contact_notes
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.values.contact_notes import contact_notes
 from linkages.solution.values.episodes import states
 from linkages.solution.values.requests import REACTION, STATE, requested
 from linkages.solution.values.soundness import sound_part

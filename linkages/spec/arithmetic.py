@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from linkages.operations import value_of
-from linkages.spec.grammar import Builder, NumberError, parsed
+from linkages.spec.grammar import Builder, NumberError, Span, parsed
 
 __all__ = ["CONSTANTS", "NumberError", "Numbers", "leading_number"]
 
@@ -39,7 +39,12 @@ class Numbers(Builder[float]):
         """Return pi."""
         return CONSTANTS.get(word)
 
-    def operation(self, name: str, arguments: tuple[float, ...]) -> float:
+    def operation(
+        self,
+        name: str,
+        arguments: tuple[float, ...],
+        span: Span = (0, 0),  # noqa: ARG002
+    ) -> float:
         """Return the result; not being finite or real is an error."""
         try:
             return self.number(value_of(name, *arguments))

@@ -69,10 +69,16 @@ DAMPING = Dimension("damping", "N*s/m", "N·s/m")
 TORSIONAL_DAMPING = Dimension("torsional damping", "N*m*s/rad", "N·m·s/rad", ("N*m*s",))
 DURATION = Dimension("time", "s", "seconds")
 FREQUENCY = Dimension("frequency", "1/s", "hertz")
+PRESSURE = Dimension("pressure", "Pa", "pascals")
+VOLUME = Dimension("volume", "m**3", "cubic metres")
+VOLTAGE = Dimension("voltage", "V", "volts")
+RESISTANCE = Dimension("resistance", "ohm", "ohms")
+TORQUE_CONSTANT = Dimension("torque constant", "N*m/A", "N·m/A", ("V*s/rad",))
 KNOWN = (
     LENGTH, ANGLE, ANGULAR_SPEED, SPEED, MASS, INERTIA, ACCELERATION, FORCE, TORQUE, STIFFNESS,
-    TORSIONAL_STIFFNESS, DAMPING, TORSIONAL_DAMPING, DURATION, FREQUENCY,
-    Dimension("temperature", "K"), Dimension("area", "m**2"), Dimension("volume", "m**3"),
-    Dimension("pressure", "Pa"), Dimension("power", "W"), Dimension("momentum", "kg*m/s"),
+    TORSIONAL_STIFFNESS, DAMPING, TORSIONAL_DAMPING, DURATION, FREQUENCY, PRESSURE, VOLUME,
+    VOLTAGE, RESISTANCE, TORQUE_CONSTANT,
+    Dimension("temperature", "K"), Dimension("area", "m**2"), Dimension("power", "W"),
+    Dimension("momentum", "kg*m/s"),
     Dimension("angular acceleration", "rad/s**2"),
 )  # fmt: skip

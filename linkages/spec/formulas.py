@@ -1,28 +1,47 @@
-"""Formulas of the time: ``0.5 + 0.2*sin(2*t)``, ``100*(t - 1)**2``; never evaluated as code.
+"""Formulas: ``0.5 + 0.2*sin(2*t)``, ``-30 kN - 10 kN*sign(beam.speed)``; never evaluated as code.
 
-A formula is read into a small tree. What consists of numbers alone is one number of it.
+A formula is read into a small tree. What consists of plain numbers alone is one number of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import ClassVar, TypeAlias
 
-from linkages.operations import COMPOSITE, formula_functions
-from linkages.reading.wording import shown
+from linkages.operations import formula_functions
+from linkages.reading.wording import listed, shown, suggestion
 from linkages.spec.arithmetic import CONSTANTS, Numbers
-from linkages.spec.grammar import Builder, NumberError, parsed
+from linkages.spec.formula_numbers import unit_end
+from linkages.spec.grammar import Builder, NumberError, Span, parsed
+from linkages.spec.units import Unit, UnitError, unit
+
+LONGEST = 2000
+"""Characters of a formula."""
+
+HIGHEST = 160
+"""Operations one within the other; a sum of n terms has n − 1 of them."""
 
 _HIGHEST_POWER = 100
-_LARGEST = 1000
+
+WORDS = ("position", "velocity", "angle", "speed", "x", "y", "vx", "vy")
+"""What a law may depend on, behind the name of a slider, bar, plate, clearance or joint."""
+
+CALLED = {"distance": 2, "angle": 2}
+"""What is called with two names: joints, or bodies that turn."""
+
+_LATER = (
+    "acceleration", "ax", "ay", "force", "torque", "effort", "reaction", "power", "normal_force",
+)  # fmt: skip
+_TURNED = {"<": ">=", ">": "<="}
 
 
 @dataclass(frozen=True)
 class Constant:
-    """A number."""
+    """A number in SI, and its unit if it has one."""
 
     value: float
+    unit: Unit | None = None
 
 
 @dataclass(frozen=True)
@@ -31,19 +50,42 @@ class Clock:
 
 
 @dataclass(frozen=True)
-class Call:
-    """An operation: neg, add, sub, mul, div, a function of one argument, power, or select.
+class Sensed:
+    """A quantity of the mechanism.
 
-    ``power`` has a whole `Constant` from 2 as its exponent; ``select`` is its second argument
-    where the first is ≥ 0, otherwise its third. `size` is the number of nodes, written out.
+    Parameters
+    ----------
+    word
+        One of `WORDS` of one name, or one of `CALLED` of two.
+    names
+        As the definition has them.
+    rate
+        Whether it is the rate of that.
+    span
+        Where it stands in the text.
+    """
+
+    word: str
+    names: tuple[str, ...]
+    rate: bool = False
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True)
+class Call:
+    """An operation: neg, add, sub, mul, div, a function of one or two arguments, power, or where.
+
+    ``power`` has a whole `Constant` from 2 as its exponent; ``where`` is its second argument where
+    the first is ≥ 0, otherwise its third. `depth` counts operations one within the other.
     """
 
     name: str
     arguments: tuple[Node, ...]
-    size: int
+    depth: int = field(default=1, compare=False)
+    span: Span = field(default=(0, 0), compare=False)
 
 
-Node: TypeAlias = Constant | Clock | Call
+Node: TypeAlias = Constant | Clock | Sensed | Call
 
 
 @dataclass(frozen=True)
@@ -53,9 +95,31 @@ class Formula:
     text: str
     tree: Node
 
+    def nodes(self) -> Iterator[Node]:
+        """All parts of it, from left to right."""
+        waiting = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            yield node
+            if isinstance(node, Call):
+                waiting += reversed(node.arguments)
 
-def formula(text: str) -> Formula:
+    @property
+    def has_units(self) -> bool:
+        """Whether a number in it has a unit; all then have theirs."""
+        return any(isinstance(node, Constant) and node.unit is not None for node in self.nodes())
+
+
+def formula(text: str, refused: str = "") -> Formula:
     """Read a formula.
+
+    Parameters
+    ----------
+    text
+        What stands in the file.
+    refused
+        Why it may not depend on quantities of the mechanism, as the end of a sentence; empty where
+        it may.
 
     Raises
     ------
@@ -65,10 +129,13 @@ def formula(text: str) -> Formula:
     # Printed formulas carry U+2212; it means nothing else.
     plain = text.replace("−", "-")
     try:
-        tree, end = parsed(plain, _Trees())
+        tree, end = parsed(plain, _Trees(refused))
+        if isinstance(tree, Call) and tree.name in _ORDER:
+            raise _misplaced(tree)
         if end < len(plain.rstrip()):
-            hint = "; numbers in formulas are in SI, without units"
+            hint = "; an operator is missing, or the number its unit"
             hint = "; powers are written **" if plain[end] == "^" else hint
+            hint = "; a comparison stands in 'where(…)' only" if plain[end] in "<>=" else hint
             raise NumberError(f"cannot read {shown(plain[end:])}", hint, end)
     except NumberError as error:
         place = "" if error.at is None else f" (character {error.at + 1})"
@@ -76,51 +143,135 @@ def formula(text: str) -> Formula:
     return Formula(text, tree)
 
 
+_ORDER = ("<", "<=", ">", ">=")
+
+
 class _Trees(Builder[Node]):
-    longest: ClassVar[int] = 300
+    longest: ClassVar[int] = LONGEST
+
+    def __init__(self, refused: str) -> None:
+        self._refused = refused
 
     @property
     def functions(self) -> Mapping[str, int]:
-        return formula_functions()
+        return {**formula_functions(), "rate": 1}
+
+    @property
+    def named(self) -> Mapping[str, int]:
+        return CALLED
 
     def number(self, value: float) -> Node:
         return Constant(Numbers().number(value))
+
+    def unit_end(self, text: str, at: int) -> int:
+        return unit_end(text, at)
+
+    def measured(self, value: float, unit: str) -> Node:
+        try:
+            found = _unit(unit)
+        except UnitError as error:
+            raise NumberError(str(error)) from None
+        return Constant(Numbers().number(found.convert(value)), found)
 
     def word(self, word: str) -> Node | None:
         if word == "t":
             return Clock()
         if word in CONSTANTS:
             return Constant(CONSTANTS[word])
-        raise NumberError(f"unknown name {word!r}", "; expected t or pi")
+        hint = "" if self._refused else ", or a quantity such as crank.angle"
+        raise NumberError(f"unknown name {word!r}", f"; expected t or pi{hint}")
 
-    def operation(self, name: str, arguments: tuple[Node, ...]) -> Node:
-        values = [a.value for a in arguments if isinstance(a, Constant)]
-        if len(values) == len(arguments):
-            return Constant(Numbers().operation(name, tuple(values)))
-        if name == "div" and arguments[1] == Constant(0.0):
+    def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Node:
+        called = word in CALLED and len(names) > 1
+        written = f"{word}({', '.join(names)})" if called else ".".join((*names, word))
+        if word in _LATER:
+            why = "follows from accelerations, which follow from the loads"
+            remedy = "; a law may depend on positions, angles and distances, and on their rates"
+            raise NumberError(f"{written!r} {why}", remedy, span[0])
+        if not called and word not in WORDS:
+            near = suggestion(word, WORDS) or f"; expected {listed(WORDS)}"
+            raise NumberError(f"unknown quantity {written!r}", near, span[0])
+        if self._refused:
+            raise NumberError(f"{written!r} is refused", f": {self._refused}", span[0])
+        return Sensed(word, names, span=span)
+
+    def operation(self, name: str, arguments: tuple[Node, ...], span: Span = (0, 0)) -> Node:
+        if name == "where":
+            return self._where(arguments, span)
+        for argument in arguments:
+            if isinstance(argument, Call) and argument.name in _ORDER:
+                raise _misplaced(argument)
+        if name == "rate":
+            return _rate(arguments[0], span)
+        if name in _ORDER:
+            return _call(name, *arguments, span=span)
+        if not any(isinstance(a, Constant) and a.unit is not None for a in arguments):
+            values = [a.value for a in arguments if isinstance(a, Constant)]
+            if len(values) == len(arguments):
+                return Constant(Numbers().operation(name, tuple(values)))
+        if name == "div" and isinstance(arguments[1], Constant) and arguments[1].value == 0.0:
             raise NumberError("division by zero")
         if name == "power":
-            return _power(*arguments)
-        if name not in COMPOSITE:
-            return _call(name, *arguments)
-        expanded: Node = COMPOSITE[name].expanded(_call, *arguments)
-        return expanded
+            base, exponent = arguments
+            return _power(base, exponent, span)
+        return _call(name, *arguments, span=span)
+
+    def _where(self, arguments: tuple[Node, ...], span: Span) -> Node:
+        """A difference that is not negative takes the place of the comparison."""
+        condition, first, second = arguments
+        if not isinstance(condition, Call) or condition.name not in _ORDER:
+            raise NumberError(
+                "'where' expects a comparison first, such as where(t < 1 s, 0 N, 5 N)", at=span[0]
+            )
+        sign, (a, b) = condition.name, condition.arguments
+        if sign in _TURNED:  # a < b is what a >= b is not
+            sign, first, second = _TURNED[sign], second, first
+        left, right = (a, b) if sign == ">=" else (b, a)
+        difference = self.operation("sub", (left, right), condition.span)
+        if isinstance(difference, Constant):
+            return first if difference.value >= 0.0 else second
+        return _call("where", difference, first, second, span=span)
 
 
-def _call(name: str, *arguments: Node) -> Node:
-    size = 1 + sum(a.size if isinstance(a, Call) else 1 for a in arguments)
-    if size > _LARGEST:  # each abs, min and max repeats its arguments
-        raise NumberError("too large a formula; expected fewer nested abs, min and max")
-    return Call(name, arguments, size)
+def _unit(text: str) -> Unit:
+    return unit(" ".join(text.split()))
 
 
-def _power(base: Node, exponent: Node) -> Node:
-    number = exponent.value if isinstance(exponent, Constant) else None
+def _misplaced(comparison: Call) -> NumberError:
+    message = "a comparison stands first in 'where(…)' only"
+    return NumberError(message, at=comparison.span[0])
+
+
+def _rate(argument: Node, span: Span) -> Node:
+    position = isinstance(argument, Sensed) and not argument.rate
+    if (
+        not isinstance(argument, Sensed)
+        or not position
+        or argument.word in ("velocity", "speed", "vx", "vy")
+    ):
+        raise NumberError(
+            "'rate' expects a position, an angle or a distance, such as rate(distance(A, B))",
+            at=span[0],
+        )
+    return Sensed(argument.word, argument.names, rate=True, span=span)
+
+
+def _call(name: str, *arguments: Node, span: Span) -> Node:
+    depth = 1 + max(a.depth if isinstance(a, Call) else 0 for a in arguments)
+    if depth > HIGHEST:
+        message = f"more than {HIGHEST} operations one within the other"
+        raise NumberError(message, "; parentheses around parts of a long sum make it flat", span[0])
+    return Call(name, arguments, depth, span)
+
+
+def _power(base: Node, exponent: Node, span: Span) -> Node:
+    number = exponent.value if isinstance(exponent, Constant) and exponent.unit is None else None
     if number is None or number != int(number) or abs(number) > _HIGHEST_POWER:
         found = "one that depends on t" if number is None else f"{number:g}"
         expected = f"expected a whole exponent of at most {_HIGHEST_POWER}, found {found}"
         raise NumberError(expected, "; sqrt, exp and log are there for others")
     if number == 0:
         return Constant(1.0)
-    raised = base if abs(number) == 1 else _call("power", base, Constant(abs(number)))
-    return _call("div", Constant(1.0), raised) if number < 0 else raised
+    times = Constant(abs(number))
+    raised = base if abs(number) == 1 else _call("power", base, times, span=span)
+    return _call("div", Constant(1.0), raised, span=span) if number < 0 else raised

@@ -2,11 +2,16 @@
 
 Nothing is ever evaluated as code. With the precedence of Python::
 
-    sum     = product {("+" | "-") product}
-    product = signed {("*" | "/") signed}
-    signed  = ("+" | "-") signed | power
-    power   = atom ["**" signed]
-    atom    = NUMBER | WORD | WORD "(" sum {"," sum} ")" | "(" sum ")"
+    sum      = product {("+" | "-") product}
+    product  = signed {("*" | "/") signed}
+    signed   = ("+" | "-") signed | power
+    power    = atom ["**" signed]
+    atom     = NUMBER [UNIT] | WORD | name "." WORD | call | "(" sum ")"
+    call     = WORD "(" argument {"," argument} ")" | WORD "(" name {"," name} ")"
+    argument = sum [("<=" | ">=" | "<" | ">") sum]
+    name     = WORD | "'" TEXT "'" | '"' TEXT '"'
+
+Units, names and calls stand in formulas only; see `linkages.spec.formulas`.
 """
 
 from __future__ import annotations
@@ -23,7 +28,12 @@ _SPACE = re.compile(r"[ \t]*")
 # The exponent belongs to the number only with digits after it, so that "3 em" is not misread.
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WORD = re.compile(r"[^\W\d]\w*")
+_QUOTED = re.compile("'([^']*)'|\"([^\"]*)\"")
 _SHOWN = re.compile(r"\w+")
+_COMPARISONS = ("<=", ">=", "<", ">")
+
+Span = tuple[int, int]
+"""Where something begins and ends in a text."""
 
 Value = TypeVar("Value")
 
@@ -57,17 +67,35 @@ class Builder(ABC, Generic[Value]):
         """Names that may be called, with their numbers of arguments."""
         return {}
 
+    @property
+    def named(self) -> Mapping[str, int]:
+        """Names of what is called with names of the mechanism, with their numbers of arguments."""
+        return {}
+
     @abstractmethod
     def number(self, value: float) -> Value:
         """Return the value of a literal, which may be infinite."""
+
+    def unit_end(self, text: str, at: int) -> int:  # noqa: ARG002
+        """Return where a unit ends that stands behind a number at an index: there without one."""
+        return at
+
+    def measured(self, value: float, unit: str) -> Value:
+        """Return the value of a literal with a unit, where `unit_end` finds one."""
+        del value
+        raise NumberError(f"this number has no unit, found {unit!r}")
+
+    def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Value:
+        """Return what a name and a word stand for, or a word that is called with names."""
+        raise NumberError(f"unknown name {'.'.join((*names, word))!r}", at=span[0])
 
     @abstractmethod
     def word(self, word: str) -> Value | None:
         """Return the value of a name; None where a number should stand."""
 
     @abstractmethod
-    def operation(self, name: str, arguments: tuple[Value, ...]) -> Value:
-        """Return neg, add, sub, mul, div, power or one of the functions of its arguments."""
+    def operation(self, name: str, arguments: tuple[Value, ...], span: Span = (0, 0)) -> Value:
+        """Return neg, add, sub, mul, div, power, a comparison or a function of its arguments."""
 
 
 def parsed(text: str, builder: Builder[Value]) -> tuple[Value, int]:
@@ -123,14 +151,53 @@ class _Reader(Generic[Value]):
             value = self.sum()
             self._close()
             return value
+        if self.builder.named and (name := self._name(followed=".")) is not None:
+            return self._quantity(name, start)
         if word := self._match(_WORD):
             return self._named(word, start)
         if number := self._match(_NUMBER):
-            return self.builder.number(float(number))
+            return self._measured(float(number), start)
         raise self._expected("a number")
+
+    def _measured(self, value: float, start: int) -> Value:
+        begin = self.at
+        end = self.builder.unit_end(self.text, begin)
+        if end == begin:
+            return self.builder.number(value)
+        self.at = end
+        self._skip()
+        try:
+            return self.builder.measured(value, self.text[begin:end])
+        except NumberError as error:
+            raise NumberError(error.message, error.hint, start) from None
+
+    def _name(self, followed: str = "") -> str | None:
+        """A name of the mechanism, if one stands here (and is followed by some character)."""
+        start, quoted = self.at, _QUOTED.match(self.text, self.at)
+        if quoted is not None:
+            self.at, name = quoted.end(), quoted[1] or quoted[2] or ""
+        elif word := _WORD.match(self.text, self.at):
+            self.at, name = word.end(), word.group()
+        else:
+            return None
+        self._skip()
+        if followed and not self.text.startswith(followed, self.at):
+            self.at = start
+            return None
+        return name
+
+    def _quantity(self, name: str, start: int) -> Value:
+        self.at += 1
+        self._skip()
+        word = self._match(_WORD)
+        if word is None:
+            raise self._expected(f"a word after '{name}.'")
+        return self.builder.quantity(word, (name,), (start, self.at))
 
     def _named(self, word: str, start: int) -> Value:
         functions = self.builder.functions
+        if word in self.builder.named and self.text.startswith("(", self.at):
+            return self._called_with_names(word, start)
         if functions and (word in functions or self.text.startswith("(", self.at)):
             return self._called(word, start)
         try:
@@ -145,23 +212,47 @@ class _Reader(Generic[Value]):
     def _called(self, word: str, start: int) -> Value:
         count = self.builder.functions.get(word)
         if count is None:
-            hint = suggestion(word, self.builder.functions)
-            hint = hint or f"; expected one of: {', '.join(self.builder.functions)}"
+            known = (*self.builder.functions, *self.builder.named)
+            hint = suggestion(word, known) or f"; expected one of: {', '.join(known)}"
             raise NumberError(f"unknown function {word!r}", hint, start)
         if not self._take("("):
             raise self._expected(f"'(' after {word!r}")
-        arguments = [self.sum()]
+        arguments = [self._argument()]
         while self._take(","):
-            arguments.append(self.sum())
+            arguments.append(self._argument())
         self._close()
-        if len(arguments) != count:
-            wanted = f"{count} argument{'s' if count > 1 else ''}"
-            raise NumberError(f"{word!r} takes {wanted}, found {len(arguments)}", at=start)
+        self._count(word, start, count, len(arguments))
         return self._made(start, word, *arguments)
+
+    def _called_with_names(self, word: str, start: int) -> Value:
+        self._take("(")
+        names = [self._required_name()]
+        while self._take(","):
+            names.append(self._required_name())
+        self._close()
+        self._count(word, start, self.builder.named[word], len(names))
+        return self.builder.quantity(word, tuple(names), (start, self.at))
+
+    def _required_name(self) -> str:
+        name = self._name()
+        if name is None:
+            raise self._expected("a name")
+        return name
+
+    def _count(self, word: str, start: int, count: int, found: int) -> None:
+        if found != count:
+            wanted = f"{count} argument{'s' if count > 1 else ''}"
+            raise NumberError(f"{word!r} takes {wanted}, found {found}", at=start)
+
+    def _argument(self) -> Value:
+        start, value = self.at, self.sum()
+        if sign := self._take(*_COMPARISONS):
+            value = self._made(start, sign, value, self.sum())
+        return value
 
     def _made(self, start: int, name: str, *arguments: Value) -> Value:
         try:
-            return self.builder.operation(name, arguments)
+            return self.builder.operation(name, arguments, (start, self.at))
         except NumberError as error:
             at = start if error.at is None else error.at
             raise NumberError(error.message, error.hint, at) from None

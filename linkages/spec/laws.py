@@ -1,29 +1,30 @@
-"""The type of fields that are a quantity or a law of time."""
+"""The types of fields that are a quantity or a law, and of what tables are functions of."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, get_origin
 
 from pydantic import TypeAdapter
 
-from linkages.reading.wording import listed, nearest
+from linkages.reading.wording import listed, nearest, shown
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
-from linkages.spec.formulas import Formula, formula
+from linkages.spec.formulas import Constant, Formula, formula
 from linkages.spec.grammar import NumberError
-from linkages.spec.quantities import FieldType
+from linkages.spec.quantities import ARITHMETIC, LIMITS, FieldType
 
-# A text with the time or a call in it is a formula, whatever else is wrong with it.
-_FORMULA = re.compile(r"\bt\b|[^\W\d]\w*[ \t]*\(")
-# A formula begins as arithmetic does, or with t or the name of a function.
-_BEGINNING = r"^[-+−(\s]*(\.?[0-9]|π|[A-Za-z])"
+# A text with the time, a call or a quantity in it is a formula, whatever else is wrong with it.
+_FORMULA = re.compile(r"\bt\b|[^\W\d]\w*[ \t]*\(|[^\W\d]\w*[ \t]*\.[ \t]*[^\W\d]|['\"]")
+# A formula begins as arithmetic does, or with t, the name of a function or of the mechanism.
+_BEGINNING = r"^[-+−(\s]*(\.?[0-9]|['\"A-Za-z]|[^\x00-\x7f])"
 
 
 @dataclass(frozen=True)
 class LawRule(FieldType):
-    """A quantity of a dimension, a formula of time in SI units, or a named law.
+    """A quantity of a dimension, a formula, or a named law.
 
     Parameters
     ----------
@@ -31,10 +32,16 @@ class LawRule(FieldType):
         What the law gives.
     named
         Pairs of the key that tells a named law and its model.
+    refused
+        Why the law may not depend on quantities of the mechanism; empty where it may.
+    bound
+        Limit of a number that is no law.
     """
 
     dimension: Dimension
     named: tuple[tuple[str, Any], ...] = ()
+    refused: str = ""
+    bound: Bound = Bound.NONE
 
     @property
     def models(self) -> tuple[Any, ...]:
@@ -52,15 +59,20 @@ class LawRule(FieldType):
         if isinstance(value, dict):
             return self._named(value)
         try:
-            return parse_quantity(value, self.dimension)
+            return parse_quantity(value, self.dimension, self.bound)
         except QuantityError as fault:
-            if not isinstance(value, str) or not _FORMULA.search(value):
-                raise QuantityError(self.expected(), fault.found) from None
-            found = fault.found.split(": ")[0]
+            found = fault.found
+        if not isinstance(value, str):
+            raise QuantityError(self.expected(), found)
         try:
-            return formula(value)
-        except NumberError as fault:
-            raise QuantityError(self.expected(), f"{found}: {fault}") from None
+            read = formula(value, self.refused)
+        except NumberError as why:
+            if _FORMULA.search(value):
+                found = f"{shown(value)}: {why}"
+            raise QuantityError(self.expected(), found) from None
+        if isinstance(read.tree, Constant) and not _FORMULA.search(value):
+            raise QuantityError(self.expected(), found)
+        return read
 
     def _named(self, value: dict[str, Any]) -> Any:
         models = dict(self.named)
@@ -77,11 +89,66 @@ class LawRule(FieldType):
 
     def expected(self) -> str:
         """Return for example ``"a force (…), a formula of t, or a law (harmonic, rise)"``."""
-        quantity = self.dimension.expected(Bound.NONE)
+        quantity = self.dimension.expected(self.bound)
         laws = f", or a law ({listed(dict(self.named))})" if self.named else ""
-        return f"{quantity}, a formula of t{laws}"
+        state = "" if self.refused else ", crank.angle and the like"
+        return f"{quantity}, a formula of t{state}{laws}"
 
     def json_schema(self) -> dict[str, Any]:
         """Return a number, text that begins with arithmetic or a formula, or a mapping."""
         kinds = ["number", "string", *(["object"] if self.named else [])]
-        return {"type": kinds, "pattern": _BEGINNING}
+        return {"type": kinds, **LIMITS[self.bound], "pattern": _BEGINNING}
+
+
+@dataclass(frozen=True)
+class ArgumentRule(FieldType):
+    """What a table is a function of: a quantity of the mechanism, or a formula of some."""
+
+    def read(self, value: Any) -> Any:
+        """Return a `Formula`; one that has been read is returned as it is."""
+        if isinstance(value, Formula):
+            return value
+        if not isinstance(value, str):
+            raise QuantityError(self.expected(), shown(value))
+        try:
+            read = formula(value)
+        except NumberError as why:
+            raise QuantityError(self.expected(), f"{shown(value)}: {why}") from None
+        if isinstance(read.tree, Constant):
+            raise QuantityError(self.expected(), shown(value))
+        return read
+
+    def expected(self) -> str:
+        """Return what messages expect."""
+        return "a quantity such as crank.angle or piston.position, or a formula of some"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return text."""
+        return {"type": "string", "pattern": _BEGINNING}
+
+
+@dataclass(frozen=True)
+class PlaceRule(FieldType):
+    """A place on the axis of such a quantity, with a unit of it or in SI."""
+
+    def read(self, value: Any) -> Any:
+        """Return a `Constant`; one that has been read is returned as it is."""
+        if isinstance(value, Constant):
+            return value
+        if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
+            return Constant(float(value))
+        try:
+            read = formula(value).tree if isinstance(value, str) else None
+        except NumberError as why:
+            raise QuantityError(self.expected(), f"{shown(value)}: {why}") from None
+        if not isinstance(read, Constant):
+            raise QuantityError(self.expected(), shown(value))
+        return read
+
+    def expected(self) -> str:
+        """Return what messages expect."""
+        return "a number (in SI, or with a unit)"
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return a number, or text that begins with arithmetic."""
+        return {"type": ["number", "string"], "pattern": ARITHMETIC}

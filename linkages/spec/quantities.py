@@ -26,6 +26,12 @@ _INNER = r"[^\x00-\x1f!-,./:-@\[-^`{-\x7f]"
 _NAME_ANYWHERE = f"^{_LETTER}({_INNER}*{_LETTER})?$"
 # How arithmetic begins: signs and parentheses, then a number or pi.
 ARITHMETIC = r"^[-+−(\s]*(\.?[0-9]|pi\b|π)"
+LIMITS: dict[Bound, dict[str, Any]] = {
+    Bound.NONE: {},
+    Bound.POSITIVE: {"exclusiveMinimum": 0},
+    Bound.NON_NEGATIVE: {"minimum": 0},
+}
+"""Limits of numbers as a JSON schema has them."""
 _NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
 
@@ -86,9 +92,7 @@ class Quantity(FieldType):
 
     def json_schema(self) -> dict[str, Any]:
         """Return a number within the bound, or text that begins with arithmetic."""
-        limits = {Bound.POSITIVE: "exclusiveMinimum", Bound.NON_NEGATIVE: "minimum"}
-        limit = {limits[self.bound]: 0} if self.bound in limits else {}
-        return {"type": ["number", "string"], **limit, "pattern": ARITHMETIC}
+        return {"type": ["number", "string"], **LIMITS[self.bound], "pattern": ARITHMETIC}
 
 
 @dataclass(frozen=True)
@@ -186,5 +190,18 @@ TorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound
 Duration = Annotated[float, Quantity(dimensions.DURATION, Bound.POSITIVE)]
 Instant = Annotated[float, Quantity(dimensions.DURATION)]
 Frequency = Annotated[float, Quantity(dimensions.FREQUENCY)]
+Pressure = Annotated[float, Quantity(dimensions.PRESSURE)]
+NonNegativeForce = Annotated[float, Quantity(dimensions.FORCE, Bound.NON_NEGATIVE)]
+NonNegativeTorque = Annotated[float, Quantity(dimensions.TORQUE, Bound.NON_NEGATIVE)]
+PositiveAngularSpeed = Annotated[float, Quantity(dimensions.ANGULAR_SPEED, Bound.POSITIVE)]
+PositiveStiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.POSITIVE)]
+PositiveTorsionalStiffness = Annotated[
+    float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.POSITIVE)
+]
+PositivePressure = Annotated[float, Quantity(dimensions.PRESSURE, Bound.POSITIVE)]
+PositiveVolume = Annotated[float, Quantity(dimensions.VOLUME, Bound.POSITIVE)]
+Voltage = Annotated[float, Quantity(dimensions.VOLTAGE)]
+PositiveResistance = Annotated[float, Quantity(dimensions.RESISTANCE, Bound.POSITIVE)]
+PositiveTorqueConstant = Annotated[float, Quantity(dimensions.TORQUE_CONSTANT, Bound.POSITIVE)]
 Point = tuple[Length, Length]
 AccelerationVector = tuple[Acceleration, Acceleration]

@@ -11,6 +11,10 @@ OPERATIONS = {
     "div": lambda a, b: a / b,
     "power": lambda a, n: a ** int(n),
     "neg": lambda a: -a,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "sign": lambda a: 1.0 if a >= 0 else -1.0,
 }
 
 
@@ -23,7 +27,7 @@ def value(function, t, x=0.0, v=0.0):
     if isinstance(function, Measured):
         return v if function.order else x
     assert isinstance(function, Operation)
-    if function.name == "select":
+    if function.name in ("select", "where"):
         condition, first, second = function.arguments
         return value(first if value(condition, t, x, v) >= 0 else second, t, x, v)
     arguments = [value(argument, t, x, v) for argument in function.arguments]

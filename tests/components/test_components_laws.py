@@ -212,10 +212,13 @@ def test_tables_that_are_none(inside, found):
         ),
         ("sine(t)", "found 'sine(t)': unknown function 'sine' (character 1); did you mean 'sin'?"),
         ("2*x*t", "found '2*x*t': unknown name 'x' (character 3); expected t or pi"),
+        ("20 dgree*sin(t)", "unknown unit 'dgree'; did you mean 'degree'? (character 4)"),
         (
             "20 deg*sin(t)",
-            "cannot read 'deg*sin(t)' (character 4); numbers in formulas are in SI, without units",
+            "expected an angle (rad), found '20 deg*sin(t)': 'sin' takes an angle or a pure "
+            "number, found a time (s) in 'sin(t)'; multiply it by a rate, such as 2 rad/s (char",
         ),
+        ("20 deg*sin(crank.angle)", "'crank.angle' is refused (character 12): a drive prescribes"),
         ("{rose: cycloidal}", "found a mapping with 'rose'; did you mean 'rise'?"),
         (
             "{rise: cycloidal, harmonic: {}}",

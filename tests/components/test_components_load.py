@@ -29,7 +29,7 @@ def test_frozen_and_keyword_only():
 def test_terms():
     (term,) = PRESS.terms()
     force = Parameter(("loads", 0, "force"), -100.0, structural=True)
-    assert term == Load(Slide("piston"), Number(force), ("loads", 0))
+    assert term == Load(Slide("piston"), Number(force), ("loads", 0), applied=True)
     assert SliderForce(index=0, slider="piston", force=0).terms()[0].absent
 
 

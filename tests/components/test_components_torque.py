@@ -37,7 +37,7 @@ def test_same_from_yaml_and_python(entry, made, body, reference):
     assert component(BARS + f"- {entry}\n", "loads", 0) == made
     assert_frozen_and_keyword_only(made)
     torque = Number(Parameter(("loads", 0, "torque"), 3.0, structural=True))
-    assert made.terms() == (Load(Turn(body, reference), torque, ("loads", 0)),)
+    assert made.terms() == (Load(Turn(body, reference), torque, ("loads", 0), applied=True),)
 
 
 def test_torque_that_follows_a_law():

@@ -119,7 +119,7 @@ def test_numbers_of_a_table_stand_together():
     numbers = table_numbers(table)
     assert numbers[:3] == [0.0, 1.0, 3.0]
     assert len(numbers) == 3 + 4 * 2
-    exact = CubicSpline(table.times, table.values, bc_type="natural")
+    exact = CubicSpline(table.places, table.values, bc_type="natural")
     assert numbers[3:7] == exact.c[:, 0].tolist()
     assert numbers[7:] == exact.c[:, 1].tolist()
 

@@ -82,7 +82,7 @@ def test_what_repeats(name):
 @pytest.mark.parametrize("first", [-0.8, 0.4, 1.7])
 def test_composite_functions_are_what_they_expand_to(name, first):
     row, graph = COMPOSITE[name], ScalarGraph()
-    numbers = (first, 3 if name == "power" else 0.6)[: row.arity]
+    numbers = (first, 3 if name == "power" else 0.6, 0.9)[: row.arity]
     nodes = [graph.input("y", i, Level.STATE) for i in range(row.arity)]
     operands = (nodes[0], numbers[1]) if name == "power" else nodes
     (found,) = Evaluator([row.expanded(graph.apply, *operands)])(y=np.array(numbers))

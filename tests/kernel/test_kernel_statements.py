@@ -71,7 +71,7 @@ def test_statements_as_c_give_the_bits_of_python(of, tmp_path):
     state = np.array([*of.state, *np.zeros(len(of.state) // 2)])
     results = []
     for language in (python, library):
-        p = np.zeros(sum(written.parameters))
+        p = np.zeros(sum(written.parameters) + written.held)
         p[: written.parameters[0]] = of.parameters
         timed, out = np.zeros(written.timed), np.zeros(written.routines[2].arguments["out"])
         for time in (0.0, 0.1, 1.3):

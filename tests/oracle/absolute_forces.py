@@ -5,7 +5,9 @@ from absolute_bodies import Layout, Point, State, pair
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
+from linkages.components.contributed.functions import Measured
 from linkages.components.contributed.measures import (
+    BodyAxis,
     Coordinate,
     Distance,
     Load,
@@ -56,8 +58,12 @@ def weight(mechanism: Mechanism, state: State) -> np.ndarray:
 
 def generalised(load: Load, state: State) -> np.ndarray:
     """Generalised force of one load."""
-    value, row = _along(load.measure, state)
-    return jet(load.law, state.time, (value, row @ state.rates))[0] * row
+
+    def sensed(found: Measured) -> float:
+        value, row = _along(load.measure if found.measure is None else found.measure, state)
+        return float(row @ state.rates) if found.order else value
+
+    return jet(load.law, state.time, sensed)[0] * _along(load.measure, state)[1]
 
 
 def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
@@ -77,6 +83,11 @@ def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
             vector, jacobian, _ = gap(layout.carrier(first), layout.carrier(second))(state)
             distance = np.hypot(*vector)
             return distance, vector / distance @ jacobian
+        case BodyAxis(joint, body, axis):
+            point, turned = layout.carrier(joint), angles(layout, [(body, 1.0)])(state).value[0]
+            direction = np.array([np.cos(turned), np.sin(turned)])
+            across = np.array([-direction[1], direction[0]])
+            return np.nan, (across if axis else direction) @ state.jacobian(point)
     raise TypeError(f"no such measure: {measure}")
 
 

@@ -61,8 +61,7 @@ def _translated(node: ast.expr) -> Function:
         case ast.BinOp(op=op, left=left, right=right):
             return Operation(OPERATIONS[type(op)], (_translated(left), _translated(right)))
         case ast.Call(func=ast.Name(id="abs"), args=[argument]):
-            inner = _translated(argument)
-            return Operation("select", (inner, inner, Operation("neg", (inner,))))
+            return Operation("abs", (_translated(argument),))
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return Operation(name, tuple(_translated(argument) for argument in arguments))
     raise ValueError(ast.dump(node))
@@ -104,16 +103,22 @@ def _load(path: tuple, entry: dict) -> Load | tuple[Load, Load]:
     if "law" in entry:
         return Load(_measure(entry), function((*path, "law"), entry["law"]), path)
     if "slider" in entry:
-        return Load(Slide(entry["slider"]), function((*path, "force"), entry["force"]), path)
+        force = function((*path, "force"), entry["force"])
+        return Load(Slide(entry["slider"]), force, path, applied=True)
     if "joint" in entry:
         x, y = (
-            Load(Coordinate(entry["joint"], axis), function((*path, "force", axis), value), path)
+            Load(
+                Coordinate(entry["joint"], axis),
+                function((*path, "force", axis), value),
+                path,
+                applied=True,
+            )
             for axis, value in enumerate(entry["force"])
         )
         return x, y
     torque = function((*path, "torque"), entry["torque"])
     first, second = entry.get("bars", ("ground", entry.get("bar")))
-    return Load(Turn(second, _reference(first)), torque, path)
+    return Load(Turn(second, _reference(first)), torque, path, applied=True)
 
 
 def _reference(name: str) -> str | None:

@@ -4,6 +4,7 @@ A jet is (f, f′, f″) at one time. Tables go through SciPy's spline.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
@@ -52,31 +53,43 @@ ELEMENTARY = {
     "log": lambda x: (math.log(x), 1 / x, -1 / x**2),
     "sqrt": lambda x: (math.sqrt(x), 0.5 / math.sqrt(x), -0.25 / x**1.5),
     "tanh": _hyperbolic_tangent,
+    "abs": lambda x: (abs(x), math.copysign(1.0, x), 0.0),
+    "sign": lambda x: (math.copysign(1.0, x), 0.0, 0.0),
     "atan": lambda x: (math.atan(x), 1 / (1 + x * x), -2 * x / (1 + x * x) ** 2),
 }
 """Name → x ↦ (g, g′, g″)."""
 
 
-def jet(function: Function, time: float, measured: tuple[float, ...] = ()) -> Jet:
+Sense = Callable[[Measured], float]
+
+
+def _nothing(found: Measured) -> float:
+    raise TypeError(f"a function of time senses nothing, found {found}")
+
+
+def jet(function: Function, time: float, measured: Sense = _nothing) -> Jet:
     """Value and first two derivatives of a function of time; `measured` counts as constant."""
     if isinstance(function, Number):
         return function.parameter.value, 0.0, 0.0
     if isinstance(function, Time):
         return time, 1.0, 0.0
     if isinstance(function, Measured):
-        return measured[function.order], 0.0, 0.0
+        return measured(function), 0.0, 0.0
     if isinstance(function, Table):
-        return _table(function, time)
+        over = jet(function.over, time, measured)
+        return _chain(_table(function, over[0]), over)
     return _operation(function, time, measured)
 
 
-def _operation(operation: Operation, time: float, measured: tuple[float, ...]) -> Jet:
+def _operation(operation: Operation, time: float, measured: Sense) -> Jet:
     name = operation.name
-    if name == "select":
+    if name in ("select", "where"):
         condition, first, second = operation.arguments
         chosen = first if jet(condition, time, measured)[0] >= 0 else second
         return jet(chosen, time, measured)
     first, *others = (jet(argument, time, measured) for argument in operation.arguments)
+    if name in ("min", "max"):
+        return (min if name == "min" else max)(first, others[0], key=lambda found: found[0])
     if name == "power":
         return _chain(_power(first[0], others[0][0]), first)
     if name == "mul":
@@ -84,6 +97,8 @@ def _operation(operation: Operation, time: float, measured: tuple[float, ...]) -
     if name == "div":
         x = others[0][0]
         return _product(first, _chain((1 / x, -1 / x**2, 2 / x**3), others[0]))
+    if name == "atan2":  # of measures alone
+        return math.atan2(first[0], others[0][0]), 0.0, 0.0
     if name in ("add", "sub"):
         sign = 1 if name == "add" else -1
         return tuple(a + sign * b for a, b in zip(first, others[0], strict=True))
@@ -106,10 +121,10 @@ def _chain(outer: Jet, inner: Jet) -> Jet:
 
 
 def _table(table: Table, time: float) -> Jet:
-    times, values = np.array(table.times), np.array(table.values)
+    times, values = np.array(table.places), np.array(table.values)
     inside = time
     if not table.periodic:
-        inside = min(max(time, table.times[0]), table.times[-1])
+        inside = min(max(time, table.places[0]), table.places[-1])
         if table.held and inside != time:
             return float(np.interp(time, times, values)), 0.0, 0.0
     value, slope, bend = (float(_joined(table, times, values)(inside, o)) for o in range(3))

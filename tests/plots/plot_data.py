@@ -78,3 +78,26 @@ def press_data(samples: int = 201, **more_names: list[str]) -> xr.Dataset:
     places = np.array(list(JOINTS.values())) + circle[:, None, :] * moving[:, None]
     variables["joint_position"] = (("time", "joint", "axis"), places, {"units": "m"})
     return xr.Dataset(variables, {"time": time, **names})
+
+
+def hopping_data(clearances: tuple[str, ...] = ("gap",), samples: int = 401) -> xr.Dataset:
+    """A pin that flies for three quarters of the time, hits its hole twice, and then follows it."""
+    time = np.linspace(0.0, 1.0, samples)
+    size = 2e-4
+    touching = (time >= 0.75) | (abs(time - 0.25) < 0.02) | (abs(time - 0.5) < 0.02)
+    distance = np.where(touching, 1.01 * size, 0.6 * size)
+    offset = distance[:, None] * np.column_stack((np.cos(5 * time), np.sin(5 * time)))
+    state = np.where(time >= 0.75, 2, touching)
+    names = list(clearances)
+    each = (slice(None), None)
+    along, pair = ("time", "clearance"), ("time", "clearance", "axis")
+    return xr.Dataset(
+        {
+            "clearance_offset": (pair, np.stack([offset] * len(names), 1), {"units": "m"}),
+            "clearance_indentation": (
+                along, np.repeat((distance - size)[each], len(names), 1), {"units": "m"}
+            ),
+            "clearance_state": (along, np.repeat(state.astype(np.int8)[each], len(names), 1)),
+        },
+        {"time": time, "clearance": names, "axis": ["x", "y"]},
+    )  # fmt: skip

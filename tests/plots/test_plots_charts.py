@@ -22,11 +22,9 @@ class Solved:
         self.mechanism = press()
 
 
-OF_SOLUTIONS = [
-    name
-    for name in charts.__all__
-    if name not in {"bifurcation", "exponents", "indicator_map", "pair", "rotation_map", "section"}
-]
+OF_ANALYSES = {"bifurcation", "exponents", "indicator_map", "rotation_map", "section"}
+OF_CONTACT = {"clearance_orbit", "clearance_state"}
+OF_SOLUTIONS = [name for name in charts.__all__ if name not in OF_ANALYSES | OF_CONTACT | {"pair"}]
 OVER_TIME = [name for name in OF_SOLUTIONS if name not in {"mechanism", "traces", "phase_diagram"}]
 
 
@@ -63,7 +61,7 @@ def test_charts_over_time_take_data_alone(name):
 def test_there_is_a_chart_for_every_figure():
     renamed = {"phase": "phase_diagram"}
     renamed |= {f"slider_displacement{end}": f"slider_position{end}" for end in ("", "_error")}
-    assert {renamed.get(name, name) for name in FIGURES} == set(OF_SOLUTIONS)
+    assert {renamed.get(name, name) for name in FIGURES} == {*OF_SOLUTIONS, *OF_CONTACT}
 
 
 def test_any_output_against_any_other():
@@ -81,9 +79,9 @@ def test_what_is_missing_is_named():
     for name in set(OF_SOLUTIONS) - {"slider_velocity", "phase_diagram"}:
         with pytest.raises(ValueError, match="the data have no "):
             getattr(charts, name)(empty)
-    with pytest.raises(ValueError, match="no free coordinates"):
+    with pytest.raises(ValueError, match="no free coordinate"):
         charts.phase_diagram(empty)
-    with pytest.raises(ValueError, match="unknown coordinate 'r2'; expected one of: r1"):
+    with pytest.raises(ValueError, match="unknown free coordinate 'r2'; expected one of: r1"):
         charts.phase_diagram(Solved(), "r2")
 
 
@@ -150,7 +148,7 @@ def test_charts_of_analyses(pendulum):
     assert charts.exponents(history).get_ylabel() == "exponent up to then [1/s]"
     given = Figure().add_subplot()
     assert charts.exponents(history, ax=given) is given
-    with pytest.raises(ValueError, match="unknown coordinate 'crank'; expected one of: rod"):
+    with pytest.raises(ValueError, match="unknown free coordinate 'crank'; expected one of: rod"):
         charts.section(points, "crank")
 
 

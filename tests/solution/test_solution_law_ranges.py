@@ -50,7 +50,7 @@ def test_tables():
     times = np.linspace(0, 3, 200_001)
     from scipy.interpolate import CubicSpline
 
-    exact = CubicSpline(table.times, table.values, bc_type="natural")
+    exact = CubicSpline(table.places, table.values, bc_type="natural")
     assert found.high == pytest.approx(exact(times).max(), rel=1e-9)  # the grid is that fine
     assert found.low == pytest.approx(0.0, abs=1e-15)
     assert law_range(table, 5.0).low == pytest.approx(2 * float(exact(3.0, 1)), rel=1e-12)

@@ -55,9 +55,13 @@ def certificate(
     - The sum of all exponents is the mean rate at which volumes of states change. It is computed
       from the mass matrix and the loads, along the same motion.
     - Where no force depends on velocities, exponents come in pairs λ and −λ; where momenta decay at
-      the same rate γ in all directions, in pairs whose sum is −γ [1]_.
+      the same rate γ in all directions, in pairs whose sum is −γ [1]_. Forces that follow from no
+      energy part the pairs.
     - Where accelerations do not depend on time, an exponent is zero unless the motion comes to rest
       [2]_; a second one if energy is conserved.
+
+    Where forces may jump as a speed changes its sign, volumes and momenta change at once there, and
+    nothing is said of the sum and of pairs.
 
     Parameters
     ----------
@@ -80,11 +84,11 @@ def certificate(
     traces = np.trace(damping, axis1=1, axis2=2)
     found = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
     rate = volumes.uniform(damping) if volumes.told else None
-    if rate is not None:
+    if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
     rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]
     if volumes.autonomous and _goes_on(rates, numeric):
-        found += _zeros(exponents, volumes.conservative, floor)
+        found += _zeros(exponents, volumes.conservative and volumes.potential, floor)
     return tuple(found)
 
 

@@ -63,8 +63,17 @@ class Volumes:
 
     @cached_property
     def told(self) -> bool:
-        """Whether mass matrix and loads say all of it: where modes change volumes may jump."""
-        return self.conservative or not self._switches.switches
+        """Whether mass matrix and loads say all of it.
+
+        Where a mode changes at a place, volumes stay; where it changes at a speed, where rates jump
+        and where the motion remembers a number, they may change at once.
+        """
+        switches = self._switches
+        if any(switch.jump for switch in switches.switches) or switches.memories:
+            return False
+        rates = [self._model.inputs.rate(i) for i in range(self._size)]
+        bends = derivative(switches.functions, rates)
+        return all(entry.constant == 0.0 for row in bends for entry in row)
 
     @cached_property
     def _damping(self) -> list[Scalar]:
@@ -78,13 +87,21 @@ class Volumes:
     @cached_property
     def conservative(self) -> bool:
         """Whether no force depends on velocities, nor what changes modes."""
-        switches = self._switches
-        if any(switch.jump for switch in switches.switches) or switches.memories:
-            return False
-        rates = [self._model.inputs.rate(i) for i in range(self._size)]
-        bends = derivative(switches.functions, rates)
-        entries = [*self._damping, *(entry for row in bends for entry in row)]
-        return all(entry.constant == 0.0 for entry in entries)
+        return self.told and all(entry.constant == 0.0 for entry in self._damping)
+
+    @cached_property
+    def potential(self) -> bool:
+        """Whether all forces without rates in them follow from an energy, that of time perhaps.
+
+        Along a single coordinate any force does. Of several, one that turns with a body follows
+        from none; nor does one that depends on more than it acts along, unless that is a function
+        of time.
+        """
+        if self._size == 1:
+            return True
+        moving = {m for m, nodes in self._model.sensed.items() if nodes.changing}
+        loads = self._model.mechanism.loads
+        return not any(load.follows or moving & set(load.sensed) for load in loads)
 
     def damping_rates(self, piece: Piece) -> Floats:
         """Rates J⁻¹C in 1/s at which momenta decay in a piece of a motion, shape (times, n, n)."""

@@ -79,8 +79,12 @@ def common_period(mechanism: Mechanism) -> float:
             if not mechanism.bodies[name].rotates:
                 raise NoPeriodError(f"drive {name!r} moves on and on: its law does not repeat")
             rates[name] = course.rate
-    periods += [2 * math.pi / abs(rate) for rate in _turning(mechanism, rates).values()]
+    turning = _turning(mechanism, rates)
+    periods += [2 * math.pi / abs(rate) for rate in turning.values()]
     for load in mechanism.loads:
+        felt = (body for turn in load.wound if turn in load.sensed for body in turn.bodies)
+        if on := [body for body in felt if body in turning]:
+            raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
         for function in load.laws:
             course = _reduced(function)
             if course.periods is None or course.rate:
@@ -153,8 +157,10 @@ def _course(function: Function) -> _Course:
         case Time():
             return _Course(1.0, ())
         case Table():
-            span = function.times[-1] - function.times[0]
-            return _Course(0.0, (span,) if function.periodic else None)
+            inner = _course(function.over)
+            if not function.periodic:
+                return _Course(0.0, None) if inner.rate else inner
+            return _repeated(inner, function.places[-1] - function.places[0])
         case Operation("neg", (a,)):
             inner = _course(a)
             return _Course(-inner.rate, inner.periods)
@@ -164,18 +170,22 @@ def _course(function: Function) -> _Course:
             return _Course(one.rate + sign * other.rate, _joined([one, other]))
         case Operation("mul" | "div" as name, (a, b)):
             return _product(name, a, b)
-        case Operation(name, (a,)) if ELEMENTARY[name].periodic:
-            inner = _course(a)
-            if inner.periods is None:
-                return inner
-            own = (2 * math.pi / abs(inner.rate),) if inner.rate else ()
-            return _Course(0.0, (*inner.periods, *own))
+        case Operation(name, (a,)) if name in ELEMENTARY and ELEMENTARY[name].periodic:
+            return _repeated(_course(a), 2 * math.pi)
         case Operation(_, arguments):
             courses = [_course(argument) for argument in arguments]
             if any(course.rate for course in courses):
                 return _Course(0.0, None)
             return _Course(0.0, _joined(courses))
     return _Course(0.0, None)
+
+
+def _repeated(inner: _Course, span: float) -> _Course:
+    """What repeats whenever its argument has grown by a span."""
+    if inner.periods is None:
+        return inner
+    own = (span / abs(inner.rate),) if inner.rate else ()
+    return _Course(0.0, (*inner.periods, *own))
 
 
 def _product(name: str, a: Function, b: Function) -> _Course:

@@ -10,15 +10,27 @@ from typing import assert_never
 import numpy as np
 
 from linkages.cli.terminal import number
+from linkages.components.cam import Cam
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.functions import (
     Function,
     Measured,
     Number,
     Operation,
+    Table,
     Time,
 )
-from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.interpolation import extremes
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
 from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.sensing import named
 from linkages.components.contributed.state_laws import (
     Monomial,
     addends,
@@ -28,18 +40,24 @@ from linkages.components.contributed.state_laws import (
 )
 from linkages.components.contributed.terms import Path
 from linkages.components.gear import Gear
+from linkages.components.laws.law import function_of
+from linkages.components.laws.named import NamedLaw
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
+from linkages.components.rack import Rack, Rope
 from linkages.components.weld import Weld
 from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
 from linkages.reading.wording import listed
 from linkages.solution.remarks.law_ranges import law_range
+from linkages.spec.annotations import written_fields
+from linkages.spec.formulas import Formula
 
 Row = dict[str, str]
 
 
 def relations(mechanism: Mechanism) -> list[Row]:
-    """Welds and gears: ``kind, path, on, value``."""
+    """Welds, gears, racks and ropes: ``kind, path, on, value``."""
     found: list[Row] = []
     for part in mechanism.components:
         if isinstance(part, Weld):
@@ -50,6 +68,19 @@ def relations(mechanism: Mechanism) -> list[Row]:
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
             found.append(_row("gear", value, part.path, " and ".join(part.bars)))
+        elif isinstance(part, Rack):
+            value = f"{part.slider} moves {number(part.radius)} m per radian of {part.bar}"
+            if part.carrier not in (None, GROUND):
+                value += f", seen from {part.carrier}"
+            found.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Cam):
+            low, high = extremes(part.table, part.angles[0], part.angles[-1])
+            value = f"{part.slider} is lifted by {number(low)} to {number(high)} m"
+            found.append(_row("cam", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Rope):
+            first, second = part.sliders
+            value = f"{second} moves {number(part.ratio)} times as fast as {first}"
+            found.append(_row("rope", value, part.path, f"{first} and {second}"))
     return found
 
 
@@ -74,10 +105,13 @@ def loads(mechanism: Mechanism) -> list[Row]:
     with their range.
     """
     found = []
-    for (path, given), same in groupby(mechanism.loads, lambda load: (load.path, load.given)):
+    for (path, pushes), same in groupby(mechanism.loads, lambda load: (load.path, load.pushes)):
         parts = list(same)
-        if given:  # both components of a force at a joint stand in one row
-            found.append(_row(*_given(parts, mechanism), path, _on(parts[0])))
+        if parts[0].called:
+            keys = _keys(mechanism, path)
+            found += [_row(p.called, keys, path, _on(p)) for p in parts if not p.absent]
+        elif pushes:  # both components of a force at a joint stand in one row
+            found.append(_row(*_pushing(parts, mechanism), path, _on(parts[0])))
         else:
             found += [_row(*_passive(load), path, _on(load)) for load in parts if not load.absent]
     masses = [
@@ -85,7 +119,19 @@ def loads(mechanism: Mechanism) -> list[Row]:
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*found, *masses]
+    return [*found, *_contacts(mechanism), *masses]
+
+
+def _contacts(mechanism: Mechanism) -> Iterator[Row]:
+    """What presses in clearances that open: the law, and the numbers that were given."""
+    for own in mechanism.clearances:
+        if isinstance(own, ContactClearance):
+            keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
+                    "restitution": "", "damping": "N s/m", "friction": ""}  # fmt: skip
+            given = ((key, getattr(own, key), unit) for key, unit in keys.items())
+            numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
+            on = f"{own.bar} at {own.joint}, which has the {own.carries}"
+            yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
 
 
 def _on(load: Load) -> str:
@@ -96,17 +142,31 @@ def _on(load: Load) -> str:
         case Turn(body, reference):
             return body if reference is None else f"{body} against {reference}"
         case Slide(body):
-            return f"{body}, along its axis" if load.given else f"{body} in its guide"
+            return f"{body}, along its axis" if load.pushes else f"{body} in its guide"
         case Coordinate(joint, axis):
-            return f"joint {joint}" if load.given else f"{'xy'[axis]} of joint {joint}"
+            return f"joint {joint}" if load.pushes else f"{'xy'[axis]} of joint {joint}"
+        case BodyAxis(joint, body):
+            return f"joint {joint}, turning with {body}"
         case _:
             assert_never(load.measure)
 
 
-def _given(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
+def _pushing(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
     """Kind and value of a force or torque; that at a joint has two components."""
-    shown = ", ".join(_law(load.law, load.unit, mechanism) for load in same)
+    shown = ", ".join(_acting(load, mechanism) for load in same)
     return "torque" if same[0].twists else "force", f"[{shown}]" if len(same) > 1 else shown
+
+
+def _acting(load: Load, mechanism: Mechanism) -> str:
+    """The range of a force over time, or what else it depends on."""
+    if load.given:
+        return _law(load.law, load.unit, mechanism)
+    of = listed(named(load.law, load.measure), "and")
+    if not isinstance(load.law, Table):
+        return f"a law of {of}"
+    places = load.law.places
+    low, high = extremes(load.law, places[0], places[-1])
+    return f"{number(low)} to {number(high)} {load.unit} over {of}"
 
 
 def _passive(load: Load) -> tuple[str, str]:
@@ -119,6 +179,8 @@ def _terms(load: Load) -> Iterator[str]:
     """The numbers of terms that are constant or linear, and what all others depend on."""
     unit = load.unit
     per, relaxed = ("rad", "angle ") if load.twists else ("m", "length ")
+    if isinstance(load.measure, Slide):
+        relaxed = "position "
     damping = "" if isinstance(load.measure, Slide) else "damping "
     viscous: list[str] = []
     others: list[Function] = []
@@ -137,7 +199,21 @@ def _terms(load: Load) -> Iterator[str]:
                 others.append(term)
     yield from viscous
     if others:
-        yield f"a law of {listed(variables(sum_of(others)), 'and')}"
+        yield f"a law of {listed(named(sum_of(others)), 'and')}"
+
+
+def _keys(mechanism: Mechanism, path: Path) -> str:
+    """The numbers and laws of a component, as its entry in the definition has them."""
+    component = next(c for c in mechanism.components if c.path == path)
+    found = []
+    for key, value in (written_fields(component) or {}).items():
+        unit = unit_at(mechanism.definition, dotted((*path, key)))
+        match value:
+            case float():
+                found.append(f"{key} {number(value)} {unit}".rstrip())
+            case Formula() | NamedLaw():
+                found.append(f"{key} {_law(function_of(value, (*path, key)), unit, mechanism)}")
+    return ", ".join(text.replace("_", " ") for text in found)
 
 
 def _row(kind: str, value: str, path: Path, on: str) -> Row:

@@ -1,6 +1,6 @@
 """Functions as trees of operations: what laws of drives and loads consist of.
 
-Those of drives are functions of time; a load's may depend on what it is measured along as well.
+Those of drives are functions of time; a load's may depend on positions and speeds as well.
 
 They are data. Kernels and symbolic equations translate them node by node, so that text of a
 definition file never becomes code; their numbers are parameters like all others.
@@ -8,11 +8,14 @@ definition file never becomes code; their numbers are parameters like all others
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from linkages.components.contributed.interpolation import Interpolation
+from linkages.components.contributed.interpolation import Joined
 from linkages.components.contributed.terms import Parameter, Path
+
+if TYPE_CHECKING:
+    from linkages.components.contributed.measures import Measure
 
 
 class Arithmetic:
@@ -57,12 +60,18 @@ class Time(Arithmetic):
 
 @dataclass(frozen=True)
 class Measured(Arithmetic):
-    """What a load is measured along: its value x (`order` 0; m, rad), or its rate v (`order` 1).
+    """A measure's value x (`order` 0; m, rad), or its rate v (`order` 1).
 
-    Laws of contact may also use the rate at which x became positive the last time (`order` 2).
+    Parameters
+    ----------
+    order
+        0 or 1; laws of contact may also use the rate at which x became positive the last time (2).
+    measure
+        Whose; None for the one that the load itself acts along.
     """
 
     order: int
+    measure: Measure | None = None
 
 
 X, V, FIRST = Measured(0), Measured(1), Measured(2)
@@ -75,8 +84,8 @@ class Operation(Arithmetic):
     Parameters
     ----------
     name
-        One of `linkages.operations.ELEMENTARY`, or ``"power"`` of a base and a whole exponent (a
-        constant).
+        One of `linkages.operations.ELEMENTARY` or `COMPOSITE`; ``"power"`` is that of a base and a
+        whole exponent (a constant).
     arguments
         Its operands.
     """
@@ -85,36 +94,64 @@ class Operation(Arithmetic):
     arguments: tuple[Function, ...]
 
 
+TIME = Time()
+
+
 @dataclass(frozen=True)
 class Table(Arithmetic):
-    """Cubic polynomials between values at given times.
+    """Cubic polynomials between given values; see `linkages.components.contributed.interpolation`.
 
-    See `linkages.components.contributed.interpolation`.
-
-    Before the first and after the last time a periodic table repeats itself, one that is held
+    Before the first and after the last place a periodic table repeats itself, one that is held
     keeps the value that it has there, and any other goes on in a straight line.
 
     Parameters
     ----------
     path
         Where it stands in the definition file.
-    times, values
-        Times in seconds, increasing, and the values there.
+    places, values
+        Places on the axis of what it is a function of, increasing, and the values there.
     periodic
         Whether it repeats; first and last value are then equal.
     interpolation
         ``"linear"``, ``"pchip"`` (one continuous derivative, never outside the values beside it)
         or ``"spline"`` (two continuous derivatives, natural where it is not periodic).
     held
-        Whether the first and the last value last beyond the times.
+        Whether the first and the last value last beyond the places.
+    over
+        What it is a function of: time in seconds, or anything else in SI.
+    turning
+        Whether a turn is a whole number of its periods, so that whole turns do not count.
     """
 
     path: Path
-    times: tuple[float, ...]
+    places: tuple[float, ...]
     values: tuple[float, ...]
     periodic: bool = False
-    interpolation: Interpolation = "spline"
+    interpolation: Joined = "spline"
     held: bool = False
+    over: Function = TIME
+    turning: bool = False
+
+    @property
+    def bends(self) -> Table:
+        """The second derivative of a spline, which has a derivative of its own."""
+        path = (*self.path, "bends")
+        return replace(self, path=path, interpolation="bends", held=True)
+
+    @property
+    def corners(self) -> Table | None:
+        """A function of the same that is zero where straight lines meet; None without any.
+
+        Its sign alternates, so one that repeats after an odd number of lines has two rounds of it.
+        """
+        if self.interpolation != "linear":
+            return None
+        places = self.places
+        if self.periodic and len(places) % 2 == 0:
+            span = places[-1] - places[0]
+            places = (*places, *(place + span for place in places[1:]))
+        path, none = (*self.path, "corners"), (0.0,) * len(places)
+        return Table(path, places, none, self.periodic, "corners", over=self.over)
 
 
 Function: TypeAlias = Number | Time | Measured | Operation | Table

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 Interpolation: TypeAlias = Literal["linear", "pchip", "spline"]
 
+Joined: TypeAlias = Interpolation | Literal["corners", "bends"]
+"""What joins values, what is zero at corners of straight lines, and how a spline bends."""
+
 Floats = NDArray[np.float64]
 
 
@@ -32,7 +35,7 @@ def polynomials(table: Table) -> PPoly:
     """
     from scipy.interpolate import PPoly
 
-    times, values = np.array(table.times), np.array(table.values)
+    times, values = np.array(table.places), np.array(table.values)
     with np.errstate(all="ignore"):
         try:
             coefficients = _COEFFICIENTS[table.interpolation](times, values, table.periodic)
@@ -42,7 +45,8 @@ def polynomials(table: Table) -> PPoly:
     if table.held and not table.periodic:
         times = np.array([times[0] - span, *times, times[-1] + span])
         ends = np.zeros((2, 4, 1))
-        ends[:, 3, 0] = values[0], values[-1]
+        if table.interpolation != "bends":  # a natural spline goes on in straight lines
+            ends[:, 3, 0] = values[0], values[-1]
         coefficients = np.hstack([ends[0], coefficients, ends[1]])
     return PPoly.construct_fast(coefficients, times)
 
@@ -71,11 +75,35 @@ def _spline(times: Floats, values: Floats, periodic: bool) -> Floats:
     return np.asarray(CubicSpline(times, values, bc_type=ends).c)
 
 
-_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline}
+def _corners(places: Floats, values: Floats, periodic: bool) -> Floats:  # noqa: ARG001
+    """Parabolas of alternating sign that are zero, with a slope of ±1, where straight lines meet.
+
+    With one continuous derivative: a crossing of zero is a corner, and nothing else is.
+    """
+    lengths = np.diff(places)
+    signs = (-1.0) ** np.arange(len(lengths))
+    zero = np.zeros(len(lengths))
+    return np.array([zero, -signs / lengths, signs, zero])
+
+
+def _bends(times: Floats, values: Floats, periodic: bool) -> Floats:
+    """The second derivative of a spline: straight lines."""
+    cubic, square, *_ = _spline(times, values, periodic)
+    zero = np.zeros_like(cubic)
+    return np.array([zero, zero, 6.0 * cubic, 2.0 * square])
+
+
+_COEFFICIENTS = {
+    "linear": _linear,
+    "pchip": _pchip,
+    "spline": _spline,
+    "corners": _corners,
+    "bends": _bends,
+}
 
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:
-    """Least and largest value of a table between two times; of one that repeats, of all times."""
+    """Least and largest value of a table between two places; of one that repeats, of all."""
     found = polynomials(table)
     low, high = found.x[0], found.x[-1]
     if table.periodic:

@@ -10,16 +10,28 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from linkages.components.contributed.functions import Function, Measured, Number, Operation, V, X
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Number,
+    Operation,
+    V,
+    X,
+)
 from linkages.components.contributed.state_laws import (
     NOTHING,
     addends,
+    exchanged,
     folded,
     leaves,
+    measured_in,
     monomial,
+    rated,
     stored,
     sum_of,
     time_functions,
+    variables,
+    winding,
 )
 from linkages.components.contributed.terms import Parameter, Path
 
@@ -71,8 +83,23 @@ class Coordinate:
     axis: int
 
 
+@dataclass(frozen=True)
+class BodyAxis:
+    """An axis of a body's own frame, at a joint: `axis` 0 is its first one, 1 its second.
+
+    A force along it turns with the body. It has a rate, the joint's velocity along the axis, but no
+    value: what such a force does depends on the way.
+    """
+
+    unit: ClassVar[str] = "N"
+
+    joint: str
+    body: str
+    axis: int
+
+
 # A closed union: `assert_never` behind a match finds a measure that somebody forgot.
-Measure = Distance | Turn | Slide | Coordinate
+Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
@@ -84,14 +111,39 @@ class Load:
     measure
         What it acts along.
     law
-        The force (N, N·m) as a function of time and of the measure's value `X` and rate `V`.
+        The force (N, N·m) as a function of time, of the measure's value `X` and rate `V`, and of
+        other measures.
     path
         Where it stands in the definition file.
+    called
+        What reports call it; empty where its measure and the form of its law say that.
+    applied
+        Whether outputs list it with forces and torques from outside, though it depends on the
+        state: a motor, a cylinder.
+    stores
+        The potential energy, a function of `X` (J), of all terms of the law without v and t, where
+        their form does not give it.
     """
 
     measure: Measure
     law: Function
     path: Path
+    called: str = ""
+    applied: bool = False
+    stores: Function | None = None
+
+    def __post_init__(self) -> None:
+        """What the law senses of its own measure is its value and its rate."""
+        if any(m.measure is not None and self._own(m.measure) for m in measured_in(self.law)):
+            object.__setattr__(self, "law", exchanged(self.law, self._renamed))
+
+    def _own(self, other: Measure) -> bool:
+        back = isinstance(other, Distance) and Distance(other.second, other.first)
+        return self.measure in (other, back)
+
+    def _renamed(self, found: Measured) -> Measured:
+        own = found.measure is not None and self._own(found.measure)
+        return Measured(found.order) if own else found
 
     @property
     def unit(self) -> str:
@@ -106,7 +158,28 @@ class Load:
     @property
     def given(self) -> bool:
         """Whether the force is a function of time, as it is written: not a spring or damper."""
-        return not any(isinstance(leaf, Measured) for leaf in leaves(self.law))
+        return not any(True for _ in measured_in(self.law))
+
+    @property
+    def sensed(self) -> tuple[Measure, ...]:
+        """Other measures that the force depends on."""
+        found = (leaf.measure for leaf in measured_in(self.force))
+        return tuple(dict.fromkeys(measure for measure in found if measure is not None))
+
+    @property
+    def passive(self) -> bool:
+        """Whether outputs list it with springs and dampers."""
+        return self.stores is not None or not (self.given or self.applied)
+
+    @property
+    def pushes(self) -> bool:
+        """Whether it is a force or torque from outside, for drawings and reports."""
+        return self.given or (self.applied and not self.called)
+
+    @property
+    def follows(self) -> bool:
+        """Whether it turns with a body: no energy then says what it does along a way."""
+        return isinstance(self.measure, BodyAxis) and not self.absent
 
     @cached_property
     def force(self) -> Function:
@@ -126,12 +199,18 @@ class Load:
     @property
     def dissipates(self) -> bool:
         """Whether the force depends on a rate; what follows time alone shrinks no set of states."""
-        return V in leaves(self.force)
+        return rated(self.force)
+
+    @cached_property
+    def wound(self) -> tuple[Turn, ...]:
+        """Angles whose whole turns it feels."""
+        found = (self.measure if m.measure is None else m.measure for m in winding(self.force))
+        return tuple(dict.fromkeys(m for m in found if isinstance(m, Turn)))
 
     @property
     def turned(self) -> tuple[str, ...]:
         """Bodies whose whole turns it feels."""
-        return self.measure.bodies if isinstance(self.measure, Turn) and self.elastic else ()
+        return tuple(dict.fromkeys(body for turn in self.wound for body in turn.bodies))
 
     @property
     def laws(self) -> tuple[Function, ...]:
@@ -147,17 +226,24 @@ class Load:
     @cached_property
     def energy(self) -> Function:
         """The potential energy that it has in a closed form, a function of `X` (J)."""
+        if self.stores is not None:
+            return folded(self.stores)
         return sum_of(energy for term in addends(self.force) if (energy := stored(term)))
 
     @cached_property
     def working(self) -> Function:
         """The part of the force whose work is in no `energy`."""
-        return sum_of(term for term in addends(self.force) if stored(term) is None)
+        return sum_of(term for term in addends(self.force) if not self._stored(term))
+
+    def _stored(self, term: Function) -> bool:
+        if self.stores is not None:
+            return variables(term) in (["x"], [])
+        return stored(term) is not None
 
     @cached_property
     def still(self) -> Function:
         """The part of the force that no rate is in."""
-        return sum_of(term for term in addends(self.force) if V not in leaves(term))
+        return sum_of(term for term in addends(self.force) if not rated(term))
 
 
 @dataclass(frozen=True)
@@ -171,6 +257,7 @@ class JointFriction:
     bodies: tuple[str, str] | None
     law: Function
     path: Path
+    called: str = ""
 
 
 @dataclass(frozen=True)
@@ -188,13 +275,21 @@ class ClearanceFriction:
 Friction = JointFriction | ClearanceFriction
 
 
-def damper_law(damping: Parameter) -> Function:
+Factor = Parameter | Function
+"""A number of the definition file, or a law."""
+
+
+def damper_law(damping: Factor) -> Function:
     """Return −damping·v."""
-    return Operation("neg", (Operation("mul", (Number(damping), V)),))
+    return Operation("neg", (Operation("mul", (_function(damping), V)),))
 
 
-def spring_law(stiffness: Parameter, relaxed: Parameter, damping: Parameter) -> Function:
+def spring_law(stiffness: Factor, relaxed: Factor, damping: Factor) -> Function:
     """Return −damping·v − stiffness·(x − relaxed)."""
-    deflection = Operation("sub", (X, Number(relaxed)))
-    spring = Operation("mul", (Number(stiffness), deflection))
+    deflection = Operation("sub", (X, _function(relaxed)))
+    spring = Operation("mul", (_function(stiffness), deflection))
     return Operation("sub", (damper_law(damping), spring))
+
+
+def _function(factor: Factor) -> Function:
+    return Number(factor) if isinstance(factor, Parameter) else factor

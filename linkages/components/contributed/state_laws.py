@@ -1,12 +1,13 @@
 """What the form of a law says: which terms it has, and what of it stores energy.
 
-A law is a function of a value x, its rate v and time. Nothing here knows what x measures.
+A law is a function of a value x, its rate v and time, and of whatever else it senses. Nothing here
+knows what x measures.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import reduce
 
 from linkages.components.contributed.functions import (
@@ -21,6 +22,7 @@ from linkages.components.contributed.functions import (
     constant,
 )
 from linkages.components.contributed.terms import ZERO
+from linkages.operations import ELEMENTARY
 
 NOTHING = Number(ZERO)
 """The law of a load that exact zeros remove."""
@@ -29,34 +31,137 @@ _MINUS = constant(-1.0)
 
 
 def leaves(function: Function) -> Iterator[Function]:
-    """What the operations of a function end in, from left to right."""
-    if isinstance(function, Operation):
-        for argument in function.arguments:
-            yield from leaves(argument)
-    else:
-        yield function
+    """What operations end in, from left to right; tables, then what they are functions of."""
+    match function:
+        case Operation(_, arguments):
+            for argument in arguments:
+                yield from leaves(argument)
+        case Table():
+            yield function
+            yield from leaves(function.over)
+        case _:
+            yield function
+
+
+def exchanged(function: Function, other: Callable[[Measured], Measured]) -> Function:
+    """The same function of other measures."""
+    match function:
+        case Measured():
+            return other(function)
+        case Operation(name, arguments):
+            return Operation(name, tuple(exchanged(argument, other) for argument in arguments))
+        case Table():
+            return replace(function, over=exchanged(function.over, other))
+    return function
+
+
+def measured_in(function: Function) -> Iterator[Measured]:
+    """All values and rates that a function depends on."""
+    return (leaf for leaf in leaves(function) if isinstance(leaf, Measured))
 
 
 def variables(function: Function) -> list[str]:
-    """What a function depends on: ``"x"``, ``"v"`` and ``"t"``."""
+    """What a function depends on: ``"x"``, ``"v"``, ``"t"``, and ``"other"`` measures."""
     found = set(leaves(function))
-    timed = any(isinstance(leaf, Time | Table) for leaf in found)
-    there = {"x": X in found, "v": V in found, "t": timed}
+    other = any(leaf.measure is not None for leaf in measured_in(function))
+    there = {"x": X in found, "v": V in found, "t": Time() in found, "other": other}
     return [name for name, occurs in there.items() if occurs]
 
 
+def rated(function: Function) -> bool:
+    """Whether a function depends on a rate."""
+    return any(leaf.order for leaf in measured_in(function))
+
+
+_EVERYWHERE = (
+    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "where", "select", "sin",
+    "cos", "atan", "tanh",
+)  # fmt: skip
+
+
+def everywhere(function: Function) -> bool:
+    """Whether a function has a value wherever its measures have one."""
+    match function:
+        case Operation(name, arguments):
+            return name in _EVERYWHERE and all(map(everywhere, arguments))
+        case Table():
+            return everywhere(function.over)
+    return True
+
+
 def _of_state(function: Function) -> bool:
-    return any(isinstance(leaf, Measured) for leaf in leaves(function))
+    return any(True for _ in measured_in(function))
+
+
+def _of_own(function: Function) -> bool:
+    """Whether x or v is in it."""
+    return any(leaf.measure is None for leaf in measured_in(function))
 
 
 def time_functions(law: Function) -> Iterator[Function]:
-    """The largest parts of a law that depend on time, but on neither x nor v."""
+    """The largest parts of a law that depend on time, but on no measure.
+
+    Of a sum within a sine the part that depends on time is within a sine as well: it repeats.
+    """
     if not _of_state(law):
         if variables(law):
             yield law
-    elif isinstance(law, Operation):
-        for argument in law.arguments:
-            yield from time_functions(argument)
+        return
+    match law:
+        case Operation(name, (argument,)) if name in ELEMENTARY and ELEMENTARY[name].periodic:
+            inner = _time_part(argument)
+            yield from () if inner is None else (Operation(name, (inner,)),)
+        case Table() if law.periodic:
+            inner = _time_part(law.over)
+            yield from () if inner is None else (replace(law, over=inner),)
+        case Table():
+            yield from time_functions(law.over)
+        case Operation(_, arguments):
+            for argument in arguments:
+                yield from time_functions(argument)
+
+
+def _time_part(argument: Function) -> Function | None:
+    """The terms of a sum that depend on time alone; None without any, or where others do too."""
+    terms = list(addends(argument))
+    timed = [term for term in terms if "t" in variables(term)]
+    return sum_of(timed) if timed and not any(map(_of_state, timed)) else None
+
+
+def winding(function: Function) -> list[Measured]:
+    """The angles among what a function senses whose whole turns count."""
+    found = dict.fromkeys(leaf for leaf in measured_in(function) if leaf.order == 0)
+    return [angle for angle in found if _per_turn(function, angle) != 0.0]
+
+
+def _per_turn(function: Function, angle: Measured) -> float | None:
+    """By how many turns a function grows when an angle makes one; None if that is no number."""
+    match function:
+        case Measured():
+            return 1.0 if function == angle else 0.0
+        case Number() | Time():
+            return 0.0
+        case Table():
+            grown = _per_turn(function.over, angle)
+            repeats = function.turning and grown is not None and grown.is_integer()
+            return 0.0 if grown == 0.0 or repeats else None
+        case Operation(name, arguments):
+            return _grown(name, arguments, [_per_turn(a, angle) for a in arguments])
+
+
+def _grown(name: str, arguments: tuple[Function, ...], grown: list[float | None]) -> float | None:
+    match name, arguments, grown:
+        case _ if all(part == 0.0 for part in grown):
+            return 0.0
+        case "neg", _, [float(a)]:
+            return -a
+        case "add" | "sub", _, [float(a), float(b)]:
+            return a + b if name == "add" else a - b
+        case "mul", (Number(parameter), _), [_, float(a)] if not parameter.path:
+            return parameter.value * a
+        case _, _, [float(a)] if name in ELEMENTARY and ELEMENTARY[name].periodic:
+            return 0.0 if a.is_integer() else None
+    return None
 
 
 def _vanishes(function: Function) -> bool:
@@ -116,11 +221,11 @@ def _factors(term: Function) -> list[Function]:
             return [_MINUS, *_factors(a)]
         case Operation("mul", (a, b)):
             return [*_factors(a), *_factors(b)]
-        case Operation("div", (a, b)) if not _of_state(b):
+        case Operation("div", (a, b)) if not _of_own(b):
             return [*_factors(a), Operation("div", (constant(1.0), b))]
-        case Operation("power", (a, Number(n))) if n.value >= 1 and _of_state(a):
+        case Operation("power", (a, Number(n))) if n.value >= 1 and _of_own(a):
             return _factors(a) * int(n.value)
-        case Operation("sub", (a, b)) if _of_state(b) and not _of_state(a):
+        case Operation("sub", (a, b)) if _of_own(b) and not _of_own(a):
             return [_MINUS, Operation("sub", (b, a))]
     return [term]
 
@@ -137,9 +242,9 @@ def _shifted(function: Function) -> bool:
     """Whether it is x, or x less or more a constant."""
     match function:
         case Operation("sub" | "add", (a, b)) if a == X:
-            return not _of_state(b)
+            return not _of_own(b)
         case Operation("add", (a, b)) if b == X:
-            return not _of_state(a)
+            return not _of_own(a)
     return function == X
 
 
@@ -150,7 +255,7 @@ class Monomial:
     Parameters
     ----------
     coefficient
-        Without x and v.
+        Without x and v; it may sense other measures.
     base
         x, or x less a constant; None where neither is in it.
     degree, rate
@@ -172,11 +277,11 @@ class Monomial:
 def monomial(term: Function) -> Monomial | None:
     """A term as powers of x (or x less a constant) and v; None if it is none."""
     factors = _factors(term)
-    own = [factor for factor in factors if _of_state(factor)]
+    own = [factor for factor in factors if _of_own(factor)]
     bases = [factor for factor in own if factor != V]
     if len(set(bases)) > 1 or not all(map(_shifted, bases)):
         return None
-    coefficient = _product([factor for factor in factors if not _of_state(factor)])
+    coefficient = _product([factor for factor in factors if not _of_own(factor)])
     return Monomial(coefficient, bases[0] if bases else None, len(bases), len(own) - len(bases))
 
 
@@ -199,7 +304,7 @@ def _integral(factors: list[Function]) -> Function | None:
         return Operation("div", (_product([*_factors(term.coefficient), raised]), exponent))
     for place, factor in enumerate(factors):
         terms = list(addends(factor))
-        if len(terms) > 1 and _of_state(factor):
+        if len(terms) > 1 and _of_own(factor):
             others = factors[:place] + factors[place + 1 :]
             parts = [_integral([*others, *_factors(part)]) for part in terms]
             return None if None in parts else sum_of(part for part in parts if part)

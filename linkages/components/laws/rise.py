@@ -15,9 +15,9 @@ from typing import Any, Generic, Literal
 from pydantic import Field
 
 from linkages.components.contributed.component import component
-from linkages.components.contributed.functions import Function, Operation, applied
+from linkages.components.contributed.functions import TIME, Function, Operation, applied
 from linkages.components.contributed.terms import Path
-from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Value, argument
+from linkages.components.laws.named import NOTHING, NamedLaw, Value, argument
 from linkages.spec.quantities import Duration, Instant
 
 Profile = Literal["cycloidal", "modified-sine", "polynomial", "harmonic"]

@@ -7,9 +7,9 @@ from typing import Any, Generic
 from pydantic import Field
 
 from linkages.components.contributed.component import component
-from linkages.components.contributed.functions import Function, applied
+from linkages.components.contributed.functions import TIME, Function, applied
 from linkages.components.contributed.terms import Path
-from linkages.components.laws.named import NOTHING, TIME, NamedLaw, Rate, Value, argument
+from linkages.components.laws.named import NOTHING, NamedLaw, Rate, Value, argument
 from linkages.spec.quantities import Duration
 
 

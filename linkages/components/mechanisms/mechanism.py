@@ -16,10 +16,12 @@ from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
 from linkages.components.contributed.listed import numbered
-from linkages.components.contributed.measures import Friction, Load
+from linkages.components.contributed.measures import Friction, Load, Measure
+from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -31,6 +33,7 @@ from linkages.components.contributed.terms import (
     Prescribed,
     Relation,
     axis_label,
+    oriented,
 )
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.mechanisms.consistency import Declared, findings
@@ -250,11 +253,18 @@ class Mechanism:
     def loads(self) -> tuple[Load, ...]:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
         bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
-        return tuple(
+        sliders = {name for name, body in bodies.items() if not body.rotates}
+        found = (
             resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
+        return tuple(with_sliders(load, sliders) for load in found)
+
+    @cached_property
+    def sensed(self) -> tuple[Measure, ...]:
+        """What loads depend on beside what they act along, each once."""
+        return tuple(dict.fromkeys(measure for load in self.loads for measure in load.sensed))
 
     def carrier(self, joint: str) -> str | None:
         """The body that loads and masses at a joint belong to: the first there, or None."""
@@ -280,8 +290,14 @@ class Mechanism:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Welds and gears."""
-        return tuple(t for t in self.terms if isinstance(t, Relation))
+        """Welds, gears and racks."""
+        known = {*self.prescribed, *self.initial}
+        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+
+    @cached_property
+    def cams(self) -> dict[str, CamSize]:
+        """Followers of cams whose size is known."""
+        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
 
     @cached_property
     def gravity(self) -> Gravity:

@@ -12,6 +12,7 @@ from linkages.kernel.assembly.modes import Assembly, Choice, Place
 from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
+from linkages.kernel.numbers.parameters import wound_angles
 from linkages.reading.wording import TOO_LARGE
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.explanation import explained
@@ -92,14 +93,16 @@ def _turns(place: Place, assembly: Assembly) -> dict[int, float]:
 
 
 def turning(model: Model) -> dict[int, Scalar]:
-    """Torsional springs → difference of their angles, where only its direction is known."""
+    """Angles that laws feel with their whole turns, where only their direction is known."""
     topology = model.topology
     given = {*topology.driven, *topology.free}
+    nodes = [*model.loads, *model.sensed.values()]
     found: dict[int, Scalar] = {}
-    for index, load in enumerate(model.loads):
-        masters = {m for body in load.load.turned for m in topology.orientations[body].masters}
+    for place, angle in wound_angles(model.mechanism).items():
+        owners = (m for body in angle.bodies for m in topology.orientations[body].masters)
+        masters = {m for m in owners if topology.mechanism.bodies[m].rotates}
         if not masters <= given:
-            found[index] = load.displacement
+            found[place] = nodes[place].displacement
     return found
 
 

@@ -213,6 +213,9 @@ class Settling:
         if key not in self._orders:
             self._orders[key] = [n for n in reachable(nodes) if n.index not in inputs.values]
         arguments = {"t": inputs.t, "p": inputs.p, "y": inputs.y, "a": inputs.y}
+        given = {node.arguments[0] for node in self._orders[key] if node.operation == "input"}
+        if not given <= set(arguments):
+            arguments |= self._model.switches.signed(arguments)
         for node in self._orders[key]:
             inputs.values[node.index] = evaluate(node, inputs.values, arguments)
         found = np.empty((len(nodes), inputs.p.shape[1]))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.functions import Function, V, X
-from linkages.components.contributed.measures import Distance
+from linkages.components.contributed.functions import Function, Measured, V, X
+from linkages.components.contributed.measures import Distance, Load
 from linkages.components.contributed.state_laws import addends, leaves, monomial
 from linkages.kernel.forces.loads import Forces, LoadNodes, Velocities
 from linkages.kernel.graph.scalars import Scalar
@@ -25,15 +25,18 @@ class DistanceNodes(LoadNodes):
     force is nan.
     """
 
-    sign = -1.0  # positive where it pulls
-
-    def __init__(self, model: Model, index: int, measure: Distance) -> None:
-        super().__init__(model, index)
+    def __init__(self, model: Model, load: Load, index: int, measure: Distance) -> None:
+        super().__init__(model, load, index)
         self.first, self.second = measure.first, measure.second
         self.undefined = (
             f"its ends {self.first} and {self.second} meet, so its force has no direction; "
             "expected ends that are apart, or a spring relaxed there: 'length: 0'"
         )
+
+    @property
+    def sign(self) -> float:
+        """Springs and dampers are positive where they pull, forces as they are given."""
+        return -1.0 if self.load.passive else 1.0
 
     @property
     def _between(self) -> Vector:
@@ -103,12 +106,16 @@ class DistanceNodes(LoadNodes):
         select, one = self.graph.select, self.graph.one
         opening, apart = self._opening(self.model.velocities), self._apart
         speed = self.graph.sqrt(opening.square)
-        rate = select(apart, self.measured(1), speed)
+        rate = select(apart, self.rate(self.model.velocities), speed)
         met = opening * (1.0 / select(-speed, one, speed))
         distance = select(apart, self.displacement, one)
         direction = self._selected(apart, self._between * (1.0 / distance), met)
-        measured = (self.displacement, rate)
-        return direction * value_of(term, self.model.inputs, lambda order: measured[order])
+        own = {X: self.displacement, V: rate}
+
+        def measured(found: Measured) -> Scalar:
+            return own[found] if found in own else self.sensed(found)
+
+        return direction * value_of(term, self.model.inputs, measured, self.mode)
 
     def _selected(self, condition: Scalar, first: Vector, second: Vector) -> Vector:
         select = self.graph.select

@@ -5,9 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function
+from linkages.components.contributed.functions import Function, Measured
 from linkages.components.contributed.measures import Load
-from linkages.kernel.graph.scalars import Scalar
+from linkages.components.contributed.sensing import written
+from linkages.components.contributed.state_laws import everywhere, measured_in, rated
+from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
 from linkages.reading.paths import dotted
@@ -25,11 +27,14 @@ Torques = list[tuple[str | None, Scalar]]
 class Velocities(Protocol):
     """Velocities, actual or partial."""
 
-    bodies: dict[str, Scalar]
     joints: dict[str, Vector]
 
     def turning(self, name: str) -> Scalar:
         """Angular speed of a body."""
+        ...
+
+    def moving(self, name: str) -> Scalar:
+        """Rate of a body's own coordinate."""
         ...
 
 
@@ -66,19 +71,19 @@ class LoadNodes(Acting):
     ----------
     model
         Whose nodes these are.
+    load
+        What acts; nothing along a measure that other loads sense.
     index
-        Place of the load among those of the mechanism: some measures have a number for each.
+        Its place, as `linkages.kernel.numbers.parameters.wound_angles` counts.
     """
 
-    sign = 1.0
-    """With which the force is an output."""
     undefined = "it has no finite value"
     """Why it may have no value, as the end of a sentence."""
 
-    def __init__(self, model: Model, index: int) -> None:
+    def __init__(self, model: Model, load: Load, index: int) -> None:
         self.model = model
         self.graph = model.graph
-        self.load: Load = model.mechanism.loads[index]
+        self.load = load
         self.index = index
 
     @property
@@ -100,7 +105,17 @@ class LoadNodes(Acting):
 
     def value(self, law: Function) -> Scalar:
         """What a law gives, such as the force or the energy."""
-        return value_of(law, self.model.inputs, self.measured)
+        return value_of(law, self.model.inputs, self.sensed, self.mode)
+
+    def mode(self, part: Function, node: Scalar) -> Scalar:
+        """On which side of zero the motion is of what makes a part of the law jump or turn."""
+        name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
+        return self.model.switches.add(name, node)
+
+    def sensed(self, found: Measured) -> Scalar:
+        """The value or rate of a measure: its own, or another one."""
+        nodes = self if found.measure is None else self.model.sensed[found.measure]
+        return nodes.measured(found.order)
 
     def measured(self, order: int) -> Scalar:
         """The displacement, or its actual rate."""
@@ -113,11 +128,21 @@ class LoadNodes(Acting):
         return [self.value(law)]
 
     @property
+    def changing(self) -> bool:
+        """Whether its displacement depends on more than time."""
+        return self.displacement.level is Level.STATE
+
+    @property
     def dimension(self) -> str:
         """Dimension of the output that it belongs to: of given loads, or of springs and dampers."""
-        if self.load.given:
-            return "torque" if self.load.twists else "force"
-        return "torsional_spring" if self.load.twists else "spring"
+        if self.load.passive:
+            return "torsional_spring" if self.load.twists else "spring"
+        return "torque" if self.load.twists else "force"
+
+    @property
+    def sign(self) -> float:
+        """With which the force is an output."""
+        return 1.0
 
     @property
     def label(self) -> str:
@@ -133,6 +158,14 @@ class LoadNodes(Acting):
     def given(self) -> list[Scalar]:
         """What of it follows from time and positions: not finite where the load has no value."""
         return self._components(self.load.still)
+
+    @property
+    def doubtful(self) -> list[Scalar]:
+        """Its force, then what it depends on, if it may have no value where all of that has one."""
+        force = self.load.force
+        if everywhere(force) or not rated(force):
+            return []
+        return [self.value(force), *map(self.sensed, dict.fromkeys(measured_in(force)))]
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""

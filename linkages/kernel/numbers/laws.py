@@ -34,35 +34,67 @@ class Law:
     acceleration: Scalar
 
 
-def _of_time_alone(order: int) -> Scalar:
-    raise ValueError(f"a function of time has no {'rate' if order else 'displacement'}")
+def _of_time_alone(found: Measured) -> Scalar:
+    raise ValueError(f"a function of time has no {'rate' if found.order else 'displacement'}")
 
 
 def value_of(
-    function: Function, inputs: Inputs, measured: Callable[[int], Scalar] = _of_time_alone
+    function: Function,
+    inputs: Inputs,
+    measured: Callable[[Measured], Scalar] = _of_time_alone,
+    mode: Callable[[Function, Scalar], Scalar] = lambda _, node: node,
 ) -> Scalar:
-    """The node of a function of time, and of what a load is `measured` along (0: x, 1: v)."""
+    """The node of a function.
+
+    Parameters
+    ----------
+    function
+        Of time, and of measures.
+    inputs
+        Arguments of the kernel.
+    measured
+        Values and rates of measures.
+    mode
+        Part of the function and a node in it, at whose zero the part has a jump or a corner → what
+        tells both sides apart; the node itself if not given.
+    """
     graph = inputs.graph
     match function:
         case Number(parameter):
             return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
         case Time():
             return inputs.time
-        case Measured(order):
-            return measured(order)
+        case Measured():
+            return measured(function)
         case Table():
-            place = inputs.parameters[*function.path, "spline", 0]
-            count = (len(table_numbers(function)) - 1) // 5
-            return graph.spline(inputs.time, place, count, function.periodic)[0]
+            over = value_of(function.over, inputs, measured, mode)
+            if function.corners is not None:
+                mode(function, _of_table(function.corners, over, inputs))
+            return _of_table(function, over, inputs)
         case Operation("power", (base, Number(exponent))):
             found = COMPOSITE["power"].expanded
-            base_value = value_of(base, inputs, measured)
+            base_value = value_of(base, inputs, measured, mode)
             return graph.lift(found(graph.apply, base_value, int(exponent.value)))
         case Operation(name, arguments):
-            values = (value_of(argument, inputs, measured) for argument in arguments)
-            return graph.apply(name, *values)
+            values = [value_of(argument, inputs, measured, mode) for argument in arguments]
+            if name not in COMPOSITE:
+                return graph.apply(name, *values)
+
+            def apply(name: str, *operands: Scalar | float) -> Scalar:
+                if name != "select":
+                    return graph.apply(name, *operands)
+                condition, *both = map(graph.lift, operands)
+                return graph.select(mode(function, condition), *both)
+
+            return graph.lift(COMPOSITE[name].expanded(apply, *values))
         case _:
             assert_never(function)
+
+
+def _of_table(table: Table, over: Scalar, inputs: Inputs) -> Scalar:
+    place = inputs.parameters[*table.path, "spline", 0]
+    count = (len(table_numbers(table)) - 1) // 5
+    return inputs.graph.spline(over, place, count, table.periodic)[0]
 
 
 def law_of(function: Function, inputs: Inputs) -> Law:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import Table
 from linkages.components.contributed.interpolation import polynomials
-from linkages.components.contributed.measures import Distance
+from linkages.components.contributed.measures import Distance, Turn
 from linkages.components.contributed.terms import Guide, Parameter, Path, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.topology.orientation import is_unit
@@ -49,7 +49,8 @@ def structure_key(item: object) -> Hashable:
             return (structure_key(origin), structure_key(angle), right_angle(angle), body)
         case Relation(body, parts, offset, path):
             ratios = tuple((name, structure_key(r), is_unit(r)) for name, r in parts)
-            return (body, ratios, structure_key(offset), right_angle(offset), path)
+            profile = structure_key(item.profile)
+            return (body, ratios, structure_key(offset), right_angle(offset), path, profile)
         case tuple():
             return tuple(map(structure_key, item))
         case Mapping():
@@ -68,6 +69,9 @@ def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
         case Table(path):
             for place, value in enumerate(table_numbers(item)):
                 yield (*path, "spline", place), value
+            yield from numbers_in(item.over if item.corners is None else item.corners)
+        case Relation(_, parts, offset, profile=Table() as profile):
+            yield from numbers_in((parts, offset, profile, profile.bends))
         case tuple():
             for part in item:
                 yield from numbers_in(part)
@@ -107,10 +111,12 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.point_masses,
         laws,
         mechanism.loads,
+        mechanism.cams.values(),
         mechanism.contacts,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
-    if any(isinstance(load.measure, Distance) for load in mechanism.loads):
+    measures = (*(load.measure for load in mechanism.loads), *mechanism.sensed)
+    if any(isinstance(measure, Distance) for measure in measures):
         found[NEAREST] = nearest_distance(mechanism)
     return found
 
@@ -129,9 +135,26 @@ def nearest_distance(mechanism: Mechanism) -> float:
 
 def chosen_paths(topology: Topology) -> list[Path]:
     """Parameters that the way of assembly gives: sides of blocks, whole turns of loads."""
-    loads = enumerate(topology.mechanism.loads)
     sides = [("side", b.index) for b in topology.solved_blocks if b.kind in SIDED]
-    return [*sides, *(("turns", i) for i, load in loads if load.turned)]
+    return [*sides, *(("turns", place) for place in wound_angles(topology.mechanism))]
+
+
+def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
+    """Angles that count from within half a turn at the start, where nothing says more.
+
+    Their numbers are those of the loads along them. Behind all loads come angles of two bodies that
+    loads sense: the angle of one body is what it is in outputs.
+    """
+    loads = mechanism.loads
+    felt = {turn for load in loads for turn in load.wound}
+    own = [(load.measure, load.measure in load.wound) for load in loads]
+    two = {turn for turn in felt if turn.reference is not None}
+    other = [(measure, measure in two) for measure in mechanism.sensed]
+    return {
+        place: measure
+        for place, (measure, counts) in enumerate([*own, *other])
+        if isinstance(measure, Turn) and counts
+    }
 
 
 def definition_vector(mechanism: Mechanism, paths: Iterable[Path]) -> NDArray[np.float64]:

@@ -6,7 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from linkages.components.contributed.measures import Coordinate, Distance, Load, Slide, Turn
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
 from linkages.components.contributed.terms import Path
 
 
@@ -20,7 +27,9 @@ class Kinds:
     lines: list[tuple[Distance, Load]] = field(default_factory=list)
     turns: list[tuple[Turn, Load]] = field(default_factory=list)
     slides: list[tuple[Slide, Load]] = field(default_factory=list)
-    joints: dict[tuple[Path, str], list[tuple[Coordinate, Load]]] = field(default_factory=dict)
+    joints: dict[tuple[Path, str], list[tuple[Coordinate | BodyAxis, Load]]] = field(
+        default_factory=dict
+    )
 
 
 def by_kind(loads: Iterable[Load]) -> Kinds:
@@ -34,7 +43,7 @@ def by_kind(loads: Iterable[Load]) -> Kinds:
                 found.turns.append((load.measure, load))
             case Slide():
                 found.slides.append((load.measure, load))
-            case Coordinate(joint):
+            case Coordinate(joint) | BodyAxis(joint):
                 found.joints.setdefault((load.path, joint), []).append((load.measure, load))
             case _:
                 assert_never(load.measure)

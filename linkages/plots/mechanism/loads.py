@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from linkages.components.contributed.functions import Number
-from linkages.components.contributed.measures import Load, Turn
-from linkages.components.contributed.state_laws import variables
+from linkages.components.contributed.measures import BodyAxis, Coordinate, Load, Turn
+from linkages.components.contributed.sensing import named
+from linkages.components.contributed.state_laws import NOTHING
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, TORQUE, TORQUE_SPAN, arc_arrow, straight_arrow
 from linkages.plots.mechanism.bodies import ground_direction
@@ -18,7 +19,7 @@ from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.pose import Place, Pose
 from linkages.plots.mechanism.senses import force_direction, load_sense
-from linkages.plots.mechanism.sliders import block_place, force_side, pushes
+from linkages.plots.mechanism.sliders import block_place, force_side
 from linkages.plots.mechanism.springs import bent_dashpot, dashpot, spiral, zigzag
 from linkages.plots.mechanism.view import per_point, pixels
 from linkages.plots.prefixes import scale_for
@@ -41,8 +42,9 @@ def draw_springs(ax: Axes, pose: Pose, labels: Labels) -> None:
     for ends, load in by_kind(pose.mechanism.loads).lines:
         if {ends.first, ends.second} <= set(pose.positions):
             found = lines.setdefault(tuple(sorted((ends.first, ends.second))), [])
-            found += [True] * load.elastic
-            found += [False] * (load.dissipates or (load.given and not load.absent))
+            found += [True] * (load.elastic or (load.passive and load.energy != NOTHING))
+            thrusts = not (load.passive or load.absent)
+            found += [False] * (load.dissipates or thrusts)
     for (first, second), parts in lines.items():
         start, end = pose.positions[first], pose.positions[second]
         if start == end:
@@ -61,7 +63,7 @@ def draw_torsional(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = No
     taken: Counter[Place] = Counter()
     for turn, load in by_kind(pose.mechanism.loads).turns:
         place, before = pivot(pose, turn), pivot(first, turn)
-        if load.given or place is None or before is None:
+        if load.given or load.applied or place is None or before is None:
             continue
         angle = _free_direction(first, before)
         if load.elastic:
@@ -77,15 +79,13 @@ def draw_forces(ax: Axes, pose: Pose, labels: Labels) -> None:
     mechanism = pose.mechanism
     kinds = by_kind(mechanism.loads)
     for (_, joint), force in kinds.joints.items():
-        if joint not in pose.positions:
-            continue
-        angle, sense = force_direction(force, mechanism)
-        place = pose.positions[joint]
-        if sense:
+        angle, sense = _direction(pose, force)
+        if sense and joint in pose.positions:
+            place = pose.positions[joint]
             covered = straight_arrow(ax, place, angle, (symbols.MASS + 1.0, 0.0), sense, LOAD)
             labels.avoid(covered)
     for turn, torque in kinds.turns:
-        spot = _torque_place(pose, turn) if torque.given else None
+        spot = _torque_place(pose, turn) if torque.given or torque.applied else None
         if spot and (sense := load_sense(torque, mechanism)):
             angle = _direction_of(pose, turn.body, spot) + np.pi / 2
             labels.avoid(arc_arrow(ax, spot, angle, TORQUE, TORQUE_SPAN, sense, LOAD))
@@ -96,19 +96,29 @@ def load_texts(ax: Axes, pose: Pose) -> Iterator[tuple[str, Place, float]]:
     kinds = by_kind(pose.mechanism.loads)
     for (_, joint), force in kinds.joints.items():
         size = _size([load for _, load in force])
-        angle, sense = force_direction(force, pose.mechanism)
+        angle, sense = _direction(pose, force)
         if joint in pose.positions and size and sense:
             yield size, _tip(ax, pose.positions[joint], angle, 1), 4.0
     for slide, axial in kinds.slides:
         place, size = block_place(pose, slide.body), _size([axial])
         sense, turned = load_sense(axial, pose.mechanism), pose.angle(slide.body)
-        if pushes(axial) and place and size and sense and turned is not None:
+        if axial.pushes and place and size and sense and turned is not None:
             side = force_side(pose, slide.body, sense)
             yield size, _tip(ax, place, turned, side), 4.0 if side else 16.0
     for turn, torque in kinds.turns:
         place, size = _torque_place(pose, turn), _size([torque])
-        if torque.given and place and size:
+        if (torque.given or torque.applied) and place and size:
             yield size, place, TORQUE + 3.0
+
+
+def _direction(
+    pose: Pose, force: Sequence[tuple[Coordinate | BodyAxis, Load]]
+) -> tuple[float, int]:
+    """Direction of a force in the plane and its sense, 0 where its body is not shown."""
+    angle, sense = force_direction(force, pose.mechanism)
+    measure = force[0][0]
+    turned = pose.angle(measure.body) if isinstance(measure, BodyAxis) else 0.0
+    return (0.0, 0) if turned is None else (angle + turned, sense)
 
 
 def _tip(ax: Axes, place: Place, angle: float, sense: int) -> Place:
@@ -124,7 +134,7 @@ def _size(loads: list[Load]) -> str:
     turning = loads[0].twists
     numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
     if len(numbers) < len(loads):
-        found = dict.fromkeys(name for load in loads for name in variables(load.law))
+        found = dict.fromkeys(name for load in loads for name in named(load.law))
         return f"{'M' if turning else 'F'}({', '.join(found)})"
     size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
     return scale_for(size, "N·m" if turning else "N").text(size) if size else ""

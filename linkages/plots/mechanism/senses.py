@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.components.contributed.measures import Coordinate, Load
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.measures import BodyAxis, Coordinate, Load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
 
@@ -33,8 +34,13 @@ def sense_of(values: ArrayLike) -> int:
 
 
 def load_sense(load: Load, mechanism: Mechanism) -> int:
-    """Which way a force or torque acts during the run: both ways if it depends on the motion."""
-    return sense_of(law_values(load.law, run_times(mechanism))) if load.given else BOTH
+    """Which way a force or torque acts during the run.
+
+    One that depends on the motion acts both ways, unless all values of its table have one sign.
+    """
+    if load.given:
+        return sense_of(law_values(load.law, run_times(mechanism)))
+    return sense_of(load.law.values) if isinstance(load.law, Table) else BOTH
 
 
 def drive_sense(mechanism: Mechanism, name: str) -> int:
@@ -43,9 +49,11 @@ def drive_sense(mechanism: Mechanism, name: str) -> int:
 
 
 def force_direction(
-    force: Iterable[tuple[Coordinate, Load]], mechanism: Mechanism
+    force: Iterable[tuple[Coordinate | BodyAxis, Load]], mechanism: Mechanism
 ) -> tuple[float, int]:
     """Direction of a force where it is largest, in radians, and its sense along that (or 0).
+
+    That of a force that turns with a body is the one in the body's own frame.
 
     One that depends on the motion acts both ways along the first axis in which it does.
     """

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.components.contributed.measures import Load
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import STRAIGHT, straight_arrow
 from linkages.plots.mechanism.bodies import THICKNESS, body_colour
@@ -14,7 +13,7 @@ from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.pose import Axis, Pose, along_carrier
 from linkages.plots.mechanism.senses import BOTH, drive_sense, load_sense
-from linkages.plots.mechanism.springs import wall_dashpot
+from linkages.plots.mechanism.springs import wall_dashpot, wall_zigzag
 from linkages.plots.mechanism.view import pixels
 from linkages.plots.style import DRIVEN, GREY, LOAD
 
@@ -22,6 +21,9 @@ Array = NDArray[np.float64]
 
 FAINT = 40.0
 """Pixels between those of an axis that labels avoid: they may lie on it rather than far away."""
+
+ABREAST = 10.0
+"""Points between springs and dampers that push the same block."""
 
 AXIS_LINE = (0, (9, 2, 1.5, 2))
 
@@ -117,27 +119,29 @@ def draw_axial(ax: Axes, pose: Pose, labels: Labels) -> None:
         if not mechanism.bodies[name].rotates:
             _beside(ax, pose, name, drive_sense(mechanism, name), DRIVEN, labels)
     for slide, load in by_kind(mechanism.loads).slides:
-        if pushes(load):
+        if load.pushes:
             _beside(ax, pose, slide.body, load_sense(load, mechanism), LOAD, labels)
 
 
-def pushes(load: Load) -> bool:
-    """Whether an arrow stands for a load along an axis: dashpots show rates alone."""
-    return load.given or load.elastic
-
-
-def draw_guide_dampers(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
-    """Dampers in the guides of sliders, on the side that was free in a first position, if given."""
+def draw_guide_springs(ax: Axes, pose: Pose, labels: Labels, first: Pose | None = None) -> None:
+    """Springs and dampers in guides, on the side that was free in a first position, if given."""
     first = first or pose
+    of_slider: dict[str, list[bool]] = {}
     for slide, load in by_kind(pose.mechanism.loads).slides:
-        if not load.dissipates:
+        found = of_slider.setdefault(slide.body, [])
+        if load.pushes:
             continue
-        name = slide.body
+        found += [True] * load.elastic + [False] * load.dissipates
+    for name, parts in of_slider.items():
         place, angle, before = block_place(pose, name), pose.angle(name), first.angle(name)
-        if place is not None and angle is not None and before is not None:
-            start = symbols.BLOCK[0] if _grounded(pose, name) else symbols.SMALL_BLOCK[0]
-            turned = angle + (0.0 if _damper_side(first, name) > 0 else np.pi)
-            labels.avoid(wall_dashpot(ax, place, turned, start, 0.0))
+        if place is None or angle is None or before is None:
+            continue
+        start = symbols.BLOCK[0] if _grounded(pose, name) else symbols.SMALL_BLOCK[0]
+        turned = angle + (0.0 if _damper_side(first, name) > 0 else np.pi)
+        for index, elastic in enumerate(parts):
+            across = ABREAST * (index - 0.5 * (len(parts) - 1))
+            draw = wall_zigzag if elastic else wall_dashpot
+            labels.avoid(draw(ax, place, turned, start, across))
 
 
 def force_side(pose: Pose, name: str, sense: int) -> int:
@@ -166,7 +170,7 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
     slides = by_kind(pose.mechanism.loads).slides
-    forces = [load for slide, load in slides if slide.body == name and pushes(load)]
+    forces = [load for slide, load in slides if slide.body == name and load.pushes]
     side = force_side(pose, name, -1)
     stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
     return -side if side in stands else side

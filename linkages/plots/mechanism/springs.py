@@ -11,9 +11,10 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.path import Path
+from matplotlib.transforms import Transform
 from numpy.typing import NDArray
 
-from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, stroked
+from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, grid, stroked
 from linkages.plots.mechanism.view import per_point, pixels
 from linkages.plots.style import PALETTE
 
@@ -23,6 +24,7 @@ COLOUR = PALETTE[2]
 WIDTH = 1.1
 COILS, AMPLITUDE = 6, 4.5
 COIL_LENGTH, CUP = (26.0, 70.0), (13.0, 4.2)  # of a zigzag; length and half width of a dashpot
+WALL, WALL_COILS = 20.0, 4  # from a block to a wall beside it, and coils of a zigzag there
 SPIRAL, TURNS, BENT = (4.6, 11.0), 2.25, 9.5
 
 
@@ -81,18 +83,35 @@ def _between(
 def wall_dashpot(ax: Axes, place: Place, angle: float, start: float, across: float) -> Array:
     """A damper from a block to a wall beside its axis; return pixels it covers."""
     transform = anchored(ax, place, angle)
-    half, cup, length = 0.7 * CUP[1], 0.7 * CUP[0], 20.0
+    half, cup = 0.7 * CUP[1], 0.7 * CUP[0]
     left, piston = start + 4.0, start + 4.0 + 0.5 * cup
     strokes: list[list[Place]] = [
         [(start, across), (left, across)],
         _cup(left, left + cup, across, half),
         [(piston, across + 0.7 * half), (piston, across - 0.7 * half)],
-        [(piston, across), (start + length, across)],
-        [(start + length, across - 5.0), (start + length, across + 5.0)],
+        [(piston, across), (start + WALL, across)],
     ]
-    add_path(ax, stroked(strokes), transform, edge=COLOUR, width=WIDTH, layer=LAYER - 0.8)
-    x, y = np.meshgrid(np.linspace(start, start + length, 9), across + np.array([-4.0, 0.0, 4.0]))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return _against_wall(ax, transform, strokes, start, across)
+
+
+def wall_zigzag(ax: Axes, place: Place, angle: float, start: float, across: float) -> Array:
+    """A spring from a block to a wall beside its axis; return pixels it covers."""
+    first, last = start + 2.0, start + WALL - 2.0
+    teeth = np.linspace(first, last, 2 * WALL_COILS + 1)[1:-1]
+    heights = across + 3.0 * (-1.0) ** np.arange(len(teeth))
+    inner = [(float(x), float(y)) for x, y in zip(teeth, heights, strict=True)]
+    line = [(start, across), (first, across), *inner, (last, across), (start + WALL, across)]
+    return _against_wall(ax, anchored(ax, place, angle), [line], start, across)
+
+
+def _against_wall(
+    ax: Axes, transform: Transform, strokes: list[list[Place]], start: float, across: float
+) -> Array:
+    """Draw strokes that end at a wall."""
+    wall = [(start + WALL, across - 5.0), (start + WALL, across + 5.0)]
+    path = stroked([*strokes, wall])
+    add_path(ax, path, transform, edge=COLOUR, width=WIDTH, layer=LAYER - 0.8)
+    return grid(transform, np.linspace(start, start + WALL, 9), across + np.array([-4.0, 0.0, 4.0]))
 
 
 def spiral(ax: Axes, place: Place, angle: float) -> Array:

@@ -28,8 +28,9 @@ def _wound(system: System) -> Iterator[str]:
 
     Whole turns of angles that the file does not give are not known.
     """
-    for index in system.assembly.turns:
-        load = system.model.loads[index]
+    for load in system.model.loads:
+        if load.index not in system.assembly.turns:
+            continue
         deflection = load.value(load.load.deflection)
         turns = system.evaluate([deflection])[0, 0] / (2 * np.pi)
         if abs(turns) > 0.5:

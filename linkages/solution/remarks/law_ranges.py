@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.functions import Function, Table
+from linkages.components.contributed.functions import TIME, Function, Measured, Table
 from linkages.components.contributed.interpolation import extremes
+from linkages.components.contributed.measures import Turn
+from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import Path
+from linkages.components.laws.table import WHOLE
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
@@ -45,8 +48,8 @@ class LawRange:
 def law_range(function: Function, end: float) -> LawRange:
     """The range of a law from t = 0 to `end`; of a table that repeats, over its period."""
     begin, last = sorted((0.0, end))
-    if isinstance(function, Table):
-        period = function.times[-1] - function.times[0] if function.periodic else None
+    if isinstance(function, Table) and function.over == TIME:
+        period = function.places[-1] - function.places[0] if function.periodic else None
         return LawRange(*extremes(function, begin, last), period)
     times = np.linspace(begin, last, SAMPLES)
     return LawRange(0.0 - _largest(function, times, -1.0), 0.0 + _largest(function, times, 1.0))
@@ -63,21 +66,13 @@ def _largest(function: Function, times: NDArray[np.float64], sign: float) -> flo
     return best if np.isfinite(best) else np.nan
 
 
-def laws_of(mechanism: Mechanism) -> Iterator[tuple[Path, Function, str]]:
-    """All laws of drives and loads: path, function of time, and SI unit (none of a factor)."""
-    for name, drive in mechanism.prescribed.items():
-        yield drive.path, drive.law, "rad" if mechanism.bodies[name].rotates else "m"
-    for load in mechanism.loads:
-        for law in load.laws:
-            yield load.path, law, load.unit if load.given else ""
-
-
 def law_notes(mechanism: Mechanism) -> list[str]:
-    """A sentence for each table that leaves the range of its values, or jumps as a drive."""
+    """A sentence for each table that leaves the range of its values, or jumps as a drive.
+
+    And for one over an angle that repeats after no part of a turn: degrees read as radians.
+    """
     found = []
-    for path, law, unit in laws_of(mechanism):
-        if not isinstance(law, Table):
-            continue
+    for path, law, unit in _tables(mechanism):
         if law.interpolation == "spline":
             found += _outside(law, unit)
         if path[0] == "drives" and law.interpolation == "pchip":
@@ -85,13 +80,39 @@ def law_notes(mechanism: Mechanism) -> list[str]:
                 f"{dotted(path)}: the acceleration of a table with 'pchip' jumps at its times, and "
                 "with it driving efforts and joint forces; 'spline' keeps it continuous"
             )
-    return found
+    return [*found, *_odd_turns(mechanism)]
+
+
+def _tables(mechanism: Mechanism) -> Iterator[tuple[Path, Table, str]]:
+    """All tables of drives and loads: path, table, and SI unit (none of a factor)."""
+    for name, drive in mechanism.prescribed.items():
+        unit = "rad" if mechanism.bodies[name].rotates else "m"
+        yield from ((drive.path, t, unit) for t in leaves(drive.law) if isinstance(t, Table))
+    for load in mechanism.loads:
+        unit = load.unit if isinstance(load.law, Table) else ""
+        yield from ((load.path, t, unit) for t in leaves(load.law) if isinstance(t, Table))
+
+
+def _odd_turns(mechanism: Mechanism) -> Iterator[str]:
+    """Tables that repeat over an angle alone, but not as a turn does."""
+    for load in mechanism.loads:
+        for table in (t for t in leaves(load.law) if isinstance(t, Table) and t.periodic):
+            over, period = table.over, table.places[-1] - table.places[0]
+            if not isinstance(over, Measured) or over.order:
+                continue
+            turns = period / (2 * np.pi)
+            whole = any(abs(part - round(part)) < WHOLE for part in (turns, 1 / turns))
+            if isinstance(over.measure or load.measure, Turn) and not whole:
+                yield (
+                    f"{dotted(table.path)} repeats every {period:g} rad, which is no whole number "
+                    "of turns, nor a part of one; numbers without a unit are radians, not degrees"
+                )
 
 
 def _outside(table: Table, unit: str) -> list[str]:
     least, most = min(table.values), max(table.values)
     unit = unit and f" {unit}"
-    low, high = extremes(table, table.times[0], table.times[-1])
+    low, high = extremes(table, table.places[0], table.places[-1])
     slack = ROUND_OFF * (most - least)
     if low >= least - slack and high <= most + slack:
         return []

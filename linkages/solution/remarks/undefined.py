@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import Function
+from linkages.kernel.forces.loads import LoadNodes
 from linkages.kernel.numbers.laws import law_values
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted
@@ -27,13 +28,26 @@ def undefined_load(system: System, times: NDArray[np.float64]) -> tuple[int, str
     """The first time at which a load of a driven system has no value, and a sentence about it."""
     found = []
     for load in system.model.loads:
-        values = system.evaluate(load.given, times)
-        lost = ~np.isfinite(values).all(axis=0) & _reached(system, times)
+        lost = _lost(system, load, times, None) & _reached(system, times)
         if lost.any():
             first = int(np.argmax(lost))
             place = f"at t = {times[first]:.9g} s, {dotted(load.load.path)}: {load.undefined}"
             found.append((first, f"{place}. End before, or change the load."))
     return min(found) if found else None
+
+
+def _lost(
+    system: System,
+    load: LoadNodes,
+    times: NDArray[np.float64] | float,
+    state: NDArray[np.float64] | None,
+) -> NDArray[np.bool_]:
+    """Where a load has no value though all has one that it depends on."""
+    given, rated = (
+        np.isfinite(system.evaluate(nodes, times, state)) for nodes in (load.given, load.doubtful)
+    )
+    lost = ~rated[:1].all(axis=0) & rated[1:].all(axis=0)
+    return np.asarray(lost | ~given.all(axis=0))
 
 
 def _reached(system: System, times: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -64,13 +78,15 @@ def _breaks(law: Function, time: float) -> bool:
 
 
 def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
-    """Springs whose ends meet, by the last state."""
+    """Springs whose ends meet, and other laws of state without a value, at the last state."""
     count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
     state = np.concatenate(
         [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
     )
+    time = trajectory.stop_time
+    ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
+    states = np.repeat(state[:, None], len(ahead), axis=1)
+    states[:count] += ahead * states[count:]
     for load in system.model.loads:
-        if not load.load.laws:
-            values = system.evaluate(load.given, trajectory.stop_time, state[:, None])
-            if not np.isfinite(values).all():
-                yield f"{dotted(load.load.path)} ({load.undefined})"
+        if not load.load.given and _lost(system, load, time + ahead, states).any():
+            yield f"{dotted(load.load.path)} ({load.undefined})"

@@ -1,0 +1,53 @@
+"""Formulas as functions."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from linkages.components.contributed.functions import TIME, Function, Number, Operation, applied
+from linkages.components.contributed.sensing import measured_by
+from linkages.components.contributed.terms import Parameter, Path
+from linkages.operations import ELEMENTARY
+from linkages.spec.formulas import Call, Clock, Constant, Formula, Node, Sensed
+
+
+def translated(formula: Formula, path: Path) -> Function:
+    """Return the function that a formula at `path` is.
+
+    Its numbers are parameters at ``(*path, 0)``, ``(*path, 1)``, … from left to right. How often
+    to multiply in a power, and a whole number of turns within a sine, are structure.
+    """
+    return _Translation(path).of(formula.tree)
+
+
+class _Translation:
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.numbers = 0
+        self.repeating = False
+
+    def of(self, node: Node) -> Function:
+        match node:
+            case Clock():
+                return TIME
+            case Constant(value):
+                self.numbers += 1
+                return Number(Parameter((*self.path, self.numbers - 1), value))
+            case Sensed():
+                return measured_by(node)
+            case Call("power", (base, Constant(exponent))):
+                return applied("power", self.of(base), exponent)
+            case Call("mul", (Constant(turns, None), Sensed("angle") as angle)) if (
+                self.repeating and turns.is_integer()
+            ):
+                return applied("mul", turns, measured_by(angle))
+            case Call(name, arguments):
+                before = self.repeating
+                self.repeating = (name in ELEMENTARY and ELEMENTARY[name].periodic) or (
+                    before and name in ("add", "sub", "neg")
+                )
+                found = tuple(self.of(argument) for argument in arguments)
+                self.repeating = before
+                return Operation(name, found)
+            case _:
+                assert_never(node)

@@ -1,0 +1,176 @@
+"""The way of a pin in its hole, and when the two touch: clearances whose contact may open."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.prefixes import scale_for, scale_of
+from linkages.plots.style import BLACK, LEFT, PALETTE, fitted, legend_above, panels, styled
+from linkages.plots.style import title as title_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+STATES = ("free flight", "impact", "following contact")
+"""By the values of ``clearance_state``."""
+
+COLOURS = ("#B4B4B4", PALETTE[1], PALETTE[0])
+ROOM = 1.12
+"""Half the picture of an orbit over the radial clearance."""
+
+LINE = {0: 0.6, 1: 1.4, 2: 1.4}
+HEIGHTS = (4.0, 2.34)  # inches: of a square picture that stands alone, and of two side by side
+STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the legend above
+
+
+@styled
+def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """A picture for each clearance whose contact may open; None if there is none."""
+    names = opening(data)
+    if not names:
+        return None
+    columns = min(len(names), len(HEIGHTS))
+    figure, axes = panels(-(-len(names) // columns), columns, HEIGHTS[columns - 1], ABOVE)
+    for ax, name in zip(axes, names, strict=False):
+        whose = title_of(mechanism.name, name) if len(names) == 1 else name
+        draw_orbit(ax, data.sel(clearance=name), whose)
+    for ax in axes[len(names) :]:
+        ax.remove()
+    return figure
+
+
+def opening(data: xr.Dataset) -> list[str]:
+    """Clearances whose contact may open, if there are samples; massless links have no offset."""
+    if "clearance_offset" not in data or not data.sizes["time"]:
+        return []
+    known = data["clearance_offset"].notnull().any(["time", "axis"])
+    return [str(name) for name in known["clearance"].values[known.values]]
+
+
+def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+    """Draw the offset of one clearance in the circle in which nothing touches.
+
+    Parameters
+    ----------
+    ax
+        Where to draw; equal scales.
+    data
+        ``clearance_offset``, ``clearance_indentation`` and ``clearance_state`` of one clearance.
+    heading
+        Title.
+    """
+    offset = np.asarray(data["clearance_offset"].transpose("time", "axis"), dtype=float)
+    indentation = np.asarray(data["clearance_indentation"], dtype=float)
+    size = float(np.median(np.hypot(*offset.T) - indentation))
+    scale = scale_for(size, "m")
+    ax.add_patch(Circle((0, 0), size * scale.factor, facecolor="none", edgecolor=BLACK, zorder=3))
+    ax.add_collection(_segments(offset * scale.factor, np.asarray(data["clearance_state"])))
+    reach = scale.factor * max(ROOM * size, 1.02 * float(np.hypot(*offset.T).max()))
+    ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+    ax.set_xlabel(scale.label("offset x"))
+    ax.set_ylabel(scale.label("offset y"))
+    deepest = float(indentation.max())
+    said = "no contact"
+    if deepest > 0:
+        found = scale_for(deepest, "m")
+        said = f"deepest {found.factor * deepest:.3g} {found.units}"
+    ax.legend(
+        [Line2D([], [], color=c, linewidth=1.6) for c in COLOURS],
+        STATES,
+        **legend_above(fitted(f"{heading}, {said}", ax.bbox.width / ax.figure.dpi)),
+        ncols=3,
+        handlelength=1.2,
+        columnspacing=1.0,
+        fontsize=7,
+    )
+    return ax
+
+
+def _segments(offset: Array, state: NDArray) -> LineCollection:
+    """From sample to sample, in the colour of where they lead from; contact lies on top."""
+    pairs = np.stack([offset[:-1], offset[1:]], axis=1)
+    begun = np.asarray(state[:-1], dtype=int)
+    order = np.argsort(begun, kind="stable")
+    return LineCollection(
+        list(pairs[order]),
+        colors=[COLOURS[k] for k in begun[order]],
+        linewidths=[LINE[int(k)] for k in begun[order]],
+        capstyle="round",
+        zorder=2,
+    )
+
+
+@styled
+def state_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
+    """Free flight, impacts and following contact over time; None if no contact may open."""
+    names = opening(data)
+    if not names or data.sizes["time"] < 2:
+        return None
+    return draw_states(state_page(data), data, mechanism.name).get_figure(root=True)
+
+
+def state_page(data: xr.Dataset) -> Axes:
+    """Axes of a new figure, as high as the strips need."""
+    return panels(1, 1, STRIP * len(opening(data)), ABOVE)[1][0]
+
+
+def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
+    """Draw a strip for each clearance whose contact may open.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        ``clearance_offset`` and ``clearance_state``.
+    heading
+        Stands over the legend, with the shares of time.
+    """
+    names = opening(data)
+    time = np.asarray(data["time"], dtype=float)
+    scale = scale_of(time, "s")
+    for row, name in enumerate(reversed(names)):
+        state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
+        _draw_strip(ax, time * scale.factor, state, row)
+    ax.set(xlim=(time[0] * scale.factor, time[-1] * scale.factor), ylim=(-0.6, len(names) - 0.4))
+    ax.set_yticks(range(len(names)), [fitted(name, LEFT - 0.1, 8.0) for name in reversed(names)])
+    ax.tick_params(axis="y", length=0)
+    ax.grid(visible=False, axis="y")
+    ax.set_xlabel(scale.label("time"))
+    found = zip(STATES, shares(data, names), strict=True)
+    entries = [f"{state}: {100 * share:.3g} %" for state, share in found]
+    said = "share of time" if len(names) == 1 else "mean share of time"
+    handles = [Patch(color=colour) for colour in COLOURS]
+    ax.legend(handles, entries, **legend_above(title_of(heading, said)), ncols=3)
+    return ax
+
+
+def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:
+    """Draw bars over the times of each state; a state lasts until the next sample."""
+    edges = np.flatnonzero(np.diff(state)) + 1
+    first = np.concatenate([[0], edges])
+    last = np.concatenate([edges, [len(time) - 1]])
+    for value, colour in enumerate(COLOURS):
+        chosen = state[first] == value
+        begin, end = time[first[chosen]], time[last[chosen]]
+        spans = list(zip(begin, end - begin, strict=True))
+        ax.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, linewidth=0)
+
+
+def shares(data: xr.Dataset, names: list[str]) -> list[float]:
+    """Part of the time in each state, over all clearances named."""
+    time = np.asarray(data["time"], dtype=float)
+    state = np.asarray(data["clearance_state"].sel(clearance=names).transpose("time", "clearance"))
+    weight = np.diff(time)[:, None] / (time[-1] - time[0]) / len(names)
+    return [float((weight * (state[:-1] == value)).sum()) for value in range(len(STATES))]

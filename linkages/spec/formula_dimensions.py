@@ -1,0 +1,143 @@
+"""What formulas with units measure: terms of a sum alike, functions of pure numbers, and so on.
+
+A formula without any unit is in SI and is not looked at. As soon as one number has a unit, all
+numbers are what they say: one without a unit is a pure number, and only 0 may be anything. Named
+quantities and t bring their dimension along. The radian counts as one, as in SI.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import TypeAlias, assert_never
+
+from linkages.spec.dimensions import KNOWN, Dimension
+from linkages.spec.formulas import Call, Clock, Constant, Formula, Node, Sensed
+from linkages.spec.grammar import NumberError, Span
+from linkages.spec.units import Unit, unit
+
+Powers: TypeAlias = dict[str, Fraction]
+"""Base unit → its power, those of zero left out; None in its place: a zero, which is anything."""
+
+PURE: Powers = {}
+_ALIKE = ("add", "sub", "min", "max", "where", "atan2")
+_TIME: Powers = {"second": Fraction(1)}
+_SYMBOLS = {"meter": "m", "kilogram": "kg", "second": "s", "kelvin": "K", "ampere": "A"}
+
+
+def powers(found: Unit) -> Powers:
+    """The powers of base units, without the radian."""
+    return {base: Fraction(power) for base, power in found.exponents if base != "radian"}
+
+
+def described(found: Powers) -> str:
+    """A dimension in words, with its unit: ``"a force (N)"``."""
+    if not found:
+        return "an angle or a pure number"
+    for known in KNOWN:
+        if powers(unit(known.unit)) == found:
+            return f"{known.article} ({known.unit.replace('**', '^').replace('*', ' ')})"
+    above = [_power(base, power) for base, power in found.items() if power > 0]
+    below = [_power(base, -power) for base, power in found.items() if power < 0]
+    return f"a quantity in {' '.join(above) or '1'}{''.join('/' + part for part in below)}"
+
+
+def _power(base: str, power: Fraction) -> str:
+    return _SYMBOLS.get(base, base) + ("" if power == 1 else f"^{power}")
+
+
+def require(formula: Formula, expected: Dimension, unit_of: Callable[[Sensed], str]) -> None:
+    """Make sure that a formula measures what stands in its place.
+
+    Parameters
+    ----------
+    formula
+        Without units it is in SI, and passes.
+    expected
+        What is asked for.
+    unit_of
+        SI unit of a named quantity.
+
+    Raises
+    ------
+    NumberError
+        With what was found, and what is expected.
+    """
+    if not formula.has_units:
+        return
+    found = measured(formula, unit_of)
+    wanted = powers(unit(expected.unit)) if expected.unit else PURE
+    if found is not None and found != wanted:
+        raise NumberError(f"it is {described(found)}, not {expected.article}")
+
+
+def measured(formula: Formula, unit_of: Callable[[Sensed], str]) -> Powers | None:
+    """What a formula with units measures; None if it is zero. Raises as `require` does."""
+    return _Measuring(formula.text, unit_of).of(formula.tree)
+
+
+class _Measuring:
+    def __init__(self, text: str, unit_of: Callable[[Sensed], str]) -> None:
+        self._text, self._unit_of = text, unit_of
+
+    def of(self, node: Node) -> Powers | None:
+        match node:
+            case Constant(value, found):
+                if found is not None:
+                    return powers(found)
+                return None if value == 0.0 else PURE
+            case Clock():
+                return _TIME
+            case Sensed():
+                return powers(unit(self._unit_of(node)))
+            case Call("power", (base, Constant(exponent))):
+                return _raised(self.of(base), Fraction(int(exponent)))
+            case Call(name, arguments, _, span):
+                return self._called(name, arguments, span)
+            case _:
+                assert_never(node)
+
+    def _called(self, name: str, arguments: tuple[Node, ...], span: Span) -> Powers | None:
+        found = [self.of(argument) for argument in arguments]
+        match name:
+            case "neg" | "abs":
+                return found[0]
+            case "sign":
+                return PURE
+            case "mul" | "div":
+                first, second = found
+                if first is None or second is None:
+                    return None
+                return _times(first, _raised(second, Fraction(1 if name == "mul" else -1)) or PURE)
+            case "sqrt":
+                return _raised(found[0], Fraction(1, 2))
+            case _ if name in _ALIKE:
+                alike = self._alike(found[1:] if name == "where" else found, span)
+                return PURE if name == "atan2" else alike
+        for argument in found:
+            if argument:
+                message = f"{name!r} takes an angle or a pure number, found {described(argument)}"
+                hint = "; multiply it by a rate, such as 2 rad/s" if argument == _TIME else ""
+                raise NumberError(f"{message} in {self._at(span)}{hint}", at=span[0])
+        return PURE
+
+    def _alike(self, found: list[Powers | None], span: Span) -> Powers | None:
+        known = [entry for entry in found if entry is not None]
+        for other in known[1:]:
+            if other != known[0]:
+                both = f"{described(known[0])} and {described(other)}"
+                raise NumberError(f"{both} do not go together in {self._at(span)}", at=span[0])
+        return known[0] if known else None
+
+    def _at(self, span: Span) -> str:
+        return repr(self._text[slice(*span)].strip())
+
+
+def _raised(found: Powers | None, exponent: Fraction) -> Powers | None:
+    return None if found is None else {base: power * exponent for base, power in found.items()}
+
+
+def _times(first: Powers, second: Powers) -> Powers:
+    total = {base: first.get(base, Fraction(0)) + second.get(base, Fraction(0))
+             for base in dict.fromkeys((*first, *second))}  # fmt: skip
+    return {base: power for base, power in total.items() if power}

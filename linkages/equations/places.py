@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from linkages.components.contributed.terms import Body, Parameter
+from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.equations.laws import law_of
 from linkages.equations.polar import Polar, Terms, in_frame
 from linkages.equations.symbols import Symbols
 from linkages.topology.blocks import Step
@@ -71,9 +72,15 @@ class Places:
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
-        """It is offset + Σ ratio·q_other."""
+        """It is offset + Σ ratio·q_other, or offset + f(Σ ratio·q_other)."""
         relation, turns = self._topology.slaves[name], self._body(name).rotates
-        total = (self._angle if turns else self._symbols.parameter)(relation.offset)
+        offset = (self._angle if turns else self._symbols.parameter)(relation.offset)
+        if relation.profile is None:
+            return self._summed(relation) + offset
+        return law_of(relation.profile, self._symbols, lambda _: self._summed(relation)) + offset
+
+    def _summed(self, relation: Relation) -> sp.Expr:
+        total = sp.S.Zero
         for other, ratio in relation.parts:
             factor = sp.S.One if ratio.value == 1.0 else self._symbols.parameter(ratio)
             total += factor * self.coordinate(other)

@@ -49,6 +49,7 @@ _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("cylinders", "ambient"): ("p", "a"),
     ("cylinders", "volume"): ("V", "0"),
     ("cylinders", "exponent"): ("n",),
+    ("cams", "offset"): ("s", "0"),
     ("racks", "radius"): ("R",),
     ("racks", "radius", "inverse"): ("kappa",),
     ("racks", "carrier"): ("R", "carrier"),

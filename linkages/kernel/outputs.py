@@ -130,6 +130,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.driven
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in _dyads(model))
+    if dim == "cam":
+        return tuple(model.mechanism.cams)
     if dim in LOADS:
         return tuple(load.label for load in model.loads if load.dimension == dim)
     if dim == "clearance":

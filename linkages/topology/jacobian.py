@@ -42,7 +42,8 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
     places
         Point → position, shape (2,).
     axes
-        Slider → unit vector of its axis, shape (2,).
+        Slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
+        lift.
 
     Returns
     -------

@@ -363,6 +363,23 @@ springs:
   - {between: [O, R], stiffness: 20, length: 0.1}
 """
 
+CAM = """
+gravity: [0.3, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.05, mass: 1, center: [0.02, 0.01]}
+  rod: {joints: [V, B], length: 0.3, mass: 0.5}
+sliders:
+  valve: {joint: V, through: [0, 0.05], angle: 80 deg, mass: 0.3}
+  foot: {joint: B, through: [0.2, 0], angle: 5 deg, mass: 0.2}
+cams:
+  - {slider: valve, bar: crank, angles: [0, 1, 2, 3.5, 5, 360 deg], lifts: [0, 0.01, 0.03, 0.04,
+     0.02, 0], offset: 0.03, base_radius: 0.04}
+KNOWN
+springs: [{slider: valve, stiffness: 200}]
+dampers: [{slider: foot, damping: 2}]
+"""
+
 DRIVEN = "drives: {crank: {angle: 0.5, speed: 3}}"
 FREE = "free: {crank: {angle: 0.5, speed: 3}}"
 
@@ -405,6 +422,8 @@ MORE_MECHANISMS = {
     "loaded-clearances": LOADED_CLEARANCES,
     "actuated": ACTUATED,
     "motorised": MOTORISED,
+    "cam": filled(CAM, KNOWN=DRIVEN),
+    "cam-free": filled(CAM, KNOWN=FREE),
     "rack": filled(RACK, KNOWN="free: {pinion: {angle: 0.5, speed: 2}}"),
     "rack-from-slider": filled(RACK, KNOWN="free: {rack: {position: 0.1, speed: 2}}"),
     "rack-from-block": filled(RACK, KNOWN="free: {rod: {angle: 0.1, speed: 2}}"),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from linkages.components.contributed.functions import Function
+    from linkages.components.contributed.functions import Function, Table
 
 Path = tuple[str | int, ...]
 
@@ -161,9 +161,9 @@ class Displacement:
 
 @dataclass(frozen=True)
 class Relation:
-    """The coordinate of a body follows from others: q = offset + Σ ratio·q_other.
+    """The coordinate of a body follows from others: q = offset + f(Σ ratio·q_other).
 
-    Welds and gears tie angles, racks an angle and a displacement.
+    Welds and gears tie angles, racks an angle and a displacement; there f is the sum itself.
 
     Parameters
     ----------
@@ -177,6 +177,8 @@ class Relation:
         Where it stands in the definition file.
     inverse
         The same for another body, which is taken where something else gives that of `body`.
+    profile
+        f of a body that slides, a spline over `X`, the sum; None if it is the sum.
     """
 
     body: str
@@ -184,6 +186,7 @@ class Relation:
     offset: Parameter
     path: Path
     inverse: Relation | None = None
+    profile: Table | None = None
 
 
 def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Relation]:
@@ -206,6 +209,26 @@ def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Rela
 def _back(relation: Relation) -> Relation:
     assert relation.inverse is not None
     return relation.inverse
+
+
+@dataclass(frozen=True)
+class CamSize:
+    """What the pressure angle of a cam's follower depends on besides its lift.
+
+    Parameters
+    ----------
+    slider
+        The follower, which translates.
+    base, roller
+        Radii of the base circle and of the roller (m).
+    eccentricity
+        Distance of the follower's axis from the cam's pin (m).
+    """
+
+    slider: str
+    base: Parameter
+    roller: Parameter
+    eccentricity: Parameter
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ def _driven_and_free(declared: Declared) -> list[Finding]:
 def _related_twice(declared: Declared) -> list[Finding]:
     found: list[Finding] = []
     seen: set[str] = set()
+    cams = {relation.body for relation in declared.relations if relation.profile is not None}
     remedy = "turn the relation round, with the inverse ratio"
     for relation in declared.relations:
         name = relation.body
@@ -36,6 +37,10 @@ def _related_twice(declared: Declared) -> list[Finding]:
         elif name in declared.driven or name in declared.free:
             what = "driven" if name in declared.driven else "free"
             found.append((relation.path, f"{start} and is {what}; expected one of the two"))
+        for other, _ in relation.parts:
+            if other in cams:
+                message = f"{other!r} follows a cam; expected one that nothing else is tied to"
+                found.append((relation.path, message))
         seen.add(name)
     return found
 

@@ -21,6 +21,7 @@ from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -292,6 +293,11 @@ class Mechanism:
         """Welds, gears and racks."""
         known = {*self.prescribed, *self.initial}
         return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+
+    @cached_property
+    def cams(self) -> dict[str, CamSize]:
+        """Followers of cams whose size is known."""
+        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
 
     @cached_property
     def gravity(self) -> Gravity:

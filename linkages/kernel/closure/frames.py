@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from linkages.components.contributed.terms import Parameter
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
@@ -18,9 +20,12 @@ class Frames:
     ----------
     topology, inputs
         The mechanism and the numbers of its definition.
+    slope
+        Follower of a cam → the derivative of its lift at the angle of the cam.
     """
 
-    def __init__(self, topology: Topology, inputs: Inputs) -> None:
+    def __init__(self, topology: Topology, inputs: Inputs, slope: Callable[[str], Scalar]) -> None:
+        self._slope = slope
         self._topology = topology
         self._mechanism = topology.mechanism
         self._inputs = inputs
@@ -93,7 +98,15 @@ class Frames:
         return total
 
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
-        """Bodies that a follower moves with, and in which ratios."""
+        """Bodies that a follower moves with, and in which ratios of rates."""
+        parts = self.summed(name)
+        if self._topology.slaves[name].profile is None:
+            return parts
+        slope = self._slope(name)
+        return [(other, slope * ratio) for other, ratio in parts]
+
+    def summed(self, name: str) -> list[tuple[str, Scalar]]:
+        """Bodies whose coordinates a follower's depends on, and in which ratios they add up."""
         parts = self._topology.slaves[name].parts
         return [(other, self._ratio(ratio)) for other, ratio in parts]
 

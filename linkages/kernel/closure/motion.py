@@ -62,6 +62,11 @@ class _Field(ABC):
         parts = self.positions.frames.follows(name)
         return self.graph.total(factor * self.moving(other) for other, factor in parts)
 
+    def summed(self, name: str) -> Scalar:
+        """Derivative of what the coordinate of a follower is a function of."""
+        parts = self.positions.frames.summed(name)
+        return self.graph.total(factor * self.moving(other) for other, factor in parts)
+
     def _add(self, block: Block) -> None:
         if block.unknowns:
             self.bodies |= dict.fromkeys(block.unknowns, self.graph.zero)
@@ -177,10 +182,23 @@ class Rates(_Field):
             if sliding and name in orientation.moved:
                 ratio = self.positions.frames.moves(step.body)[name]
                 total = total + axis.turned * self.turning(step.body) * ratio
+                total = total + axis * self._ratio_rate(step.body, name)
             if name in orientation.masters:
                 ratio = self.positions.frames.ratios(step.body)[name]
                 total = total + self._along(step).turned * ratio
         return total
+
+    def _ratio_rate(self, slider: str, name: str) -> Scalar:
+        """How the ratio changes in which a slider moves with a coordinate: along cams alone."""
+        relation = self.topology.slaves.get(slider)
+        if relation is None or relation.profile is None:
+            return self.graph.zero
+        frames = self.positions.frames
+        ratio = self.graph.total(
+            factor * frames.moves(other).get(name, self.graph.zero)
+            for other, factor in frames.summed(slider)
+        )
+        return self.positions.curvature(slider) * self.summed(slider) * ratio
 
 
 class Accelerations(_Field):
@@ -203,6 +221,14 @@ class Accelerations(_Field):
     ) -> None:
         self.rates = rates
         super().__init__(positions, known, label)
+
+    def moving(self, name: str) -> Scalar:
+        """Derivative of a body's own coordinate; that of a cam's follower has a part of its own."""
+        relation = self.topology.slaves.get(name)
+        if relation is None or relation.profile is None:
+            return super().moving(name)
+        rate = self.rates.summed(name)
+        return super().moving(name) + self.positions.curvature(name) * (rate * rate)
 
     def _along(self, step: Step, block: Block | None = None) -> Vector:
         name = step.body

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 
+from linkages.components.contributed.functions import Table
 from linkages.components.contributed.terms import Body
 from linkages.kernel.closure.closed_forms import solve_dyad
 from linkages.kernel.closure.dyads import Dyad
 from linkages.kernel.closure.frames import Frames
 from linkages.kernel.closure.iterated import Iterated
 from linkages.kernel.closure.iteration import iterate_block
+from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.scalars import Scalar, section
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
-from linkages.kernel.numbers.laws import Law, law_of
+from linkages.kernel.numbers.laws import Law, law_of, value_of
 from linkages.topology.blocks import ITERATED, Block, Loop
 from linkages.topology.topology import Topology
 
@@ -47,7 +49,7 @@ class Positions:
         self.topology = topology
         self.inputs = inputs
         self.graph = inputs.graph
-        self.frames = Frames(topology, inputs)
+        self.frames = Frames(topology, inputs, self.slope)
         self.dyads: dict[int, Dyad | Iterated] = {}
         # in the order of the bodies: the order of the ground joints in the file is no structure
         mechanism = topology.mechanism
@@ -210,6 +212,36 @@ class Positions:
 
     def _following(self, name: str) -> Scalar:
         """A coordinate that follows from others."""
-        parts = self.frames.follows(name)
-        offset = self.inputs.parameter(self.topology.slaves[name].offset)
-        return self.graph.total(factor * self.coordinate(other) for other, factor in parts) + offset
+        relation = self.topology.slaves[name]
+        value = self._summed(name)
+        if relation.profile is not None:
+            value = self._lift(relation.profile, value)
+        return value + self.inputs.parameter(relation.offset)
+
+    def _summed(self, name: str) -> Scalar:
+        parts = self.frames.summed(name)
+        return self.graph.total(factor * self.coordinate(other) for other, factor in parts)
+
+    def _lift(self, profile: Table, value: Scalar) -> Scalar:
+        return value_of(profile, self.inputs, lambda _: value)
+
+    def _profile(self, name: str) -> Table:
+        profile = self.topology.slaves[name].profile
+        assert profile is not None
+        return profile
+
+    def slope(self, name: str) -> Scalar:
+        """Derivative of the lift of a cam's follower by the angle of the cam."""
+        angle = self._summed(name)
+        ((found,),) = derivative([self._lift(self._profile(name), angle)], [angle])
+        return found
+
+    def curvature(self, name: str) -> Scalar:
+        """Second derivative of the lift of a cam's follower by the angle of the cam."""
+        return self._lift(self._profile(name).bends, self._summed(name))
+
+    def travel(self, name: str) -> Vector:
+        """How the pin of a slider moves on its axis with what its displacement follows from."""
+        relation = self.topology.slaves.get(name)
+        cam = relation is not None and relation.profile is not None
+        return self.unit(name) * self.slope(name) if cam else self.unit(name)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.terms import Body
+from linkages.components.contributed.terms import Body, Relation
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -179,9 +179,17 @@ class _Statics:
             yield self._effort(name)
         for relation in self._system.mechanism.relations:
             column = self._effort(relation.body)
+            slope = self._slope(relation)
             for other, ratio in relation.parts:
-                column -= ratio.value * self._effort(other)
+                column -= ratio.value * slope * self._effort(other)
             yield column
+
+    def _slope(self, relation: Relation) -> Floats | float:
+        """Of the lift of a cam, shape (samples, 1)."""
+        if relation.profile is None:
+            return 1.0
+        slope = self._system.model.positions.slope(relation.body)
+        return evaluate_nodes(self._piece, [slope]).T
 
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""

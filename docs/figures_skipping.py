@@ -16,7 +16,7 @@ from figures import machine
 from figures_stability import write
 
 import linkages
-from linkages.benchmark.calls import seconds_per_evaluation
+from linkages.benchmark.problem import seconds_per_evaluation
 from linkages.kernel.code.counting import report_kernel
 from linkages.kernel.graph.scalars import Level, reachable
 from linkages.kernel.numbers.layout import Layout

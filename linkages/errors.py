@@ -83,6 +83,26 @@ class ComputationError(LinkagesError):
         self.time = time
 
 
+class UnfinishedError(ComputationError):
+    """An analysis ended early, since the motion could not go on.
+
+    After Ctrl-C it is `Interrupted` that has what there is.
+
+    Parameters
+    ----------
+    message
+        When, where and why.
+    kept
+        Name of a result → what there is of it.
+    time
+        As of a `ComputationError`.
+    """
+
+    def __init__(self, message: str, kept: Mapping[str, Any], *, time: float | None = None) -> None:
+        super().__init__(message, time=time)
+        self.kept = dict(kept)
+
+
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C ended a computation; has what there was up to then.
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.benchmark.problem import Problem
+from linkages.benchmark.problem import Problem, derivative
 from linkages.errors import ComputationError
 from linkages.kernel.graph.scalars import reachable
 from linkages.operations import ELEMENTARY
@@ -41,8 +41,6 @@ class Peer:
 def _scipy(problem: Problem) -> Solve:
     """`scipy.integrate.solve_ivp` with DOP853 and our compiled right-hand side."""
     from scipy.integrate import solve_ivp
-
-    from linkages.benchmark.calls import derivative
 
     right_hand_side = derivative(problem.flow)
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
 from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.benchmark.peers import PEERS
+from linkages.benchmark.peers import Solve as PeerSolve
 from linkages.benchmark.problem import Problem
 from linkages.errors import ComputationError
 from linkages.solvers.methods.named import ADAPTIVE_METHODS, FIXED_STEP_METHODS
@@ -53,10 +55,6 @@ class Point:
     evaluations: int | None
     failure: str | None = None
 
-    def as_dict(self) -> dict:
-        """For JSON."""
-        return asdict(self)
-
 
 Solve = Callable[[float], tuple[NDArray[np.float64], int | None]]
 """Setting → coordinates at the end, number of evaluations."""
@@ -93,23 +91,24 @@ def work_precision(problem: Problem, repeats: int = 5, longest: float = 5.0) -> 
 
 
 def _methods(problem: Problem) -> Iterator[_Series]:
+    def at_tolerance(method: str, rtol: float) -> tuple[NDArray[np.float64], int]:
+        return problem.solve(method, rtol=rtol)
+
+    def with_step(method: str, step: float) -> tuple[NDArray[np.float64], int]:
+        return problem.solve(method, step=step)
+
     for name in ADAPTIVE_METHODS:
-
-        def at_tolerance(rtol: float, method: str = name) -> tuple[NDArray[np.float64], int]:
-            return problem.solve(method, rtol=rtol)
-
-        yield _Series(name, TOLERANCES, True, at_tolerance)
+        yield _Series(name, TOLERANCES, True, partial(at_tolerance, name))
     coarsest = _coarsest_step(problem)
     steps = tuple(coarsest / 2**k for k in range(HALVINGS))
     for name in FIXED_STEP_METHODS:
-
-        def with_step(step: float, method: str = name) -> tuple[NDArray[np.float64], int]:
-            return problem.solve(method, step=step)
-
-        yield _Series(name, steps, False, with_step)
+        yield _Series(name, steps, False, partial(with_step, name))
 
 
 def _peers(problem: Problem) -> Iterator[_Series]:
+    def at_tolerance(solve: PeerSolve, rtol: float) -> tuple[NDArray[np.float64], None]:
+        return solve(rtol), None
+
     for peer in PEERS:
         if not peer.available:
             continue
@@ -117,13 +116,7 @@ def _peers(problem: Problem) -> Iterator[_Series]:
             prepared = peer.prepare(problem)
         except ComputationError:
             continue
-
-        def at_tolerance(
-            rtol: float, solve: Callable[[float], NDArray[np.float64]] = prepared
-        ) -> tuple[NDArray[np.float64], None]:
-            return solve(rtol), None
-
-        yield _Series(peer.name, TOLERANCES, True, at_tolerance)
+        yield _Series(peer.name, TOLERANCES, True, partial(at_tolerance, prepared))
 
 
 def _coarsest_step(problem: Problem) -> float:

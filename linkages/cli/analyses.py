@@ -1,9 +1,12 @@
-"""Commands that compute something: what they are asked for beyond what all of them are."""
+"""Commands that compute something: what they are asked for beyond what all of them are.
+
+What they do is `run` of the module of their name in `linkages.cli.verbs`.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,9 +15,6 @@ from linkages.cli.verb import computes
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
-
-if TYPE_CHECKING:
-    from linkages.cli.requests import Request
 
 RANGE = "PATH=FIRST:LAST:COUNT"
 
@@ -25,7 +25,6 @@ Cores = Annotated[
 
 @computes(SimulationOptions)
 def simulate(
-    request: Request,
     outputs: Annotated[
         str | None,
         typer.Option(
@@ -39,16 +38,12 @@ def simulate(
             "default: for adaptive methods of high order."
         ),
     ] = None,
-) -> int:
+) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
-    from linkages.cli.verbs.simulate import run_simulate
-
-    return run_simulate(request, outputs, verify)
 
 
 @computes(without=("figures",))
 def check(
-    request: Request,
     kernel: Annotated[
         bool, typer.Option("--kernel", help="Count the operations of the kernel.")
     ] = False,
@@ -59,29 +54,21 @@ def check(
         Path | None,
         typer.Option("--out", metavar="DIR", help="List the modes and draw them into this folder."),
     ] = None,
-) -> int:
+) -> None:
     """Report bodies, joints, loads, mobility, coordinates, blocks and condition numbers."""
-    from linkages.cli.verbs.check import run_check
-
-    return run_check(request, kernel, modes or out is not None)
 
 
 @computes(without=("figures", "out"))
 def equations(
-    request: Request,
     form: Annotated[
         str, typer.Option("--format", metavar="text|latex|python", help="How to print them.")
     ] = "text",
-) -> int:
+) -> None:
     """Print the closure equations, the energies and Lagrange's equations."""
-    from linkages.cli.verbs.equations import run_equations
-
-    return run_equations(request, form)
 
 
 @computes(RunOptions, without=("figures",))
 def animate(
-    request: Request,
     form: Annotated[
         Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
     ] = Moving.GIF,
@@ -102,16 +89,12 @@ def animate(
         typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
     ] = None,
     dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
-) -> int:
+) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
-    from linkages.cli.verbs.animate import run_animate
-
-    return run_animate(request, form, start, duration, slow, fps, size, dpi)
 
 
 @computes(SimulationOptions)
 def phase(
-    request: Request,
     x: Annotated[
         str, typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
     ],
@@ -123,32 +106,22 @@ def phase(
     samples: Annotated[
         int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")
     ] = None,
-) -> int:
+) -> None:
     """Draw any output of the motion against another one."""
-    from linkages.cli.verbs.phase import run_phase
-
-    return run_phase(request, x, y, wrap, skip, samples)
 
 
 @computes(SectionOptions)
-def poincare(request: Request) -> int:
+def poincare() -> None:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
-    from linkages.cli.verbs.poincare import run_poincare
-
-    return run_poincare(request)
 
 
 @computes(ExponentOptions)
-def lyapunov(request: Request) -> int:
+def lyapunov() -> None:
     """Compute Lyapunov exponents: how fast neighbouring motions separate."""
-    from linkages.cli.verbs.lyapunov import run_lyapunov
-
-    return run_lyapunov(request)
 
 
 @computes(BifurcationOptions)
 def bifurcation(
-    request: Request,
     vary: Annotated[
         list[str],
         typer.Option(
@@ -167,16 +140,12 @@ def bifurcation(
         ),
     ] = None,
     cores: Cores = None,
-) -> int:
+) -> None:
     """Take section points for every value of a parameter."""
-    from linkages.cli.verbs.bifurcation import run_bifurcation
-
-    return run_bifurcation(request, vary, start, initial or [], cores)
 
 
 @computes(MapOptions)
 def map_(
-    request: Request,
     x: Annotated[
         list[str], typer.Option(metavar=RANGE, help="Range to the right; several in lockstep.")
     ],
@@ -184,38 +153,27 @@ def map_(
         list[str], typer.Option(metavar=RANGE, help="Range upwards; several in lockstep.")
     ],
     cores: Cores = None,
-) -> int:
+) -> None:
     """Map an indicator of chaos over two parameters or a plane of initial states."""
-    from linkages.cli.verbs.map import run_map
-
-    return run_map(request, x, y, cores)
 
 
 @computes(VerdictOptions)
 def chaos(
-    request: Request,
     periods: Annotated[
         int | None, typer.Option(help="Length of the motion in periods; default: 300.")
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="As few periods as a verdict can rest on.")
     ] = False,
-) -> int:
+) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why."""
-    from linkages.cli.verbs.chaos import run_chaos
-
-    return run_chaos(request, periods, quick)
 
 
 @computes()
 def bench(
-    request: Request,
     repeats: Annotated[int, typer.Option(min=1, help="Runs per point; the median counts.")] = 5,
-) -> int:
+) -> None:
     """Measure time against error of every method and of installed peers."""
-    from linkages.cli.verbs.bench import run_bench
-
-    return run_bench(request, repeats)
 
 
 COMMANDS = (

@@ -6,8 +6,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.completion import complete_file
-from linkages.cli.options import Figures, Format, Json, Out, Picture, Template
+from linkages.cli.options import Figures, Format, Json, Out, Picture, Template, complete_file
 
 
 def new(

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import inspect
+from functools import partial
 from inspect import Parameter
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from linkages.analyses import Analysis, analyses
-from linkages.cli.options import File, Json, Out, Set
+from linkages.cli.verb import command_of
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.console import Console
+
+    from linkages.cli.requests import Request
 
 KINDS = {"int": int, "float": float, "str": str, "bool": bool}
 """Types of options, as annotations have them."""
@@ -50,23 +53,11 @@ def _command(verb: str, analysis: Analysis) -> Any:
         for parameter in inspect.signature(analysis).parameters.values()
         if parameter.kind is Parameter.KEYWORD_ONLY and _kind(parameter) is not None
     ]
-    common = inspect.signature(_common, eval_str=True).parameters.values()
-
-    def command(**given: Any) -> None:
-        own = {option.name: given.pop(option.name) for option in options}
-        raise typer.Exit(_run(verb, analysis, own, **given))
-
-    command.__doc__ = (analysis.__doc__ or "").strip().partition("\n")[0]
-    flags = [flag.replace(kind=Parameter.KEYWORD_ONLY) for flag in common]
-    command.__signature__ = inspect.Signature([*flags, *options])  # type: ignore[attr-defined]
-    command.__annotations__ = {flag.name: flag.annotation for flag in [*flags, *options]}
+    text = (analysis.__doc__ or "").strip().partition("\n")[0]
+    run = partial(_run, analysis)
     app = typer.Typer(add_completion=False, rich_markup_mode="rich")
-    app.command(verb)(command)
+    app.command(verb)(command_of(verb, text, options, run, without=("figures", "form")))
     return typer.main.get_command(app)
-
-
-def _common(file: File, assignments: Set = None, out: Out = None, json: Json = False) -> None:
-    """Flags that all of these commands have."""
 
 
 def _kind(parameter: Parameter) -> type | None:
@@ -82,52 +73,30 @@ def _flag(parameter: Parameter, text: str) -> Parameter:
     return parameter.replace(annotation=Annotated[kind, typer.Option(help=text)])
 
 
-def _run(
-    verb: str,
-    analysis: Analysis,
-    own: dict[str, Any],
-    file: str,
-    assignments: list[str] | None,
-    out: Path | None,
-    json: bool,
-) -> int:
-    from rich.markup import escape
-
-    from linkages.cli.loading import mechanism_from, require_folder
-    from linkages.cli.published import published
-    from linkages.cli.results import save_netcdf, save_table
-    from linkages.cli.terminal import console, number, print_json, print_notes, table
+def _run(analysis: Analysis, request: Request, **own: Any) -> int:
+    from linkages.cli.terminal import print_notes, table
     from linkages.errors import InputError, Problem
 
-    mechanism = mechanism_from(file, assignments or [])
-    folder = Path("results") / Path(file).stem if out is None else out
-    require_folder(folder)
+    mechanism = request.mechanism
     try:
         data = analysis(mechanism, **own)
     except ValueError as error:
-        raise InputError(file, [Problem(message=str(error))]) from None
+        raise InputError(request.file, [Problem(message=str(error))]) from None
     columns = _columns(data)
-    with published(verb, folder, mechanism, own) as run:
-        save_netcdf(data, run.folder / f"{verb}.nc")
-        save_table(columns, run.folder / f"{verb}.csv")
+    files = request.write([(request.verb, data), (request.verb, columns)])
     rows = list(zip(*columns.values(), strict=True))
     warning = str(data.attrs.get("warning", ""))
-    if json:
-        print_json(
-            {
-                "mechanism": mechanism.name,
-                "rows": [dict(zip(columns, row, strict=True)) for row in rows],
-                "warning": warning or None,
-                "files": [str(path) for path in run.files],
-            }
-        )
-        return 0
-    screen = console()
-    cells = [[c if isinstance(c, str) else number(c) for c in row] for row in rows]
-    screen.print(table(escape(mechanism.name), list(columns), cells, numbers=len(columns) - 1))
-    print_notes([warning] if warning else [], screen)
-    screen.print(f"{len(run.files)} files in {folder}", markup=False)
-    return 0
+
+    def show(screen: Console) -> None:
+        screen.print(table(mechanism.name, list(columns), rows, numbers=len(columns) - 1))
+        print_notes([warning] if warning else [], screen)
+
+    content = {
+        "mechanism": mechanism.name,
+        "rows": [dict(zip(columns, row, strict=True)) for row in rows],
+        "warning": warning or None,
+    }
+    return request.report(content, files, show)
 
 
 def _columns(data: xr.Dataset) -> dict[str, list[Any]]:

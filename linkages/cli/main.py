@@ -52,7 +52,7 @@ def _options(
     ] = False,
 ) -> None:
     """Options before the verb."""
-    from linkages.cli.verbosity import set_verbosity
+    from linkages.cli.terminal import set_verbosity
 
     if quiet and verbose:
         raise typer.BadParameter("--quiet and --verbose are both given; expected one of them")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import csv
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
@@ -20,13 +23,24 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
+from linkages.reading.replacing import replaced
 from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
     from linkages.chaos.sweeps.varied import Axis
 
 NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
 """A comma before another assignment; commas within a value are followed by no equals sign."""
+
+
+Written: TypeAlias = "str | xr.Dataset | Mapping[str, Any] | Figure | None"
+"""What a file holds: a text, a dataset, columns of a table, or a figure, if there is one."""
+
+File: TypeAlias = tuple[str, Written]
+"""Its name, with an ending if it is a text, and what it holds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +109,7 @@ class Request:
         Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an
         analysis has when it must end early is written.
         """
-        from linkages.chaos.sections.unfinished import UnfinishedError
+        from linkages.errors import UnfinishedError
 
         title = f"{label} {escape(self.mechanism.name)}"
         try:
@@ -114,14 +128,10 @@ class Request:
 
     def _keep(self, kept: Mapping[str, Any], *, interrupted: bool) -> str:
         """Write what an analysis has that ended early, and say where."""
-        from linkages.cli.results import save_netcdf
-
         if not kept:
             return ""
-        with self.publishing(complete=False, interrupted=interrupted) as place:
-            for name, data in kept.items():
-                save_netcdf(data, place.folder / f"{name}.nc")
-        return "\nup to there: " + " and ".join(str(path) for path in place.files)
+        files = self.write(kept.items(), complete=False, interrupted=interrupted)
+        return "\nup to there: " + " and ".join(str(path) for path in files)
 
     def publishing(
         self,
@@ -135,14 +145,87 @@ class Request:
         state = {"complete": complete, "interrupted": interrupted}
         return published(self.verb, self.folder, self.mechanism, how, **state)
 
+    def write(
+        self, files: Iterable[File], options: Mapping[str, Any] | None = None, **state: bool
+    ) -> list[Path]:
+        """Write the files of the run, one as soon as it is made; returns where they are.
+
+        Parameters
+        ----------
+        files
+            Names, and what the files hold: their endings follow from that.
+        options, state
+            As `publishing` takes them.
+        """
+        with self.publishing(options, **state) as place:
+            for name, content in files:
+                _write(place.folder / name, content, self.format)
+        return place.files
+
     def report(
-        self, content: Mapping[str, Any], files: Sequence[Path], show: Callable[[Console], None]
-    ) -> None:
-        """Print what was found as JSON if that is asked for, else as `show` does."""
+        self,
+        content: Mapping[str, Any],
+        files: Sequence[Path],
+        show: Callable[[Console], None],
+        *,
+        failure: str | None = None,
+        listed: bool = True,
+    ) -> int:
+        """Print what was found as JSON if that is asked for, else as `show` does.
+
+        Parameters
+        ----------
+        content, files
+            What JSON has.
+        show
+            Prints it for people.
+        failure
+            Why a motion stopped before its end, if it did.
+        listed
+            Whether to say how many files there are, and where.
+
+        Returns
+        -------
+        The exit code.
+        """
         if self.json:
             print_json({**content, "files": [str(path) for path in files]})
         else:
-            show(console())
+            screen = console()
+            show(screen)
+            if files and listed:
+                screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
+            if failure is not None:
+                print(f"stopped {failure}", file=sys.stderr)
+        return 0 if failure is None else 1
+
+
+def _write(path: Path, content: Written, picture: str) -> None:
+    """Write a file, with the ending that its content has."""
+    import xarray as xr
+
+    from linkages.solution.files import save_netcdf
+
+    if isinstance(content, str):
+        with replaced(path) as temporary:
+            temporary.write_text(content, encoding="utf-8")
+    elif isinstance(content, xr.Dataset):
+        save_netcdf(content, path.with_name(f"{path.name}.nc"))
+    elif isinstance(content, Mapping):
+        _write_table(path.with_name(f"{path.name}.csv"), content)
+    elif content is not None:
+        from linkages.plots.figures import write_figure
+
+        write_figure(content, path.with_name(f"{path.name}.{picture}"))
+
+
+def _write_table(path: Path, columns: Mapping[Any, Any]) -> None:
+    """Write columns with all digits, and nothing for nan."""
+    with replaced(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+        writer.writerows(["" if cell != cell else cell for cell in row] for row in rows)
 
 
 def ranges(option: str, texts: Sequence[str]) -> Axis:

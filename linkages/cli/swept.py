@@ -6,18 +6,19 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from linkages.chaos.sections.free_states import PAIRS
 from linkages.cli.published import EndedError
-from linkages.cli.requests import Request
-from linkages.cli.terminal import console, print_notes
+from linkages.cli.requests import File, Request
+from linkages.cli.terminal import print_notes
 from linkages.errors import Interrupted
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.console import Console
 
 INTERRUPTED = "interrupted: what was computed up to then is in"
 TOO_EARLY = "interrupted before anything was computed"
@@ -47,7 +48,7 @@ def failure_notes(failed: dict[str, int], what: str) -> list[str]:
     return [f"{count} {what}{'s' * (count > 1)}: {reason}" for reason, count in failed.items()]
 
 
-def swept(request: Request, label: str, what: str, task: Callable[..., xr.Dataset]) -> xr.Dataset:
+def result(request: Request, label: str, what: str, task: Callable[..., xr.Dataset]) -> xr.Dataset:
     """What a sweep returns that reports its progress, or after Ctrl-C what there is of it."""
     with request.computing(f"{label} of", f"of {what}s") as update:
         try:
@@ -59,26 +60,25 @@ def swept(request: Request, label: str, what: str, task: Callable[..., xr.Datase
             return cast("xr.Dataset", data)
 
 
-def publish_sweep(
+def publish(
     request: Request,
     data: xr.Dataset,
     what: str,
-    save: Callable[[Path], None],
+    made: Iterable[File],
     content: Mapping[str, Any],
-    show: Callable[[Sequence[Path]], None],
+    show: Callable[[Console], None],
 ) -> int:
     """Write the files of a sweep, and report `content` as JSON or show it; returns the exit code.
 
-    `what` is one of its computations in a word.
+    `what` is one of its computations in a word; `made` are the files.
     """
     interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
-    with request.publishing(complete=computed, interrupted=interrupted) as place:
-        save(place.folder)
-    request.report(content, place.files, lambda _: show(place.files))
+    files = request.write(made, complete=computed, interrupted=interrupted)
+    request.report(content, files, show)
     if interrupted:
-        raise EndedError(f"{INTERRUPTED} {place.files[0].parent}")
+        raise EndedError(f"{INTERRUPTED} {files[0].parent}")
     if not computed:
         print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
     return int(not computed)
@@ -95,22 +95,51 @@ def any_computed(data: xr.Dataset) -> bool:
     )
 
 
-def coordinate_head(name: object, array: xr.DataArray) -> str:
-    """Head of a column of what is varied."""
-    unit = array.attrs.get("units", "")
-    return f"{name} ({unit})" if unit else str(name)
+def free_columns(data: xr.Dataset) -> dict[str, Any]:
+    """Head → series of every free coordinate and its rate, flattened over all other dimensions."""
+    columns: dict[str, Any] = {}
+    for name, array in data.data_vars.items():
+        dim = str(array.dims[-1])
+        if "crossing" not in array.dims or dim not in PAIRS:
+            continue
+        for element in data[dim].values:
+            series = array.sel({dim: element}).to_numpy().ravel()
+            columns[f"{name}[{element}] ({array.attrs['units']})"] = series
+    return columns
 
 
-def contact_columns(data: xr.Dataset) -> dict[str, Any]:
-    """Head → column with an entry for each point, for every clearance."""
+def varied_columns(data: xr.Dataset, *dims: str) -> dict[str, xr.DataArray]:
+    """Head → values of everything that is varied along some dimensions."""
+    return {
+        f"{name} ({array.attrs['units']})" if array.attrs.get("units") else str(name): array
+        for name, array in data.coords.items()
+        if len(array.dims) == 1 and array.dims[0] in dims and name not in dims
+    }
+
+
+def contact_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Head → what was seen of contact in every clearance."""
     from linkages.chaos.sections.contact_log import CONTACT
 
     heads = {"contact_lost": "contact lost in {} (share)", "least_force": "least force in {} (N)"}
     return {
-        heads[variable].format(name): data[variable].sel(clearance=name).to_numpy().ravel()
+        heads[variable].format(name): data[variable].sel(clearance=name)
         for variable in CONTACT
         if variable in data
         for name in data["clearance"].to_numpy()
+    }
+
+
+def failure_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Head → why there is no result, and when the motion stopped."""
+    return {"reason": data["reason"], "stopped (s)": data["stop_time"]}
+
+
+def flattened(columns: Mapping[str, xr.DataArray], like: xr.DataArray) -> dict[str, np.ndarray]:
+    """Columns with a row for each entry of an array."""
+    return {
+        head: array.broadcast_like(like).transpose(*like.dims).to_numpy().ravel()
+        for head, array in columns.items()
     }
 
 
@@ -136,12 +165,10 @@ def contact_content(data: xr.Dataset) -> list[dict[str, Any]]:
     return found
 
 
-def close_report(data: xr.Dataset, notes: Sequence[str], files: Sequence[Path]) -> None:
-    """The last lines of a report: what is to be known of contact and otherwise, and the files."""
+def print_remarks(data: xr.Dataset, notes: Sequence[str], screen: Console) -> None:
+    """The last lines of a report: what is to be known of contact, and otherwise."""
     from linkages.chaos.sections.contact_log import contact_kept, contact_sentences
 
-    screen = console()
     print_notes([*contact_sentences(data), *notes], screen)
     if kept := contact_kept(data):
         screen.print(kept, markup=False)
-    screen.print(f"{len(files)} files in {files[0].parent}", markup=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 import sys
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from typing import Any, TextIO, cast
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from linkages.interrupts import keep_from_now_on
@@ -77,7 +79,9 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def table(title: str, columns: list[str], rows: list[list[str]], numbers: int = 0) -> Table:
+def table(
+    title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]], numbers: int = 0
+) -> Table:
     """A plain table.
 
     Parameters
@@ -85,20 +89,27 @@ def table(title: str, columns: list[str], rows: list[list[str]], numbers: int = 
     title
         Above the table.
     columns, rows
-        Heads and cells.
+        Heads and cells: texts, numbers to be shown with six digits, None for nothing.
     numbers
         How many of the last columns are aligned to the right.
     """
-    found = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    found = Table(title=escape(title), title_justify="left", box=None, pad_edge=False)
+    cells = [[_cell(cell) for cell in row] for row in rows]
     for index, column in enumerate(columns):
         found.add_column(
-            column,
+            escape(column),
             justify="right" if index >= len(columns) - numbers else "left",
-            no_wrap=all(_is_number(row[index]) for row in rows),
+            no_wrap=all(_is_number(row[index]) for row in cells),
         )
-    for row in rows:
-        found.add_row(*row)
+    for row in cells:
+        found.add_row(*map(escape, row))
     return found
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return number(value)
+    return "" if value is None else str(value)
 
 
 def _is_number(cell: str) -> bool:
@@ -166,3 +177,40 @@ def progress(
     finally:
         if started:
             bar.stop()
+
+
+LOGGER = logging.getLogger("linkages")
+
+
+def set_verbosity(quiet: bool, verbose: bool) -> None:
+    """Print no reports, or what the package logs as well: files, kernels, integrations."""
+    be_quiet(quiet)
+    for handler in [h for h in LOGGER.handlers if isinstance(h, _Handler)]:
+        LOGGER.removeHandler(handler)
+    LOGGER.setLevel(logging.INFO if verbose else logging.NOTSET)
+    if verbose:
+        LOGGER.addHandler(_Handler())
+        LOGGER.info("%s", _versions())
+
+
+class _Handler(logging.StreamHandler):
+    """Lines on standard error with the seconds since the start of the program."""
+
+    def __init__(self) -> None:
+        super().__init__(sys.stderr)
+        self.setFormatter(_Formatter())
+
+
+class _Formatter(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        return f"{record.relativeCreated / 1000:7.2f} s  {record.getMessage()}"
+
+
+def _versions() -> str:
+    import platform
+    from importlib.metadata import version
+
+    return (
+        f"linkages {version('linkages')}, Python {platform.python_version()}, "
+        f"numba {version('numba')}, {platform.platform()}"
+    )

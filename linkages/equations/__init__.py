@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from linkages.equations.derivation import Equations
     from linkages.topology.topology import Topology
 
-__all__ = ["derive", "render"]
+__all__ = ["FORMATS", "derive", "render"]
+
+FORMATS = ("text", "latex", "python")
 
 
 def derive(topology: Topology) -> Equations:
@@ -23,7 +25,31 @@ def derive(topology: Topology) -> Equations:
 
 
 def render(equations: Equations, format: str = "text") -> str:  # noqa: A002
-    """Print equations as ``"text"``, ``"latex"`` or ``"python"``."""
-    from linkages.equations import printing
+    """Print equations.
 
-    return printing.render(equations, format)
+    Parameters
+    ----------
+    equations
+        Of one mechanism.
+    format
+        ``"text"`` for reading, ``"latex"`` for amsmath, ``"python"`` for a module that needs
+        nothing but NumPy.
+
+    Raises
+    ------
+    ValueError
+        For any other format.
+    """
+    from linkages.equations.latex import write_latex
+    from linkages.equations.python import write_python
+    from linkages.equations.sheet import sections
+    from linkages.equations.text import write_text
+
+    match format:
+        case "text":
+            return write_text(equations.title, sections(equations), equations.symbols)
+        case "latex":
+            return write_latex(equations.title, sections(equations), equations.symbols)
+        case "python":
+            return write_python(equations)
+    raise ValueError(f"unknown format {format!r}; expected one of: {', '.join(FORMATS)}")

@@ -8,7 +8,7 @@ Each function returns the matplotlib axes that it drew into: more can be drawn t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, picture
 from linkages.plots.motion import clearance_orbit as orbits
-from linkages.plots.motion import phase, phase_pair, time_figures
+from linkages.plots.motion import phase, time_figures
 from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.style import panels, styled
 from linkages.solution.resolved import resolved
@@ -97,8 +97,21 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     return joint_traces.draw(ax, data, solution.mechanism)
 
 
-def slider_position(source: Source, ax: Axes | None = None) -> Axes:
-    """Displacements of the sliders over time.
+class Chart(Protocol):
+    """Draws a variable over time."""
+
+    def __call__(self, source: Source, ax: Axes | None = None) -> Axes:
+        """Into given axes, or into a figure of its own."""
+
+
+def _chart(variable: str, what: str) -> Chart:
+    """The function that draws a variable over time."""
+
+    def chart(source: Source, ax: Axes | None = None) -> Axes:
+        return _over_time(source, variable, ax)
+
+    chart.__name__ = chart.__qualname__ = variable
+    chart.__doc__ = f"""{what} over time.
 
     Parameters
     ----------
@@ -107,37 +120,24 @@ def slider_position(source: Source, ax: Axes | None = None) -> Axes:
     ax
         Where to draw; axes of a new figure if not given.
     """
-    return _over_time(source, "slider_position", ax)
+    return chart
 
 
-def slider_velocity(source: Source, ax: Axes | None = None) -> Axes:
-    """Velocities of the sliders over time."""
-    return _over_time(source, "slider_velocity", ax)
-
-
-def slider_acceleration(source: Source, ax: Axes | None = None) -> Axes:
-    """Accelerations of the sliders over time."""
-    return _over_time(source, "slider_acceleration", ax)
-
-
-def slider_position_error(source: Source, ax: Axes | None = None) -> Axes:
-    """What clearances change of the sliders' displacements, over time."""
-    return _over_time(source, "slider_position_error", ax)
-
-
-def slider_velocity_error(source: Source, ax: Axes | None = None) -> Axes:
-    """What clearances change of the sliders' velocities, over time."""
-    return _over_time(source, "slider_velocity_error", ax)
-
-
-def slider_acceleration_error(source: Source, ax: Axes | None = None) -> Axes:
-    """What clearances change of the sliders' accelerations, over time."""
-    return _over_time(source, "slider_acceleration_error", ax)
-
-
-def clearance_force(source: Source, ax: Axes | None = None) -> Axes:
-    """Forces in the clearances over time."""
-    return _over_time(source, "clearance_force", ax)
+slider_position = _chart("slider_position", "Displacements of the sliders")
+slider_velocity = _chart("slider_velocity", "Velocities of the sliders")
+slider_acceleration = _chart("slider_acceleration", "Accelerations of the sliders")
+slider_position_error = _chart(
+    "slider_position_error", "What clearances change of the sliders' displacements,"
+)
+slider_velocity_error = _chart(
+    "slider_velocity_error", "What clearances change of the sliders' velocities,"
+)
+slider_acceleration_error = _chart(
+    "slider_acceleration_error", "What clearances change of the sliders' accelerations,"
+)
+clearance_force = _chart("clearance_force", "Forces in the clearances")
+load_force = _chart("load_force", "Forces of all loads")
+load_torque = _chart("load_torque", "Torques of all loads")
 
 
 @styled
@@ -167,30 +167,19 @@ def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
 
 def drive_effort(solution: Solution, ax: Axes | None = None) -> Axes:
     """Torques of the drives on bars over time."""
-    _require(solution.data, "drive_effort")
-    chosen = time_figures.efforts(
-        _resolved(solution, "drive_effort"), solution.mechanism, sliding=False
-    )
-    return _over_time(chosen, "drive_effort", ax)
+    return _of_drives(solution, "drive_effort", ax)
 
 
 def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
     """Forces of the drives on sliders over time."""
+    return _of_drives(solution, "drive_force", ax)
+
+
+def _of_drives(solution: Solution, variable: str, ax: Axes | None) -> Axes:
     _require(solution.data, "drive_effort")
-    chosen = time_figures.efforts(
-        _resolved(solution, "drive_effort"), solution.mechanism, sliding=True
-    )
-    return _over_time(chosen, "drive_force", ax)
-
-
-def load_force(source: Source, ax: Axes | None = None) -> Axes:
-    """Forces of all loads over time."""
-    return _over_time(source, "load_force", ax)
-
-
-def load_torque(source: Source, ax: Axes | None = None) -> Axes:
-    """Torques of all loads over time."""
-    return _over_time(source, "load_torque", ax)
+    data = _resolved(solution, "drive_effort")
+    chosen = time_figures.efforts(data, solution.mechanism, variable)
+    return _over_time(chosen, variable, ax)
 
 
 @styled
@@ -221,7 +210,7 @@ def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool =
     known = data_series(data)
     across, up = find_series(known, x), find_series(known, y)
     _require(data, across.variable)
-    return phase_pair.draw(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
+    return phase.draw_pair(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
 
 
 @styled

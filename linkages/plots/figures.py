@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit, phase
-from linkages.plots.motion.time_figures import force_figure, load_figure, time_figure, torque_figure
+from linkages.plots.motion.time_figures import time_figure
 from linkages.plots.style import style
 from linkages.reading.replacing import replaced
 
@@ -29,10 +29,10 @@ FIGURES: Mapping[str, FigureFunction] = {
     "slider_displacement_error": time_figure("slider_position_error"),
     "slider_velocity_error": time_figure("slider_velocity_error"),
     "slider_acceleration_error": time_figure("slider_acceleration_error"),
-    "drive_effort": torque_figure,
-    "drive_force": force_figure,
-    "load_force": load_figure("load_force"),
-    "load_torque": load_figure("load_torque"),
+    "drive_effort": time_figure("drive_effort"),
+    "drive_force": time_figure("drive_force"),
+    "load_force": time_figure("load_force"),
+    "load_torque": time_figure("load_torque"),
     "clearance_force": time_figure("clearance_force"),
     "clearance_orbit": clearance_orbit.orbit_figure,
     "clearance_state": clearance_orbit.state_figure,

@@ -13,9 +13,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.system import System
 from linkages.plots.mechanism import drawing
-from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.view import picture
-from linkages.plots.style import style, styled
+from linkages.plots.style import style
 from linkages.solution.solution import Solution
 
 
@@ -55,26 +53,12 @@ def mechanism_html(mechanism: Mechanism) -> str:
             if names
         ]
         parts += [
-            _svg(_drawing(system)),
+            _svg(drawing.start_figure(system)),
             f"<p>mobility {topology.mobility}: {escape('; '.join(moved))}; "
             f"{len(topology.dependent)} dependent coordinates in "
             f"{len(topology.solved_blocks)} blocks</p>",
         ]
     return "\n".join([*parts, table(["section", "entries", "names"], rows)])
-
-
-@styled
-def _drawing(system: System) -> Figure:
-    """The mechanism at t = 0."""
-    places = system.places()
-    positions = {name: tuple(places[name].tolist()) for name in system.topology.joints}
-    variables = [name for name, body in system.mechanism.bodies.items() if body.rotates]
-    nodes = [system.model.positions.angle(name) for name in variables]
-    angles = dict(zip(variables, system.evaluate(nodes)[:, 0].tolist(), strict=True))
-    pose = Pose(system.mechanism, positions, angles)
-    result, ax = picture(drawing.reach(pose))
-    drawing.draw_pose(ax, pose)
-    return result
 
 
 def solution_html(solution: Solution) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
@@ -10,6 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -116,6 +117,12 @@ def legend_above(heading: str) -> dict[str, Any]:
     }
 
 
+def patches_above(ax: Axes, patches: Mapping[str, Patch], heading: str, columns: int) -> None:
+    """A legend of patches, each under its text."""
+    look = legend_above(heading) | {"handlelength": 1.0}
+    ax.legend(list(patches.values()), list(patches), **look, ncols=columns)
+
+
 def title(heading: str, name: str) -> str:
     """What is shown, after whose it is where that is said."""
     return f"{heading}: {name}" if heading else name
@@ -145,3 +152,12 @@ def panels(rows: int, columns: int, height: float, top: float = TOP) -> tuple[Fi
                 figure.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
             )
     return figure, axes
+
+
+def diagrams(count: int) -> tuple[Figure, list[Axes]]:
+    """A figure of so many diagrams of one quantity against another: a large one, or two a row."""
+    columns = 1 if count == 1 else 2
+    figure, axes = panels(-(-count // columns), columns, 3.6 if count == 1 else 2.5)
+    for ax in axes[count:]:
+        ax.remove()
+    return figure, axes[:count]

@@ -32,7 +32,7 @@ from linkages import (
     UniformGravity,
     load,
 )
-from linkages.benchmark.calls import seconds_per_evaluation
+from linkages.benchmark.problem import seconds_per_evaluation
 from linkages.kernel.code.counting import report_kernel
 from linkages.kernel.system import System
 from linkages.solution.moving.plan import build_flow, kernel_source

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.benchmark.calls import derivative
+from linkages.benchmark.problem import derivative
 from linkages.kernel.system import System
 from linkages.plots.figures import FIGURES
 from linkages.solution.moving.evaluation import evaluate_variables

@@ -11,9 +11,8 @@ import pytest
 
 import linkages
 from linkages.benchmark import work_precision as measuring
-from linkages.benchmark.calls import derivative, seconds_per_evaluation
 from linkages.benchmark.peers import PEERS
-from linkages.benchmark.problem import Problem
+from linkages.benchmark.problem import Problem, derivative, seconds_per_evaluation
 from linkages.benchmark.report import TARGETS
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
 from linkages.errors import ComputationError
@@ -296,8 +295,7 @@ def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
 
 def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     """What is printed, of numbers that are not measured here."""
-    from linkages.benchmark.costs import Costs
-    from linkages.benchmark.report import BenchReport
+    from linkages.benchmark.report import BenchReport, Costs
     from linkages.cli.verbs import bench as verb
 
     runs = [
@@ -320,6 +318,9 @@ def test_bench_prints_a_table(bench, tmp_path, monkeypatch):
     files = {path.name for path in tmp_path.rglob("*") if path.is_file()}
     assert files == {"bench.json"}  # and no figure
     assert json.loads((tmp_path / "results/ninebar/bench.json").read_text())["end"] == 2.0
+    assert bench("ninebar", "--format", "svg")[0] == 0
+    files = {path.name for path in tmp_path.rglob("*") if path.is_file()}
+    assert files == {"bench.json", "work_precision.svg"}
 
 
 def test_bench_of_a_driven_mechanism_is_refused(bench, tmp_path):

@@ -8,8 +8,8 @@ import pytest
 from verdicts.own_systems import Map, Ode
 
 from linkages.chaos.growth.exponents import Exponents
+from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import ClosedCurves
-from linkages.chaos.series.steadiness import steadiness
 from linkages.chaos.verdicts.judge import Course, judge
 from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
 from linkages.chaos.verdicts.verdict import judged, transient
@@ -42,7 +42,7 @@ def evidence(
         rests=False,
         tests=((growth, 0.0),),
         period=None,
-        curves=ClosedCurves(0, 0.0, "Points branch."),
+        curves=ClosedCurves(0, "Points branch."),
         settled=0.0,
         steady=steady,
     )
@@ -53,7 +53,7 @@ def verdict(found: Evidence, *, dissipative: bool = True) -> str:
     return judged(found, dissipative=dissipative)[0]
 
 
-CURVE = ClosedCurves(1, 0.3)
+CURVE = ClosedCurves(1)
 
 
 @pytest.mark.parametrize(

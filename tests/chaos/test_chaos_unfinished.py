@@ -9,12 +9,11 @@ import pytest
 
 import linkages
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.chaos.sweeps.sweep import Threads, attempt
 from linkages.chaos.verdicts.evidence import PER_PERIOD
 from linkages.chaos.verdicts.report import tightened, verdict
 from linkages.components.mechanisms.definition import from_document
-from linkages.errors import Interrupted
+from linkages.errors import Interrupted, UnfinishedError
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solution.options import options_of

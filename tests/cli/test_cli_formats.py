@@ -46,21 +46,3 @@ def test_an_unknown_format_is_refused_before_anything_is_done(cli, verb):
     text = " ".join(re.sub("\x1b\\[[0-9;]*m|│", "", result.err).split())
     assert "'bmp' is not one of 'png', 'svg', 'pdf'" in text
     assert result.files == set()
-
-
-def test_a_benchmark_draws_in_the_format(tmp_path):
-    from linkages.benchmark.work_precision import Point
-    from linkages.cli.verbs.bench import _save
-
-    class Report:
-        """A stand-in for a run of minutes."""
-
-        mechanism, end = "Pendulum", 1.0
-        points = (Point("rk4", 1e-3, False, 1e-6, 0.01, 4000, None),)
-
-        def as_dict(self):
-            return {}
-
-    written = _save(Report(), tmp_path, "svg")
-    assert [path.name for path in written] == ["bench.json", "work_precision.svg"]
-    assert [path.name for path in _save(Report(), tmp_path, None)] == ["bench.json"]

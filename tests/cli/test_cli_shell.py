@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from linkages.cli.completion import complete_file
+from linkages.cli.options import complete_file
 from linkages.cli.terminal import be_quiet, console, table
 from linkages.reading.locate import shipped
 

@@ -13,8 +13,7 @@ from linkages.chaos.series.rotation import Kind
 from linkages.chaos.series.spectrum import power_spectrum
 from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
 from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
-from linkages.plots.motion.angles import show_degrees
-from linkages.plots.motion.free_axes import free_coordinates
+from linkages.plots.motion.free_axes import free_coordinates, show_degrees
 from linkages.plots.style import PALETTE
 
 

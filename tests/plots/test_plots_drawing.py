@@ -8,7 +8,7 @@ from plot_data import JOINTS, press, press_data
 from linkages.plots.mechanism.bodies import convex_hull
 from linkages.plots.mechanism.drawing import draw, figure
 from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.samples import positions_at
+from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import gravity_arrow
 from linkages.plots.style import CLEARANCE, style
 
@@ -64,10 +64,10 @@ def test_own_axes_and_missing_joints():
 
 def test_positions():
     data = press_data()
-    assert positions_at(data, 0)["F"] == pytest.approx((0.25, 0.7))
+    assert pose_at(data, press(), 0).positions["F"] == pytest.approx((0.25, 0.7))
     data["joint_position"].values[0, 0] = np.nan
-    assert "O" not in positions_at(data, 0)
-    assert positions_at(data.isel(time=slice(0)), 0) == {}
+    assert "O" not in pose_at(data, press(), 0).positions
+    assert pose_at(data.isel(time=slice(0)), press(), 0).positions == {}
     assert figure(data.isel(time=slice(0)), press()) is None
     assert figure(data.drop_vars("joint_position"), press()) is None
 

@@ -3,7 +3,8 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots.motion.phase import Coordinate, coordinates, draw, figure
+from linkages.plots.motion.free_axes import Free
+from linkages.plots.motion.phase import coordinates, draw, figure
 from linkages.plots.motion.phase_curve import refined, spread, wrapped
 
 
@@ -56,7 +57,7 @@ def test_spread_keeps_the_picture():
 
 def test_angles_in_degrees_against_speed():
     data = press_data()
-    ax = draw(Figure().add_subplot(), data, Coordinate("clearance", "r1"), "Press")
+    ax = draw(Figure().add_subplot(), data, Free("clearance", "r1"), "Press")
     assert ax.get_xlabel() == "clearance angle α [°]"
     assert ax.get_ylabel() == "clearance speed dα/dt [rad/s]"
     curve = ax.lines[0].get_xydata()
@@ -67,7 +68,7 @@ def test_angles_in_degrees_against_speed():
 def test_a_rotating_clearance_gets_the_whole_turn():
     data = press_data()
     data["clearance_angle"].values[:, 0] = np.linspace(0.0, 30.0, data.sizes["time"])
-    ax = draw(Figure().add_subplot(), data, Coordinate("clearance", "r1"))
+    ax = draw(Figure().add_subplot(), data, Free("clearance", "r1"))
     assert ax.get_xlim() == (-180.0, 180.0)
     assert np.isnan(ax.lines[0].get_xdata()).sum() == 5
 
@@ -101,6 +102,6 @@ def test_nothing_to_draw():
 
 
 def test_a_long_run_is_drawn_as_dots():
-    ax = draw(Figure().add_subplot(), press_data(60_001), Coordinate("clearance", "r1"))
+    ax = draw(Figure().add_subplot(), press_data(60_001), Free("clearance", "r1"))
     assert ax.lines[0].get_linestyle() == "None"
     assert len(ax.lines[0].get_xdata()) < 60_001

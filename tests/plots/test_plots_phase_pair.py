@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.plots.motion.phase_pair import figure
+from linkages.plots.motion.phase import pair_figure
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +15,7 @@ def data():
 
 
 def test_curve_is_that_of_the_outputs(data):
-    (ax,) = figure(data, "slider9.position", "slider9.velocity").axes
+    (ax,) = pair_figure(data, "slider9.position", "slider9.velocity").axes
     x, y = ax.lines[0].get_data()
     np.testing.assert_allclose(x, data.slider_position[:, 0], rtol=1e-15)
     np.testing.assert_allclose(y, data.slider_velocity[:, 0], rtol=1e-15)
@@ -25,7 +25,7 @@ def test_curve_is_that_of_the_outputs(data):
 
 @pytest.mark.parametrize("wrap", [True, False])
 def test_angles_are_wrapped_unless_told_otherwise(data, wrap):
-    (ax,) = figure(data, "r1.angle", "crank1.angle", wrap=wrap).axes
+    (ax,) = pair_figure(data, "r1.angle", "crank1.angle", wrap=wrap).axes
     x, y = ax.lines[0].get_data()
     angle = np.degrees(data.clearance_angle[:, 0].to_numpy())
     assert np.ptp(angle) > 3600  # it rotates
@@ -40,7 +40,7 @@ def test_angles_are_wrapped_unless_told_otherwise(data, wrap):
 
 
 def test_over_time_angles_keep_their_turns(data):
-    (ax,) = figure(data, "time", "r1.angle").axes
+    (ax,) = pair_figure(data, "time", "r1.angle").axes
     x, y = ax.lines[0].get_data()
     np.testing.assert_array_equal(x, data.time)
     np.testing.assert_allclose(y, np.degrees(data.clearance_angle[:, 0]), rtol=1e-15)
@@ -49,9 +49,9 @@ def test_over_time_angles_keep_their_turns(data):
 
 
 def test_without_samples_there_is_no_figure(data):
-    assert figure(data.isel(time=slice(0, 0)), "r1.angle", "slider9.velocity") is None
+    assert pair_figure(data.isel(time=slice(0, 0)), "r1.angle", "slider9.velocity") is None
 
 
 def test_unknown_names_are_refused(data):
     with pytest.raises(ValueError, match="did you mean 'angle'"):
-        figure(data, "r1.angl", "slider9.velocity")
+        pair_figure(data, "r1.angl", "slider9.velocity")

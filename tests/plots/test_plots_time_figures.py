@@ -6,9 +6,7 @@ from plot_data import SERIES, press, press_data
 from linkages.plots.motion.time_figures import (
     QUANTITIES,
     draw,
-    force_figure,
     time_figure,
-    torque_figure,
 )
 
 
@@ -106,14 +104,15 @@ def test_short_data(samples):
 
 def test_forces_and_torques_of_drives_have_no_common_axis():
     data = press_data(drive=["crank", "ram"])
-    (torque,), (force,) = torque_figure(data, press()).axes, force_figure(data, press()).axes
+    (torque,) = time_figure("drive_effort")(data, press()).axes
+    (force,) = time_figure("drive_force")(data, press()).axes
     assert torque.get_ylabel() == "driving torque [N·m]"
     assert force.get_ylabel() == "driving force [N]"
     assert (torque.get_title(loc="left"), force.get_title(loc="left")) == (
         "Press: crank", "Press: ram",
     )  # fmt: skip
     np.testing.assert_array_equal(force.lines[0].get_ydata(), data["drive_effort"].values[:, 1])
-    assert force_figure(press_data(), press()) is None
+    assert time_figure("drive_force")(press_data(), press()) is None
 
 
 def test_nothing_to_draw():

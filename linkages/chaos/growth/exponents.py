@@ -9,11 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.directions import start_tangents
 from linkages.chaos.growth.invariants import Invariant
-from linkages.chaos.growth.systems import Growth, TangentSystem
+from linkages.chaos.growth.systems import Growth, TangentSystem, part_of, start_tangents
 from linkages.chaos.series.averages import drift, mean_error
-from linkages.errors import ComputationError, Interrupted
+from linkages.errors import ComputationError, Interrupted, UnfinishedError
 
 Floats = NDArray[np.float64]
 
@@ -25,22 +24,6 @@ FURTHEST_APART = 1e9
 
 DRIFTS = 6.0
 """Drift, in standard errors, from which on a history has not settled."""
-
-
-class UnfinishedExponentsError(ComputationError):
-    """A run that ended early, but long enough for exponents.
-
-    Parameters
-    ----------
-    reason
-        What ended it.
-    exponents
-        Of the run up to there.
-    """
-
-    def __init__(self, reason: ComputationError, exponents: Exponents) -> None:
-        super().__init__(str(reason), time=reason.time)
-        self.exponents = exponents
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +146,7 @@ def lyapunov_spectrum(
         For numbers out of range, or if the system carries another number of tangents.
     ComputationError
         If the motion cannot go on, or tangents become parallel within an interval; an
-        `UnfinishedExponentsError` with the exponents up to there if that was long enough.
+        `UnfinishedError` with the exponents up to there if that was long enough.
     Interrupted
         After Ctrl-C; ``kept["exponents"]`` has the same then.
 
@@ -180,24 +163,19 @@ def lyapunov_spectrum(
         raise ValueError("interval must be > 0 and skip must be ≥ 0")
     start_tangents(system, columns)
     growth, states, times = [np.empty((0, columns))], [np.empty((0, size))], [np.empty(0)]
-    done = 0
+    done, whole = 0, skip + intervals
 
     def found() -> Exponents:
         joined = [np.concatenate(parts) for parts in (growth, states, times)]
         part = Exponents(growth=joined[0], states=joined[1], times=joined[2])
         return part if certify is None else replace(part, certificate=certify(part))
 
-    def progress(first: int, count: int) -> Callable[[float], None] | None:
-        if watch is None:
-            return None
-        return lambda fraction: watch((first + count * fraction) / (skip + intervals))
-
     try:
-        for grown in system.grow(skip, interval, watch=progress(0, skip)):
+        for grown in system.grow(skip, interval, watch=part_of(watch, 0, skip, whole)):
             _require_length(grown)
         states.append(system.state[None])
         times.append(np.array([system.time]))
-        for grown in system.grow(intervals, interval, watch=progress(skip, intervals)):
+        for grown in system.grow(intervals, interval, watch=part_of(watch, skip, intervals, whole)):
             _require_length(grown)
             growth.append(grown.rates)
             states.append(grown.states)
@@ -210,7 +188,7 @@ def lyapunov_spectrum(
             raise Interrupted(text, time=system.time, kept=kept) from None
         if not kept:
             raise
-        raise UnfinishedExponentsError(error, kept["exponents"]) from None
+        raise UnfinishedError(str(error), kept, time=error.time) from None
     return found()
 
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.directions import start_tangents
-from linkages.chaos.growth.systems import TangentSystem
+from linkages.chaos.growth.systems import TangentSystem, start_tangents
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +57,6 @@ def fast_indicators(
     intervals: int,
     interval: float,
     count: int = 2,
-    watch: Callable[[float], None] | None = None,
 ) -> Indicators:
     """FLI and GALI_k along a motion, from k tangents that are only brought back to length one.
 
@@ -72,8 +69,6 @@ def fast_indicators(
     count
         Number k of tangents: one is enough for FLI, GALI needs two. On an N-dimensional torus
         GALI_k stays constant for k ≤ N.
-    watch
-        Called with the fraction done.
 
     Returns
     -------
@@ -95,7 +90,7 @@ def fast_indicators(
         raise ValueError("intervals must be at least 4, interval > 0 and count at least 1")
     start_tangents(system, count)
     start = system.time
-    parts = list(system.grow(intervals, interval, orthogonal=False, watch=watch))
+    parts = list(system.grow(intervals, interval, orthogonal=False))
     rates, tangents = (
         np.concatenate([getattr(p, n) for p in parts]) for n in ("rates", "tangents")
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 
@@ -47,11 +47,4 @@ class Invariant:
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data for JSON."""
-        return {
-            "name": self.name,
-            "reason": self.reason,
-            "found": self.found,
-            "expected": self.expected,
-            "tolerance": self.tolerance,
-            "holds": self.holds,
-        }
+        return {**asdict(self), "holds": self.holds}

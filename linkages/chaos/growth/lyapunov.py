@@ -13,7 +13,6 @@ from linkages.chaos.growth.exponents import (
     FEWEST_INTERVALS,
     FURTHEST_APART,
     Exponents,
-    UnfinishedExponentsError,
     lyapunov_spectrum,
 )
 from linkages.chaos.growth.invariants import Invariant
@@ -27,9 +26,8 @@ from linkages.chaos.sections.contact_log import (
     contact_variables,
 )
 from linkages.chaos.sections.free_states import require_free
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import Interrupted
+from linkages.errors import Interrupted, UnfinishedError
 from linkages.kernel.system import System
 from linkages.options.exponents import ExponentKeywords, ExponentOptions
 from linkages.options.option import OptionError
@@ -101,13 +99,9 @@ def lyapunov(
 
     try:
         exponents = run_exponents(system, asked, watch, log)
-    except UnfinishedExponentsError as error:
-        kept = {"lyapunov": labelled(error.exponents)}
-        raise UnfinishedError(str(error), kept, time=error.time) from None
-    except Interrupted as error:
-        part = error.kept.get("exponents")
-        kept = {} if part is None else {"lyapunov": labelled(part)}
-        raise Interrupted(str(error), time=error.time, kept=kept) from None
+    except (UnfinishedError, Interrupted) as error:
+        kept = {"lyapunov": labelled(error.kept["exponents"])} if error.kept else {}
+        raise type(error)(str(error), kept=kept, time=error.time) from None
     return labelled(exponents)
 
 

@@ -6,6 +6,7 @@ linkages, ordinary differential equations and maps alike.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -14,6 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+_SEED = 20240501
+
+
+Watch = Callable[[float], None]
+"""Is called now and then with the fraction done."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +79,7 @@ class TangentSystem(Protocol):
         interval: float,
         *,
         orthogonal: bool = True,
-        watch: Callable[[float], None] | None = None,
+        watch: Watch | None = None,
     ) -> Iterator[Growth]:
         """Move on, with tangents brought back to length one after every interval.
 
@@ -90,3 +97,37 @@ class TangentSystem(Protocol):
         What the next intervals show, as many at once as suits the system. An error is raised after
         what came before it.
         """
+
+
+def random_directions(size: int, columns: int) -> Floats:
+    """Orthonormal directions, always the same ones, shape (size, columns).
+
+    Axes of the state space may lie in invariant subspaces; these almost surely do not.
+    """
+    return np.linalg.qr(np.random.default_rng(_SEED).normal(size=(size, columns)))[0]
+
+
+def start_tangents(system: TangentSystem, columns: int) -> None:
+    """Give a system that many random directions.
+
+    Raises
+    ------
+    ValueError
+        If there are not that many, or the system was built for another number.
+    """
+    size = len(system.state)
+    if not 1 <= columns <= size:
+        raise ValueError(f"count must be from 1 to {size}, not {columns}")
+    tangents = random_directions(size, columns)
+    with contextlib.suppress(ValueError):  # NumPy's message on shapes would not help
+        system.tangents = tangents
+    carried = system.tangents.shape
+    if carried != tangents.shape:
+        raise ValueError(
+            f"the system carries {carried[1]} tangents, {columns} are needed: build it with as many"
+        )
+
+
+def part_of(watch: Watch | None, first: float, count: float, whole: float) -> Watch | None:
+    """What watches a part of a computation, if the whole is watched: where it begins, its size."""
+    return None if watch is None else lambda done: watch((first + count * done) / whole)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.systems import Growth
+from linkages.chaos.growth.systems import Growth, part_of
 from linkages.chaos.sections.contact_log import ContactLog
 from linkages.chaos.sections.free_states import wrapped
 from linkages.errors import ComputationError, Interrupted
@@ -170,7 +170,7 @@ class LinkageTangents:
             times = start + interval * (done + np.arange(1, count * each + 1) / each)
             renormalised = Renormalised(each, orthogonal=orthogonal)
             motion = self._march.advance(
-                times, renormalised=renormalised, watch=_part(watch, done, count, intervals)
+                times, renormalised=renormalised, watch=part_of(watch, done, count, intervals)
             )
             yield self._taken(motion, renormalised, interval, each)
             self._require(motion)
@@ -206,12 +206,3 @@ class LinkageTangents:
             raise Interrupted(str(motion.failure), time=motion.stop_time)
         if motion.failure is not None:
             raise ComputationError(motion.failure, time=motion.stop_time)
-
-
-def _part(
-    watch: Callable[[float], None] | None, done: int, count: int, whole: int
-) -> Callable[[float], None] | None:
-    """Progress of some of the intervals."""
-    if watch is None:
-        return None
-    return lambda fraction: watch((done + count * fraction) / whole)

@@ -16,9 +16,8 @@ from linkages.chaos.sections.contact_log import (
 from linkages.chaos.sections.crossed import crossed
 from linkages.chaos.sections.free_states import free_values, labelled_states, require_free
 from linkages.chaos.sections.strobe import strobe
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import Interrupted
+from linkages.errors import Interrupted, UnfinishedError
 from linkages.kernel.system import System
 from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes

@@ -38,15 +38,11 @@ class ClosedCurves:
     ----------
     count
         Number of closed curves, visited one after the other; 0 if there are none.
-    winding
-        Turns about its curve per visit to it, from 0 to 1/2 (the sense is not known); 0 without
-        curves.
     reason
         Why points do not lie on closed curves; empty if they do.
     """
 
     count: int
-    winding: float
     reason: str = ""
 
 
@@ -83,7 +79,7 @@ def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> Clos
     distances = squareform(pdist(embedded))
     np.fill_diagonal(distances, np.inf)
     if np.median(distances.min(axis=1)) < 1e-9:
-        return ClosedCurves(0, 0.0, "Points repeat: the motion is periodic.")
+        return ClosedCurves(0, "Points repeat: the motion is periodic.")
     np.fill_diagonal(distances, 0.0)
     tree = minimum_spanning_tree(distances).toarray()
     tree = tree + tree.T
@@ -100,22 +96,20 @@ def closed_curves(points: ArrayLike, *, angles: ArrayLike | None = None) -> Clos
 def _arranged(tree: Floats, labels: Integers, distances: Floats) -> ClosedCurves:
     """Whether every part of a forest is a closed curve on which the motion turns."""
     number = int(labels.max()) + 1
-    windings = []
     for label in range(number):
         path = _longest_path(tree, int(np.flatnonzero(labels == label)[0]))
         members = int((labels == label).sum())
         if len(path) < COVERED * members:
             share = len(path) / members
-            return ClosedCurves(0, 0.0, f"Points branch: a path meets {share:.0%} of them.")
+            return ClosedCurves(0, f"Points branch: a path meets {share:.0%} of them.")
         longest = distances[path[:-1], path[1:]].max()
         gap = distances[path[0], path[-1]] / longest
         if gap > CLOSING:
-            return ClosedCurves(0, 0.0, f"The ends of a curve are {gap:.0f} gaps apart.")
-        order, winding = _circulation(path, number, len(tree))
+            return ClosedCurves(0, f"The ends of a curve are {gap:.0f} gaps apart.")
+        order = _order_kept(path, number, len(tree))
         if order < ORDERED:
-            return ClosedCurves(0, 0.0, f"The motion keeps the order of {order:.0%} of points.")
-        windings.append(winding)
-    return ClosedCurves(number, float(np.mean(windings)))
+            return ClosedCurves(0, f"The motion keeps the order of {order:.0%} of points.")
+    return ClosedCurves(number)
 
 
 def _longest_path(tree: Floats, start: int) -> Integers:
@@ -134,8 +128,8 @@ def _longest_path(tree: Floats, start: int) -> Integers:
     return np.array(path)
 
 
-def _circulation(path: Integers, step: int, total: int) -> tuple[float, float]:
-    """Part of neighbours whose images are neighbours, and turns per step."""
+def _order_kept(path: Integers, step: int, total: int) -> float:
+    """Part of neighbours whose images are neighbours."""
     place = np.full(total, -1)
     place[path] = np.arange(len(path))
     known = path[path + step < total]
@@ -143,7 +137,4 @@ def _circulation(path: Integers, step: int, total: int) -> tuple[float, float]:
     image = place[known + step]
     forward = np.remainder(np.diff(image, append=image[:1]), len(path))
     backward = len(path) - forward
-    kept = max(float(np.mean(forward <= 2)), float(np.mean(backward <= 2)))
-    turns = np.remainder(image - place[known], len(path)) / len(path)
-    mean = float(np.angle(np.mean(np.exp(2j * np.pi * turns))) / (2 * np.pi))
-    return kept, abs(mean)
+    return max(float(np.mean(forward <= 2)), float(np.mean(backward <= 2)))

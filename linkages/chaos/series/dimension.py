@@ -24,6 +24,10 @@ SAME = 1e-7
 SHORTEST = 4.0
 """Ratio of radii that a scaling region must span."""
 
+FLATNESS = 0.1
+"""How far local slopes may be from their mean in the scaling region: this part of it, or this if
+the mean is less than 1."""
+
 _BINS = 8  # radii per octave
 _WINDOW = _BINS  # local slopes are fitted over an octave
 
@@ -59,8 +63,6 @@ def correlation_dimension(
     *,
     angles: ArrayLike | None = None,
     theiler: int = 1,
-    scale: bool = True,
-    flatness: float = 0.1,
 ) -> Dimension:
     """Correlation dimension by Grassberger and Procaccia [1]_, over the longest plateau.
 
@@ -74,11 +76,6 @@ def correlation_dimension(
     theiler
         Pairs closer than this in the sequence do not count [2]_: take the correlation time of
         samples of a flow, 1 for section points.
-    scale
-        Whether entries are divided by their standard deviations.
-    flatness
-        How far local slopes may be from their mean in the scaling region: this part of it, or
-        this if the mean is less than 1.
 
     Raises
     ------
@@ -90,7 +87,7 @@ def correlation_dimension(
     .. [1] P. Grassberger, I. Procaccia, Physica D 9 (1983) 189.
     .. [2] J. Theiler, Phys. Rev. A 34 (1986) 2427.
     """
-    embedded = embed(points, angles, scale=scale)
+    embedded = embed(points, angles)
     if not 1 <= theiler <= len(embedded) - FEWEST_POINTS + 1:
         raise ValueError(
             f"{len(embedded)} points with theiler = {theiler}: at least {FEWEST_POINTS} points "
@@ -102,7 +99,7 @@ def correlation_dimension(
     if sums[0] > LARGEST_SUM:
         text = f"One pair out of {1 / sums[0]:.3g} coincides: the points are finitely many."
         return Dimension(0.0, 0.0, radii, sums, (float(radii[0]), float(radii[0])), text)
-    return _plateau(radii, sums, usable, flatness)
+    return _plateau(radii, sums, usable)
 
 
 def _pair_counts(points: Floats, theiler: int) -> tuple[Floats, Floats]:
@@ -127,7 +124,7 @@ def _pair_counts(points: Floats, theiler: int) -> tuple[Floats, Floats]:
     return radii, np.cumsum(counts).astype(float)
 
 
-def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_], flatness: float) -> Dimension:
+def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_]) -> Dimension:
     """The longest run of local slopes close to their mean; of equal ones the flattest."""
     x, y = np.log(radii[usable]), np.log(sums[usable])
     if len(x) < _WINDOW + 2:
@@ -142,7 +139,7 @@ def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_], flatness: f
         for last in range(first + 1, len(slopes)):
             part = slopes[first : last + 1]
             mean = part.mean()
-            if np.abs(part - mean).max() <= flatness * max(1.0, mean):
+            if np.abs(part - mean).max() <= FLATNESS * max(1.0, mean):
                 best = max(best, (last - first, -float(part.std()), first, last))
     first, last = best[2], best[3]
     part = slopes[first : last + 1]

@@ -8,8 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 
 
-def embed(points: ArrayLike, angles: ArrayLike | None = None, *, scale: bool = True) -> Floats:
-    """Put cosine and sine for every angle.
+def embed(points: ArrayLike, angles: ArrayLike | None = None) -> Floats:
+    """Put cosine and sine for every angle, and divide every entry by its standard deviation.
+
+    So entries of different units count alike (cosine and sine of one angle by a common one); no
+    dimension depends on it.
 
     Parameters
     ----------
@@ -17,9 +20,6 @@ def embed(points: ArrayLike, angles: ArrayLike | None = None, *, scale: bool = T
         Shape (n, d), or (n,) for one entry.
     angles
         Which entries are angles in radians, shape (d,); none by default.
-    scale
-        Whether to divide every entry by its standard deviation (cosine and sine of one angle by a
-        common one), so that entries of different units count alike. No dimension depends on it.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def embed(points: ArrayLike, angles: ArrayLike | None = None, *, scale: bool = T
     groups += [[np.cos(column), np.sin(column)] for column in whole.T[mask]]
     columns = []
     for group in groups:
-        deviation = np.sqrt(sum(float(column.var()) for column in group)) if scale else 1.0
+        deviation = np.sqrt(sum(float(column.var()) for column in group))
         columns += [column / deviation if deviation > 0 else column for column in group]
     return np.column_stack(columns)
 

@@ -14,8 +14,6 @@ Floats = NDArray[np.float64]
 REPEATS = 3
 """How often a period must be seen."""
 
-_SETTLING = 0.5
-
 
 @dataclass(frozen=True, eq=False)
 class Period:
@@ -30,15 +28,11 @@ class Period:
         period, the least that any number reaches.
     cycle
         The points of one period, in the order of the motion, shape (count, d); last of all.
-    settling
-        A smaller number to which the motion may still be converging: its deviation halves from
-        the first half of the points to the second. None if there is none.
     """
 
     count: int | None
     deviation: float
     cycle: Floats
-    settling: int | None
 
 
 def find_period(
@@ -79,21 +73,17 @@ def find_period(
     scale = np.broadcast_to(np.asarray(tolerance, dtype=float), whole.shape[1:])
     if not (scale > 0).all():
         raise ValueError("tolerance must be > 0")
-    least, settling = np.inf, None
+    least = np.inf
     for count in range(1, most + 1):
-        apart = differences(whole[count:], whole[:-count], mask, scale)
-        deviation = float(apart.max())
+        deviation = float(differences(whole[count:], whole[:-count], mask, scale).max())
         cycle = whole[-count:]
         if deviation <= 1.0:
             again = cycle[(np.arange(len(whole)) - len(whole)) % count]
             deviation = float(differences(whole, again, mask, scale).max())
         if deviation <= 1.0:
-            return Period(count, deviation, cycle.copy(), settling)
-        half = len(apart) // 2
-        if settling is None and apart[half:].max() < _SETTLING * apart[:half].max():
-            settling = count
+            return Period(count, deviation, cycle.copy())
         least = min(least, deviation)
-    return Period(None, least, np.empty((0, whole.shape[1])), settling)
+    return Period(None, least, np.empty((0, whole.shape[1])))
 
 
 def differences(

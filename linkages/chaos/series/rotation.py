@@ -38,8 +38,6 @@ class Rotation:
         Mean rate in rad/s, counter-clockwise positive, and the difference of the two halves.
     forward, backward
         Completed turns counter-clockwise and clockwise.
-    range
-        Highest less lowest angle in radians.
     """
 
     kind: Kind
@@ -47,7 +45,6 @@ class Rotation:
     rate_error: float
     forward: int
     backward: int
-    range: float
 
 
 def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) -> Rotation:
@@ -94,7 +91,6 @@ def classify_angle(time: ArrayLike, angle: ArrayLike, *, resting: float = 1e-6) 
         rate_error=abs(halves[1] - halves[0]),
         forward=int(np.sum(senses > 0)),
         backward=int(np.sum(senses < 0)),
-        range=float(np.ptp(theta)),
     )
 
 

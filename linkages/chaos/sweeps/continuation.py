@@ -14,9 +14,8 @@ from linkages.chaos.sections.contact_log import contact_values
 from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
 from linkages.chaos.sections.section import section_points
 from linkages.chaos.sections.strobe import strobe
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, Interrupted
+from linkages.errors import ComputationError, Interrupted, UnfinishedError
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.lyapunov import PARTS, resolved
-from linkages.chaos.growth.systems import TangentSystem
+from linkages.chaos.growth.systems import TangentSystem, Watch
 from linkages.chaos.series.periods import differences
 from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
 from linkages.chaos.verdicts.verdict import judged, transient
 
 Floats = NDArray[np.float64]
-Watch = Callable[[float], None]
 T = TypeVar("T", bound=TangentSystem)
 
 FIRST_SKIP = 100

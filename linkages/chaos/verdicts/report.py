@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.certificate import certificate, certified
-from linkages.chaos.growth.exponents import Exponents, UnfinishedExponentsError
+from linkages.chaos.growth.exponents import Exponents
 from linkages.chaos.growth.lyapunov import labelled_exponents
+from linkages.chaos.growth.systems import part_of
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.contact import contact_of
 from linkages.chaos.sections.free_states import require_free
-from linkages.chaos.sections.unfinished import UnfinishedError
 from linkages.chaos.verdicts import evidence as gathering
 from linkages.chaos.verdicts.findings import ChaosReport
 from linkages.chaos.verdicts.judge import Course, Judgement, judge
 from linkages.chaos.verdicts.stretch import Evidence
 from linkages.chaos.verdicts.verdict import FEWEST_PERIODS
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, Interrupted
+from linkages.errors import ComputationError, Interrupted, UnfinishedError
 from linkages.kernel.system import System
 from linkages.options.exponents import VerdictKeywords, VerdictOptions
 from linkages.options.option import OptionError
@@ -82,13 +82,13 @@ def verdict(
     kept: dict[str, xr.Dataset] = {}
     try:
         return _report(system, asked, watch, kept)
-    except Interrupted as error:
-        kept = _of_last(mechanism, error) | kept
-        raise Interrupted(str(error), time=error.time, kept=kept) from None
+    except (UnfinishedError, Interrupted) as error:
+        raise type(error)(
+            str(error), kept=_left(mechanism, error) | kept, time=error.time
+        ) from None
     except KeyboardInterrupt:
         raise Interrupted("interrupted between two computations", kept=kept) from None
     except ComputationError as error:
-        kept = _last(mechanism, error) | kept
         if not kept:
             raise
         raise UnfinishedError(str(error), kept, time=error.time) from None
@@ -101,7 +101,7 @@ def _report(
     kept: dict[str, xr.Dataset],
 ) -> ChaosReport:
     """Judge, put what is there into `kept`, and look at the motion over time."""
-    mechanism, tight, parts = system.mechanism, tightened(options), _Parts(watch, 2)
+    mechanism, tight = system.mechanism, tightened(options)
     periods = options.periods
     section = gathering.section_for(system, options, periods)
     conservative = gathering.conservative(mechanism)
@@ -136,7 +136,7 @@ def _report(
         ),
         course,
         lambda start: start.starting(tight),
-        watches=(parts.of(0), parts.of(1)),
+        watches=(part_of(watch, 0, 1, 2), part_of(watch, 1, 1, 2)),
         keep=keep,
     )
     (solution,) = solutions
@@ -232,33 +232,11 @@ def _how(run: RunOptions) -> str:
     return f"rtol {run.rtol:g}" if run.step is None else f"step {run.step:.3g} s"
 
 
-def _last(mechanism: Mechanism, error: ComputationError) -> dict[str, xr.Dataset]:
-    """What the analysis that ended early leaves."""
-    if isinstance(error, UnfinishedExponentsError):
-        return {"chaos_exponents": labelled_exponents(mechanism, error.exponents)}
-    if isinstance(error, UnfinishedError):
-        return {f"chaos_{name}": data for name, data in error.kept.items()}
-    return {}
-
-
-def _of_last(mechanism: Mechanism, error: Interrupted) -> dict[str, xr.Dataset]:
-    """What the analysis that was interrupted leaves."""
-    found = {}
-    for name, result in error.kept.items():
-        if not isinstance(result, Exponents):
-            found[f"chaos_{name}"] = result
-        else:
-            found["chaos_exponents"] = labelled_exponents(mechanism, result)
-    return found
-
-
-class _Parts:
-    """Progress of several computations of about equal length."""
-
-    def __init__(self, watch: Callable[[float], None] | None, count: int) -> None:
-        self._watch, self._count = watch, count
-
-    def of(self, index: int) -> Callable[[float], None] | None:
-        """Progress of one of them."""
-        watch, count = self._watch, self._count
-        return None if watch is None else lambda done: watch((index + done) / count)
+def _left(mechanism: Mechanism, error: UnfinishedError | Interrupted) -> dict[str, xr.Dataset]:
+    """What the analysis leaves that ended early."""
+    return {
+        f"chaos_{name}": labelled_exponents(mechanism, result)
+        if isinstance(result, Exponents)
+        else result
+        for name, result in error.kept.items()
+    }

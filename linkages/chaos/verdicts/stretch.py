@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents
 from linkages.chaos.growth.indicators import Verdict, classify
+from linkages.chaos.series.averages import FEWEST as FEWEST_STEADY
+from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.series.closed_curves import ClosedCurves, closed_curves
 from linkages.chaos.series.periods import differences, find_period
-from linkages.chaos.series.steadiness import FEWEST as FEWEST_STEADY
-from linkages.chaos.series.steadiness import steadiness
 from linkages.chaos.series.zero_one import FEWEST as FEWEST_TESTED
 from linkages.chaos.series.zero_one import zero_one
 
@@ -62,7 +62,7 @@ class Evidence:
     settled
         Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves.
     steady
-        As `linkages.chaos.series.steadiness.steadiness` returns it; zeros for too few points.
+        As `linkages.chaos.series.averages.steadiness` returns it; zeros for too few points.
     """
 
     points: Floats
@@ -203,7 +203,7 @@ def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
     beyond = _less_periodic_part(observed)
     if beyond.std() <= REPEATING * np.abs(observed).max():
         return 0.0, 0.0  # what repeats is regular, and its round-off is not asked
-    found = zero_one(beyond, lag=1)  # section points are not oversampled
+    found = zero_one(beyond)
     return found.growth, found.spread
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 from math import ceil, copysign
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +33,7 @@ MOST_SAMPLES = 200_000
 _SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
 
-def run_animate(
+def run(
     request: Request,
     form: str,
     start: float,
@@ -61,11 +60,11 @@ def run_animate(
     if failure is not None:
         film = _cut(film, solution, failure)
     with (
-        request.publishing(complete=failure is None) as run,
+        request.publishing(complete=failure is None) as place,
         request.computing(f"drawing {name} of", "of all frames") as watch,
     ):
         animate(
-            solution, run.folder / name, start=film.start, duration=film.frames * abs(film.step),
+            solution, place.folder / name, start=film.start, duration=film.frames * abs(film.step),
             slow=film.slow, fps=film.fps, size=pixels, dpi=dpi, watch=watch,
         )  # fmt: skip
     note = too_fast(solution, film)
@@ -79,10 +78,8 @@ def run_animate(
         )
         print_notes(notes, screen)
         screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
-        if failure is not None:
-            print(f"stopped {failure}", file=sys.stderr)
 
-    (path,) = run.files
+    (path,) = place.files
     content = {
         **how_far(solution, failure),
         "start": film.start,
@@ -94,8 +91,7 @@ def run_animate(
         "bytes": path.stat().st_size,
         "notes": notes,
     }
-    request.report(content, run.files, show)
-    return 0 if failure is None else 1
+    return request.report(content, place.files, show, failure=failure, listed=False)
 
 
 def _size_of(text: str | None) -> tuple[int, int] | None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import json as json_format
-from pathlib import Path
+from collections.abc import Iterator
+from functools import partial
+
+from rich.console import Console
 
 from linkages.benchmark.report import TARGETS, BenchReport, run_benchmark
 from linkages.benchmark.work_precision import Point
-from linkages.cli.requests import Request
-from linkages.cli.terminal import console, number, table
-from linkages.reading.replacing import replaced
+from linkages.cli.requests import File, Request
+from linkages.cli.terminal import console, json_text, number, table
 
 
-def run_bench(request: Request, repeats: int) -> int:
+def run(request: Request, repeats: int) -> int:
     """Measure, write ``bench.json`` and a figure, print tables; returns the exit code."""
     screen = console(error=True)
 
@@ -22,42 +23,34 @@ def run_bench(request: Request, repeats: int) -> int:
 
     mechanism, assignments = request.mechanism, request.assignments
     report = run_benchmark(mechanism, request.file, assignments, repeats=repeats, watch=show)
-    with request.publishing() as run:
-        _save(report, run.folder, request.format if request.figures else None)
-    request.report(report.as_dict(), run.files, lambda _: _print(report, run.files))
-    return 0
+    content = report.as_dict()
+
+    def made() -> Iterator[File]:
+        yield "bench.json", json_text(content)
+        if request.figures:
+            from linkages.plots.work_precision import figure
+
+            title = f"{report.mechanism}, {number(report.end)} s"
+            yield "work_precision", figure(report.points, title)
+
+    return request.report(content, request.write(made()), partial(_print, report))
 
 
-def _save(report: BenchReport, folder: Path, format_: str | None) -> list[Path]:
-    path = folder / "bench.json"
-    with replaced(path) as temporary:
-        temporary.write_text(json_format.dumps(report.as_dict(), indent=2), encoding="utf-8")
-    if format_ is None:
-        return [path]
-    from linkages.plots.figures import write_figure
-    from linkages.plots.work_precision import figure
-
-    picture = folder / f"work_precision.{format_}"
-    write_figure(figure(report.points, f"{report.mechanism}, {number(report.end)} s"), picture)
-    return [path, picture]
-
-
-def _print(report: BenchReport, written: list[Path]) -> None:
-    screen = console()
+def _print(report: BenchReport, screen: Console) -> None:
     rows = [
         [
             point.method,
             f"{'rtol' if point.adaptive else 'step'} {point.setting:.1e}",
             "failed" if point.error is None else f"{point.error:.1e}",
             f"{1e3 * point.seconds:.3g}",
-            "" if point.evaluations is None else str(point.evaluations),
+            point.evaluations,
         ]
         for point in report.points
     ]
     heads = ["method", "setting", "error (rad or m)", "time (ms)", "evaluations"]
     title = f"{report.mechanism} to t = {number(report.end)} s"
     screen.print(table(title, heads, rows, numbers=3))
-    _print_comparison(report)
+    _print_comparison(report, screen)
     costs = report.costs
     peak = "unknown" if costs.peak_bytes is None else f"{costs.peak_bytes / 2**20:.0f} MiB"
     screen.print(
@@ -68,10 +61,9 @@ def _print(report: BenchReport, written: list[Path]) -> None:
         f"another one: {costs.simulation_seconds:.3f} s\n"
         f"peak memory: {peak}"
     )
-    screen.print(f"{len(written)} files in {written[0].parent}", markup=False)
 
 
-def _print_comparison(report: BenchReport) -> None:
+def _print_comparison(report: BenchReport, screen: Console) -> None:
     """Time for given errors, with the ratio to the fastest."""
     rows = []
     for method in report.methods:
@@ -86,4 +78,4 @@ def _print_comparison(report: BenchReport) -> None:
         rows.append([method, *cells])
     heads = ["method", *(f"{error:g}" for error in TARGETS)]
     title = "\nTime for an error at the end, and ratio to the fastest"
-    console().print(table(title, heads, rows, numbers=len(TARGETS)))
+    screen.print(table(title, heads, rows, numbers=len(TARGETS)))

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.results import save_figures, save_netcdf
-from linkages.cli.terminal import (
-    json_text,
-    number,
-    print_notes,
-    table,
-)
+from linkages.cli.requests import File, Request
+from linkages.cli.terminal import json_text, number, print_notes, table
 from linkages.cli.verbs.lyapunov import certificate_rows, certificate_table, exponent_rows
-from linkages.reading.replacing import replaced
 
 if TYPE_CHECKING:
     from linkages.chaos.verdicts.findings import ChaosReport
@@ -32,7 +26,7 @@ LOOK = {
 Table = tuple[str, list[str], list[list[str]]]
 
 
-def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
+def run(request: Request, periods: int | None, quick: bool) -> int:
     """Judge a motion; returns the exit code."""
     from linkages.chaos.verdicts.report import verdict
     from linkages.chaos.verdicts.verdict import FEWEST_PERIODS
@@ -41,32 +35,20 @@ def run_chaos(request: Request, periods: int | None, quick: bool) -> int:
     with request.computing("judging") as watch:
         given = {**request.given, "periods": length}
         report = verdict(request.mechanism, watch=watch, **given)
-    tables = _tables(report)
-    with request.publishing({**request.asked, "periods": report.run["periods"]}) as place:
-        _save(report, tables, request, place.folder)
+    tables, content = _tables(report), report.to_dict()
 
-    def show(screen: Console) -> None:
-        _print(report, tables, screen)
-        screen.print(f"{len(place.files)} files in {request.folder}", markup=False)
+    def made() -> Iterator[File]:
+        from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page
 
-    request.report(report.to_dict(), place.files, show)
-    return 0
+        yield "chaos.json", json_text(content)
+        yield "chaos_section", report.section
+        yield "chaos_exponents", report.exponents
+        figures = chaos_figures(report) if request.figures else {}
+        yield from figures.items()
+        yield "chaos.html", chaos_page(report, tables, figures)
 
-
-def _save(report: ChaosReport, tables: list[Table], request: Request, folder: Path) -> None:
-    from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page
-
-    _write(json_text(report.to_dict()), folder / "chaos.json")
-    save_netcdf(report.section, folder / "chaos_section.nc")
-    save_netcdf(report.exponents, folder / "chaos_exponents.nc")
-    figures = chaos_figures(report) if request.figures else {}
-    save_figures(figures, folder, request.format)
-    _write(chaos_page(report, tables, figures), folder / "chaos.html")
-
-
-def _write(text: str, path: Path) -> None:
-    with replaced(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    files = request.write(made(), {**request.asked, "periods": report.run["periods"]})
+    return request.report(content, files, partial(_print, report, tables))
 
 
 def _tables(report: ChaosReport) -> list[Table]:
@@ -155,6 +137,5 @@ def _print(report: ChaosReport, tables: list[Table], screen: Console) -> None:
     for reason in report.reasons:
         screen.print(f"- {reason}", markup=False, soft_wrap=True)
     for heading, heads, rows in tables:
-        cells = [[escape(cell) for cell in row] for row in rows]
-        screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
+        screen.print(table(f"\n{heading}", heads, rows, numbers=len(heads) - 1))
     print_notes(report.notes, screen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from linkages.cli.loading import mechanism_from, require_folder
@@ -24,20 +25,20 @@ from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
 
 
-def run_check(request: Request, kernel: bool, modes: bool) -> int:
+def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     """Print the report of a file; returns the exit code."""
     mechanism = mechanism_from(request.file, request.assignments)
-    if request.out is not None:
-        require_folder(request.out)
+    if out is not None:
+        require_folder(out)
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
     if kernel:
         content["kernel"] = _kernel(system)
-    if modes:
+    if modes or out is not None:
         from linkages.cli.verbs.modes import modes_content
 
-        content["modes"] = modes_content(system, request.out, request.format)
+        content["modes"] = modes_content(system, out, request.format)
     if request.json:
         print_json(content)
     else:

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.terminal import number, print_notes, table
+from linkages.cli.terminal import print_notes, table
 
 
 def print_report(content: dict[str, Any], screen: Console) -> None:
@@ -28,25 +28,14 @@ def print_report(content: dict[str, Any], screen: Console) -> None:
 
 def _print_bodies(content: dict[str, Any], screen: Console) -> None:
     rows = [
-        [
-            b["name"],
-            b["kind"],
-            "–".join(b["joints"]),
-            number(b["mass"]),
-            number(b["inertia"]),
-            b["coordinate"],
-        ]
+        [b["name"], b["kind"], "–".join(b["joints"]), b["mass"], b["inertia"], b["coordinate"]]
         for b in content["bodies"]
     ]
     heads = ["body", "kind", "joints", "mass (kg)", "inertia (kg m²)", "coordinate"]
     screen.print(table("\nBodies", heads, rows))
-    joints = [
-        [j["joint"], ", ".join(j["bodies"]), *(number(v) for v in j["position"])]
-        for j in content["joints"]
-    ]
-    screen.print(
-        table("\nJoints at t = 0", ["joint", "bodies", "x (m)", "y (m)"], joints, numbers=2)
-    )
+    joints = [[j["joint"], ", ".join(j["bodies"]), *j["position"]] for j in content["joints"]]
+    heads = ["joint", "bodies", "x (m)", "y (m)"]
+    screen.print(table("\nJoints at t = 0", heads, joints, numbers=2))
 
 
 def _print_contributions(content: dict[str, Any], screen: Console) -> None:
@@ -59,9 +48,7 @@ def _print_contributions(content: dict[str, Any], screen: Console) -> None:
     for key, heading in headings.items():
         rows = [[r["kind"], r["on"], r["value"], r["path"]] for r in content[key]]
         if rows:
-            heads = ["kind", "on", "value", "in the file"]
-            cells = [[escape(cell) for cell in row] for row in rows]
-            screen.print(table(f"\n{heading}", heads, cells))
+            screen.print(table(f"\n{heading}", ["kind", "on", "value", "in the file"], rows))
 
 
 def _print_mobility(content: dict[str, Any], screen: Console) -> None:
@@ -79,20 +66,11 @@ def _print_mobility(content: dict[str, Any], screen: Console) -> None:
 
 
 def _print_blocks(content: dict[str, Any], screen: Console) -> None:
-    blocks = [
-        [
-            str(b["block"]),
-            b["kind"],
-            ", ".join(b["unknowns"]),
-            b["apex"],
-            b["side"] or "",
-            number(b["condition"]),
-        ]
-        for b in content["blocks"]
-    ]
+    keys = ("block", "kind", "unknowns", "apex", "side", "condition")
+    rows = [[", ".join(b[k]) if k == "unknowns" else b[k] for k in keys] for b in content["blocks"]]
     heads = ["block", "kind", "solves for", "at joint", "side", "condition number"]
-    if blocks:
-        screen.print(table("\nBlocks in their order of solution", heads, blocks, numbers=1))
+    if rows:
+        screen.print(table("\nBlocks in their order of solution", heads, rows, numbers=1))
 
 
 def _print_kernel(kernel: dict[str, Any], screen: Console) -> None:
@@ -101,7 +79,7 @@ def _print_kernel(kernel: dict[str, Any], screen: Console) -> None:
         return
     counts = kernel["operations"]
     kinds = list(next(iter(counts.values())))
-    rows = [[part, *(str(count[kind]) for kind in kinds)] for part, count in counts.items()]
+    rows = [[part, *(count[kind] for kind in kinds)] for part, count in counts.items()]
     screen.print(table("\nOperations of the kernel", ["part", *kinds], rows, numbers=len(kinds)))
     left_out = ", ".join(kernel["left_out"]) or "nothing"
     screen.print(f"left out because the motion does not depend on it: {left_out}", markup=False)

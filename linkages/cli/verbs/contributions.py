@@ -11,6 +11,7 @@ import numpy as np
 
 from linkages.cli.terminal import number
 from linkages.components.cam import Cam
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.functions import (
     Function,
     Measured,
@@ -118,7 +119,19 @@ def loads(mechanism: Mechanism) -> list[Row]:
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*found, *masses]
+    return [*found, *_contacts(mechanism), *masses]
+
+
+def _contacts(mechanism: Mechanism) -> Iterator[Row]:
+    """What presses in clearances that open: the law, and the numbers that were given."""
+    for own in mechanism.clearances:
+        if isinstance(own, ContactClearance):
+            keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
+                    "restitution": "", "damping": "N s/m", "friction": ""}  # fmt: skip
+            given = ((key, getattr(own, key), unit) for key, unit in keys.items())
+            numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
+            on = f"{own.bar} at {own.joint}, which has the {own.carries}"
+            yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
 
 
 def _on(load: Load) -> str:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from linkages.cli.loading import mechanism_from
 from linkages.cli.requests import Request
 from linkages.cli.terminal import print_json
+from linkages.equations import FORMATS, derive, render
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System, choose_free
 from linkages.reading.wording import suggestion
 from linkages.topology.topology import build_topology
 
-FORMATS = ("text", "latex", "python")
 
-
-def run_equations(request: Request, form: str) -> int:
+def run(request: Request, form: str) -> int:
     """Print closure, energies and Lagrange's equations; returns the exit code."""
     if form not in FORMATS:
         near = suggestion(form, FORMATS) or f"; expected one of: {', '.join(FORMATS)}"
@@ -22,8 +21,6 @@ def run_equations(request: Request, form: str) -> int:
     topology = build_topology(choose_free(mechanism_from(request.file, request.assignments)))
     if topology.redundant:  # positions tell which blocks have to be solved together
         topology = System(topology.mechanism).topology
-    from linkages.equations import derive, render
-
     text = render(derive(topology), form)
     if request.json:
         print_json({"mechanism": topology.mechanism.name, "format": form, "equations": text})

@@ -28,7 +28,7 @@ def run_list(json: bool) -> int:
     if json:
         print_json({"mechanisms": entries})
         return 0
-    rows = [[name, str(entry["title"])] for name, entry in entries.items()]
+    rows = [[name, entry["title"]] for name, entry in entries.items()]
     console().print(table("Mechanisms shipped with the package", ["file", "what it is"], rows))
     return 0
 
@@ -85,12 +85,9 @@ def _components(mechanism: Mechanism) -> dict[str, list[str]]:
 
 def _drawn(system: System, path: Path) -> Path:
     from linkages.plots.figures import write_figure
-    from linkages.plots.mechanism.position import position_figure
+    from linkages.plots.mechanism.drawing import start_figure
 
-    places = system.places()
-    positions = {j: (float(places[j][0]), float(places[j][1])) for j in system.topology.joints}
-    figure = position_figure(system.mechanism, positions)
-    return write_figure(figure, path)
+    return write_figure(start_figure(system), path)
 
 
 def _print(content: dict[str, Any]) -> None:

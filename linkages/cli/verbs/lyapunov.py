@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.results import save_figures, save_netcdf, save_table
-from linkages.cli.swept import close_report, contact_content
+from linkages.cli.requests import File, Request
+from linkages.cli.swept import contact_content, print_remarks
 from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
@@ -19,34 +19,39 @@ BEYOND = 3.0
 """Standard errors beyond which an exponent is said to differ from zero."""
 
 
-def run_lyapunov(request: Request) -> int:
+def run(request: Request) -> int:
     """Compute exponents; returns the exit code."""
     from linkages.chaos.growth.lyapunov import lyapunov
 
     with request.computing("exponents of") as watch:
         data = lyapunov(request.mechanism, watch=watch, **request.given)
-    with request.publishing() as place:
-        save_netcdf(data, place.folder / "lyapunov.nc")
-        columns = {"time (s)": data["time"].to_numpy()} | {
-            f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
-            for index in data["index"].to_numpy()
-        }
-        save_table(columns, place.folder / "lyapunov.csv")
+    columns = {"time (s)": data["time"].to_numpy()} | {
+        f"exponent {index} (1/s)": data["history"].sel(index=index).to_numpy()
+        for index in data["index"].to_numpy()
+    }
+
+    def made() -> Iterator[File]:
+        yield "lyapunov", data
+        yield "lyapunov", columns
         if request.figures:
             from linkages.plots.chaos import exponents
 
-            save_figures({"lyapunov": exponents.figure(data)}, place.folder, request.format)
+            yield "lyapunov", exponents.figure(data)
+
+    files = request.write(made())
     rows, known, said = exponent_rows(data), certificate_rows(data), data.attrs
     end = float(data["time"][-1])
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
-        screen.print(exponent_table(rows))
+        cells = [[r["index"], r["sign"], r["value"], f"{r['error']:.2g}"] for r in rows]
+        heads = ["exponent", "sign", "value (1/s)", "standard error"]
+        screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
         screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
         if known:
             heading, heads, cells = certificate_table(known)
             screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
-        close_report(data, [said["warning"]] if said["warning"] else [], place.files)
+        print_remarks(data, [said["warning"]] if said["warning"] else [], screen)
 
     content = {
         "mechanism": said["name"],
@@ -58,8 +63,7 @@ def run_lyapunov(request: Request) -> int:
         "settled": bool(said["settled"]),
         "warning": said["warning"] or None,
     }
-    request.report(content, place.files, show)
-    return 0
+    return request.report(content, files, show)
 
 
 def exponent_rows(data: xr.Dataset) -> list[dict[str, Any]]:
@@ -98,13 +102,3 @@ def certificate_table(rows: list[dict[str, Any]]) -> tuple[str, list[str], list[
     ]
     heads = ["invariant", "found (1/s)", "known (1/s)", "tolerance"]
     return "Certificate of the exponents", heads, cells
-
-
-def exponent_table(rows: list[dict[str, Any]]) -> Any:
-    """The rows as a table."""
-    cells = [
-        [str(row["index"]), row["sign"], number(row["value"]), f"{row['error']:.2g}"]
-        for row in rows
-    ]
-    heads = ["exponent", "sign", "value (1/s)", "standard error"]
-    return table("Lyapunov exponents", heads, cells, numbers=2)

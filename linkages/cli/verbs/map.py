@@ -3,86 +3,58 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.markup import escape
+from rich.console import Console
 
-from linkages.cli.requests import Request, ranges
-from linkages.cli.results import save_figures, save_netcdf, save_table
-from linkages.cli.swept import (
-    close_report,
-    contact_columns,
-    contact_content,
-    coordinate_head,
-    failure_notes,
-    failures,
-    publish_sweep,
-    swept,
-)
-from linkages.cli.terminal import console, number, table
+from linkages.cli import swept
+from linkages.cli.requests import File, Request, ranges
+from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
-def run_map(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
+def run(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
     """Compute a map; returns the exit code."""
     from linkages.chaos.sweeps.maps import chaos_map
     from linkages.chaos.sweeps.sweep import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
     task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)
-    data = swept(request, "map", "point", task)
+    data = swept.result(request, "map", "point", task)
 
-    def save(folder: Path) -> None:
-        save_netcdf(data, folder / "map.nc")
-        save_table(_columns(data), folder / "map.csv")
-        if request.figures:
-            save_figures(_figures(data), folder, request.format)
-
-    content = _content(data)
-    show = partial(_print, content, data)
-    return publish_sweep(request, data, "point", save, content, show)
+    content, made = _content(data), _files(data, request.figures)
+    return swept.publish(request, data, "point", made, content, partial(_print, content, data))
 
 
-def _figures(data: xr.Dataset) -> dict[str, Figure | None]:
-    from linkages.plots.chaos import maps
+def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
+    yield "map", data
+    yield "map", _columns(data)
+    if figures:
+        from linkages.plots.chaos import maps
 
-    drawn: dict[str, Figure | None] = {"map": maps.figure(data)}
-    names = [str(name) for name in data["coordinate"].values]
-    for index, name in enumerate(names):
-        stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
-        drawn[stem] = maps.class_figure(data, name)
-    return drawn
+        yield "map", maps.figure(data)
+        names = [str(name) for name in data["coordinate"].values]
+        for index, name in enumerate(names):
+            stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
+            yield stem, maps.class_figure(data, name)
 
 
 def _columns(data: xr.Dataset) -> dict[str, Any]:
     """A row for each point."""
-    height, width = data.sizes["y"], data.sizes["x"]
-    columns: dict[str, Any] = {}
-    for name, array in data.coords.items():
-        head = coordinate_head(name, array)
-        if array.dims == ("x",):
-            columns[head] = np.tile(array.to_numpy(), height)
-        elif array.dims == ("y",):
-            columns[head] = np.repeat(array.to_numpy(), width)
-    units = data["indicator"].attrs["units"]
-    kind = str(data.attrs["kind"])
-    columns[f"{kind} ({units})" if units else kind] = data["indicator"].to_numpy().ravel()
+    kind, units = str(data.attrs["kind"]), data["indicator"].attrs["units"]
+    columns = swept.varied_columns(data, "x", "y")
+    columns[f"{kind} ({units})" if units else kind] = data["indicator"]
     if "error" in data:
-        columns["error (1/s)"] = data["error"].to_numpy().ravel()
-        columns["sign"] = data["sign"].to_numpy().ravel()
-    columns |= contact_columns(data)
+        columns |= {"error (1/s)": data["error"], "sign": data["sign"]}
+    columns |= swept.contact_columns(data)
     for name in data["coordinate"].values:
-        columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name).to_numpy().ravel()
-    columns["reason"] = data["reason"].to_numpy().ravel()
-    columns["stopped (s)"] = data["stop_time"].to_numpy().ravel()
-    return columns
+        columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name)
+    return swept.flattened(columns | swept.failure_columns(data), data["indicator"])
 
 
 def _kinds(data: xr.Dataset, name: str) -> dict[str, int]:
@@ -108,8 +80,8 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         "greatest": float(finite.max()) if finite.size else None,
         "signs": _signs(data),
         "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
-        "contact": contact_content(data),
-        "failures": failures(data),
+        "contact": swept.contact_content(data),
+        "failures": swept.failures(data),
     }
 
 
@@ -122,8 +94,7 @@ def _signs(data: xr.Dataset) -> dict[str, int] | None:
     return {word: int((signs == sign).sum()) for word, sign in words.items()}
 
 
-def _print(content: dict[str, Any], data: xr.Dataset, files: Sequence[Path]) -> None:
-    screen = console()
+def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
     title = f"{content['mechanism']}: {content['computed']} of {content['points']} points"
     screen.print(f"{title}, {content['x']} and {content['y']}", markup=False)
     if content["computed"]:
@@ -134,10 +105,10 @@ def _print(content: dict[str, Any], data: xr.Dataset, files: Sequence[Path]) -> 
         said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
         screen.print(f"the exponent is {', '.join(said)}", markup=False)
     rows = [
-        [escape(name), word, str(count)]
+        [name, word, count]
         for name, kinds in content["rotation"].items()
         for word, count in sorted(kinds.items())
     ]
     if rows:
         screen.print(table("What free angles do", ["angle", "motion", "points"], rows, numbers=1))
-    close_report(data, failure_notes(content["failures"], "point"), files)
+    swept.print_remarks(data, swept.failure_notes(content["failures"], "point"), screen)

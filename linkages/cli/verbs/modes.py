@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.markup import escape
 
 from linkages.cli.terminal import number, print_notes, table
 from linkages.kernel.assembly.modes import MOST_MODES, SAME, STARTS, Assembly
@@ -150,16 +149,14 @@ def print_modes(content: Content, screen: Console) -> None:
         shown = [row for row in rows if row["mode"] <= MOST_ROWS or row["selected"]]
         cells = [
             [
-                str(row["mode"]),
+                row["mode"],
                 "selected" if row["selected"] else "",
-                *(escape(_cell(choice)) for choice in row["blocks"]),
+                *(_cell(choice) for choice in row["blocks"]),
                 *(", ".join(number(v) for v in place) for place in row["positions"].values()),
             ]
             for row in shown
         ]
-        screen.print(
-            table("\nAssembly modes at the start", [escape(head) for head in heads], cells)
-        )
+        screen.print(table("\nAssembly modes at the start", heads, cells))
         if len(shown) < len(rows):
             screen.print(f"{len(rows) - len(shown)} more modes; --json lists all of them")
     print_notes(content["notes"], screen)

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from linkages.cli.loading import require_folder
-from linkages.cli.options import Template
+from linkages.cli.options import SUFFIXES, Template
 from linkages.cli.terminal import console, print_json
 from linkages.cli.verbs.schema import schema_text
 from linkages.components.mechanisms.registry import SECTIONS
@@ -14,7 +14,6 @@ from linkages.components.mechanisms.schema import FILE_NAME, TITLE
 from linkages.errors import InputError, Problem
 
 TEMPLATES = Path(__file__).resolve().parents[1] / "templates"
-SUFFIXES = (".yaml", ".yml")
 
 
 def run_new(name: str, template: Template, force: bool, json: bool) -> int:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.results import save_figures, save_netcdf, save_table
+from linkages.cli.requests import File, Request
 from linkages.cli.simulated import as_far_as_possible
-from linkages.cli.terminal import number, table
+from linkages.cli.terminal import table
 from linkages.errors import ComputationError
 from linkages.options.option import OptionError
 from linkages.options.run import SimulationOptions
@@ -22,9 +21,7 @@ FEWEST_SAMPLES = 10_001
 """A curve through fewer points shows corners where a clearance turns fast."""
 
 
-def run_phase(
-    request: Request, x: str, y: str, wrap: bool, skip: float, samples: int | None
-) -> int:
+def run(request: Request, x: str, y: str, wrap: bool, skip: float, samples: int | None) -> int:
     """Simulate, and draw one series against another; returns the exit code."""
     from linkages.kernel.system import System
     from linkages.solution.values.series import TIME, find_series, system_series
@@ -50,15 +47,18 @@ def run_phase(
         for series in (across, up)
         if series.variable != TIME
     }
-    how = {"complete": failure is None, "interrupted": interrupted}
-    with request.publishing({**solution.options, **request.own, "samples": wanted}, **how) as place:
-        save_netcdf(data, place.folder / "phase_diagram.nc")
-        save_table(columns, place.folder / "phase_diagram.csv")
-        if request.figures:
-            from linkages.plots.motion import phase_pair
 
-            drawn = {"phase_diagram": phase_pair.figure(data, x, y, wrap=wrap)}
-            save_figures(drawn, place.folder, request.format)
+    def made() -> Iterator[File]:
+        yield "phase_diagram", data
+        yield "phase_diagram", columns
+        if request.figures:
+            from linkages.plots.motion.phase import pair_figure
+
+            yield "phase_diagram", pair_figure(data, x, y, wrap=wrap)
+
+    options = {**solution.options, **request.own, "samples": wanted}
+    how = {"complete": failure is None, "interrupted": interrupted}
+    files = request.write(made(), options, **how)
     rows: list[dict[str, Any]] = [
         {"name": head, "least": float(np.min(values)), "greatest": float(np.max(values))}
         for head, values in columns.items()
@@ -66,12 +66,8 @@ def run_phase(
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(mechanism.name)}[/bold]: phase diagram")
-        cells = [[escape(r["name"]), number(r["least"]), number(r["greatest"])] for r in rows]
+        cells = [[*row.values()] for row in rows]
         screen.print(table("Ranges", ["series", "least", "greatest"], cells, numbers=2))
-        screen.print(f"{len(place.files)} files in {place.files[0].parent}", markup=False)
-        if failure is not None:
-            print(f"stopped {failure}", file=sys.stderr)
 
     content = {"mechanism": mechanism.name, "stopped": failure, "series": rows}
-    request.report(content, place.files, show)
-    return 0 if failure is None else 1
+    return request.report(content, files, show, failure=failure)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.requests import Request
-from linkages.cli.results import free_columns, save_figures, save_netcdf, save_table
-from linkages.cli.swept import close_report, contact_content
+from linkages.cli.requests import File, Request
+from linkages.cli.swept import contact_content, free_columns, print_remarks
 from linkages.cli.terminal import number, table
 
 if TYPE_CHECKING:
@@ -20,26 +20,32 @@ TAKEN = ("period", "phase", "section", "direction")
 """Attributes that say how points are taken."""
 
 
-def run_poincare(request: Request) -> int:
+def run(request: Request) -> int:
     """Compute a section; returns the exit code."""
     from linkages.chaos.sections.section import poincare
 
     with request.computing("section of") as watch:
         data = poincare(request.mechanism, watch=watch, **request.given)
-    with request.publishing() as place:
-        save_netcdf(data, place.folder / "poincare.nc")
-        columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
-        save_table(columns, place.folder / "poincare.csv")
+    columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
+
+    def made() -> Iterator[File]:
+        yield "poincare", data
+        yield "poincare", columns
         if request.figures:
             from linkages.plots.chaos import sections
 
-            save_figures({"poincare": sections.figure(data)}, place.folder, request.format)
+            yield "poincare", sections.figure(data)
+
+    files = request.write(made())
     rows, warning = section_rows(data), data.attrs["warning"]
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(data.attrs['name'])}[/bold]: {escape(taken(data))}")
-        screen.print(section_table(rows))
-        close_report(data, [warning] if warning else [], place.files)
+        keys = ("long_name", "element", "units", "least", "greatest", "last")
+        heads = ["quantity", "of", "unit", "least", "greatest", "last"]
+        cells = [[row[key] for key in keys] for row in rows]
+        screen.print(table("Where the points lie", heads, cells, numbers=3))
+        print_remarks(data, [warning] if warning else [], screen)
 
     content = {
         "mechanism": data.attrs["name"],
@@ -51,8 +57,7 @@ def run_poincare(request: Request) -> int:
         "contact": contact_content(data),
         "warning": warning or None,
     }
-    request.report(content, place.files, show)
-    return 0
+    return request.report(content, files, show)
 
 
 def taken(data: xr.Dataset) -> str:
@@ -88,18 +93,3 @@ def section_rows(data: xr.Dataset) -> list[dict[str, Any]]:
                 }
             )
     return rows
-
-
-def section_table(rows: list[dict[str, Any]], title: str = "Where the points lie") -> Any:
-    """The rows as a table."""
-    cells = [
-        [
-            row["long_name"],
-            escape(row["element"]),
-            row["units"],
-            *(number(row[key]) for key in ("least", "greatest", "last")),
-        ]
-        for row in rows
-    ]
-    heads = ["quantity", "of", "unit", "least", "greatest", "last"]
-    return table(title, heads, cells, numbers=3)

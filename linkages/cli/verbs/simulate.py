@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
@@ -53,7 +52,7 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
 
 
-def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> int:
+def run(request: Request, outputs: str | None, verify: bool | None) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
     with request.computing("simulating") as watch:
@@ -69,23 +68,21 @@ def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> 
     _mark_late(solution, horizon)
     notes = [*solution.notes, *_warnings(solution, rows)]
     how = {"complete": failure is None, "interrupted": interrupted}
-    with request.publishing(solution.options, **how) as run:
-        solution.save(run.folder)
+    with request.publishing(solution.options, **how) as place:
+        solution.save(place.folder)
         if request.figures:
             from linkages.plots.figures import save_figures
             from linkages.plots.motion.time_figures import QUANTITIES
             from linkages.solution.resolved import resolved
 
             dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
-            save_figures(solution.data, solution.mechanism, run.folder, request.format, dense=dense)
+            save_figures(
+                solution.data, solution.mechanism, place.folder, request.format, dense=dense
+            )
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)
         print_notes(notes, screen)
-        if run.files:
-            screen.print(f"{len(run.files)} files in {run.files[0].parent}", markup=False)
-        if failure is not None:
-            print(f"stopped {failure}", file=sys.stderr)
 
     content = {
         **how_far(solution, failure),
@@ -97,8 +94,7 @@ def run_simulate(request: Request, outputs: str | None, verify: bool | None) -> 
         "maxima": solution.maxima,
         "notes": notes,
     }
-    request.report(content, run.files, show)
-    return 0 if failure is None else 1
+    return request.report(content, place.files, show, failure=failure)
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
@@ -213,7 +209,7 @@ def _print(
             row["element"],
             number(row["value"]) + _marks(row),
             row["units"],
-            number(row["time"]),
+            row["time"],
         ]
         for row in rows
     ]

@@ -53,6 +53,7 @@ class Declared:
         self.relations = oriented((t for _, t in terms if isinstance(t, Relation)), known)
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.opening = {t.name for _, t in terms if isinstance(t, Contact)}
+        self.rigid = [t for _, t in terms if isinstance(t, Contact) and t.rigid]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}

@@ -29,7 +29,7 @@ from linkages.plots.style import (
     RIGHT,
     TOP,
     WIDTH,
-    legend_above,
+    patches_above,
     styled,
 )
 
@@ -80,8 +80,7 @@ def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
         ax.set_xlabel("")
     heading = str(data.attrs.get("name", ""))
     if entries:
-        look = legend_above(heading) | {"handlelength": 1.0}
-        axes[0].legend(list(entries.values()), list(entries), **look, ncols=_columns(entries))
+        patches_above(axes[0], entries, heading, _columns(entries))
     else:
         axes[0].set_title(heading)
     return result

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from linkages.plots.chaos.parameters import HATCHING, LOST, contact_lost, show_path
-from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, legend_above, styled
+from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, patches_above, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,10 +96,10 @@ def draw(ax: Axes, data: xr.Dataset) -> Axes:
     ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
     _hatch(ax, data, x, y)
     heading, entries = str(data.attrs.get("name", "")), _entries(data)
-    ax.set_title("" if entries else fitted(heading, 4.4))
     if entries:
-        look = legend_above(heading) | {"handlelength": 1.0}
-        ax.legend(list(entries.values()), list(entries), **look, ncols=3)
+        patches_above(ax, entries, heading, 3)
+    else:
+        ax.set_title(fitted(heading, 4.4))
     return ax
 
 
@@ -170,9 +170,7 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
         present["not computed"] = PALE
     outline: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}  # white is one of the colours
     shown = {word: Patch(facecolor=colour, **outline) for word, colour in present.items()}
-    heading = f"{data.attrs.get('name', '')}: {coordinate}"
-    look = legend_above(heading) | {"handlelength": 1.0}
-    ax.legend(list(shown.values()), list(shown), **look, ncols=5)
+    patches_above(ax, shown, f"{data.attrs.get('name', '')}: {coordinate}", 5)
     return ax
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.plots.motion.angles import show_degrees
-from linkages.plots.motion.free_axes import DEGREES
+from linkages.plots.motion.free_axes import DEGREES, show_degrees
 
 if TYPE_CHECKING:
     import xarray as xr

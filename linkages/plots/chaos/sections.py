@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from linkages.plots.motion.curves import show_steady
 from linkages.plots.motion.free_axes import Free, free_coordinates, show_output, values_of
-from linkages.plots.style import PALETTE, fitted, panels, styled, title
+from linkages.plots.style import PALETTE, diagrams, fitted, styled, title
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,12 +31,9 @@ def figure(data: xr.Dataset) -> Figure | None:
     found = free_coordinates(data)
     if not found or not data.sizes["crossing"]:
         return None
-    columns = 1 if len(found) == 1 else 2
-    result, axes = panels(-(-len(found) // columns), columns, 3.6 if columns == 1 else 2.5)
-    for ax, coordinate in zip(axes, found, strict=False):
-        draw(ax, data, coordinate, str(data.attrs.get("name", "")) if columns == 1 else "")
-    for ax in axes[len(found) :]:
-        ax.remove()
+    result, axes = diagrams(len(found))
+    for ax, coordinate in zip(axes, found, strict=True):
+        draw(ax, data, coordinate, str(data.attrs.get("name", "")) if len(found) == 1 else "")
     return result
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, dr
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.loads import draw_masses, draw_springs, draw_torsional
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import travel_of
+from linkages.plots.mechanism.samples import Poses
 from linkages.plots.mechanism.sliders import draw_guide_springs, draw_guides, draw_sliders
 from linkages.plots.mechanism.view import Box
 
@@ -29,55 +28,22 @@ LOOKS = 24
 """Positions from which the size of a picture is told, besides the places of all joints."""
 
 
-class MovingPose:
-    """Poses of a mechanism at the samples of a dataset, all with the same size of the picture.
-
-    Parameters
-    ----------
-    data
-        With ``joint_position`` and at least one sample.
-    mechanism
-        Whose motion it is.
+def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+    """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
 
     Raises
     ------
     ValueError
         For data that do not say where joints are.
     """
-
-    def __init__(self, data: xr.Dataset, mechanism: Mechanism) -> None:
-        if "joint_position" not in data or not data.sizes["time"]:
-            raise ValueError("nothing to animate: the data have no samples of joint_position")
-        places = data["joint_position"].transpose("time", "joint", "axis")
-        self.mechanism = mechanism
-        self.places: Array = np.asarray(places, dtype=float)
-        self._joints = [str(name) for name in data["joint"].values]
-        self._bars = [str(name) for name in data["bar"].values] if "bar_angle" in data else []
-        self._angles: Array = (
-            np.asarray(data["bar_angle"].transpose("time", "bar"), dtype=float)
-            if "bar_angle" in data
-            else np.empty((len(self.places), 0))
-        )
-        self._travel = travel_of(data)
-        self._size = Box.around(self.places).extent or None
-
-    def at(self, index: int) -> Pose:
-        """The position at one sample, in metres."""
-        positions = {
-            name: (float(x), float(y))
-            for name, (x, y) in zip(self._joints, self.places[index], strict=True)
-            if np.isfinite((x, y)).all()
-        }
-        angles = dict(zip(self._bars, self._angles[index].tolist(), strict=True))
-        return Pose(self.mechanism, positions, angles, self._travel, size=self._size)
-
-    @cached_property
-    def box(self) -> Box:
-        """The part of the plane that the mechanism sweeps."""
-        looks = np.unique(np.linspace(0, len(self.places) - 1, LOOKS).round().astype(int))
-        boxes = [reach(self.at(index)) for index in looks]
-        corners = [corner for box in boxes for corner in (box.low, box.high)]
-        return Box.around(np.vstack([self.places.reshape(-1, 2), *corners]))
+    if "joint_position" not in data or not data.sizes["time"]:
+        raise ValueError("nothing to animate: the data have no samples of joint_position")
+    places = np.asarray(data["joint_position"], dtype=float).reshape(-1, 2)
+    poses = Poses(data, mechanism, Box.around(places).extent or None)
+    looks = np.unique(np.linspace(0, data.sizes["time"] - 1, LOOKS).round().astype(int))
+    boxes = [reach(poses.at(index)) for index in looks]
+    corners = [corner for box in boxes for corner in (box.low, box.high)]
+    return poses, Box.around(np.vstack([places, *corners]))
 
 
 class Unlabelled(Labels):

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
 from linkages.plots.films.layout import MARGIN, Layout
-from linkages.plots.films.moving import MovingPose, draw_moving, draw_still
+from linkages.plots.films.moving import draw_moving, draw_still, framed
 from linkages.plots.mechanism.bodies import outlines
 from linkages.plots.mechanism.insets import Contact, Inset, contacts
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
-from linkages.plots.mechanism.view import frame, gravity_arrow, pixels
+from linkages.plots.mechanism.view import Box, frame, gravity_arrow, pixels
 from linkages.plots.style import BLACK, fitted, line_style, style
 
 if TYPE_CHECKING:
@@ -64,15 +64,15 @@ class Stage:
         size: tuple[int, int] | None,
         dpi: float,
     ) -> None:
-        self._moving = MovingPose(data, mechanism)
+        self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
         found = contacts(data, mechanism)
         inches = None if size is None else (size[0] / dpi, size[1] / dpi)
         with style():
-            layout = Layout.of(self._moving.box, len(found), inches)
+            layout = Layout.of(box, len(found), inches)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
-            self._build(self._canvas.figure, layout, data, film, found)
+            self._build(self._canvas.figure, layout, box, data, film, found)
             self._canvas.draw()
             self._background: Any = self._canvas.copy_from_bbox(self._canvas.figure.bbox)
 
@@ -92,12 +92,18 @@ class Stage:
         return np.asarray(self._canvas.buffer_rgba())[:height, :width]
 
     def _build(
-        self, figure: Figure, layout: Layout, data: xr.Dataset, film: Film, found: list[Contact]
+        self,
+        figure: Figure,
+        layout: Layout,
+        box: Box,
+        data: xr.Dataset,
+        film: Film,
+        found: list[Contact],
     ) -> None:
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
-        scale = frame(ax, self._moving.box, mechanism, MARGIN)
+        scale = frame(ax, box, mechanism, MARGIN)
         self._factor = scale.factor
         self._first = self._moving.at(0).scaled(self._factor)
         labels = Labels(ax)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.system import System
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.arrows import rotation_arrow
 from linkages.plots.mechanism.bodies import (
@@ -61,8 +62,22 @@ Array = NDArray[np.float64]
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """The mechanism at the first sample; None for data without joint positions."""
     pose = pose_at(data, mechanism, 0)
-    if not pose.positions:
-        return None
+    return posed(pose) if pose.positions else None
+
+
+@styled
+def start_figure(system: System) -> Figure:
+    """A mechanism at t = 0, without a motion."""
+    places = system.places()
+    positions = {name: tuple(places[name].tolist()) for name in system.topology.joints}
+    variables = [name for name, body in system.mechanism.bodies.items() if body.rotates]
+    nodes = [system.model.positions.angle(name) for name in variables]
+    angles = dict(zip(variables, system.evaluate(nodes)[:, 0].tolist(), strict=True))
+    return posed(Pose(system.mechanism, positions, angles))
+
+
+def posed(pose: Pose) -> Figure:
+    """The figure of a mechanism in a position, given in metres."""
     result, ax = picture(reach(pose))
     draw_pose(ax, pose)
     return result

@@ -14,7 +14,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Transform
 from numpy.typing import NDArray
 
-from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, stroked
+from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, grid, stroked
 from linkages.plots.mechanism.view import per_point, pixels
 from linkages.plots.style import PALETTE
 
@@ -111,8 +111,7 @@ def _against_wall(
     wall = [(start + WALL, across - 5.0), (start + WALL, across + 5.0)]
     path = stroked([*strokes, wall])
     add_path(ax, path, transform, edge=COLOUR, width=WIDTH, layer=LAYER - 0.8)
-    x, y = np.meshgrid(np.linspace(start, start + WALL, 9), across + np.array([-4.0, 0.0, 4.0]))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return grid(transform, np.linspace(start, start + WALL, 9), across + np.array([-4.0, 0.0, 4.0]))
 
 
 def spiral(ax: Axes, place: Place, angle: float) -> Array:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.plots.mechanism.view import per_point, pixels
 from linkages.plots.style import BLACK, CLEARANCE, PALE
@@ -93,10 +93,11 @@ def rails(ax: Axes, ends: Array, angle: float) -> Array:
     left, right, height = first - 2 * BLOCK[0], last + 2 * BLOCK[0], BLOCK[1] + 1.2
     add_path(ax, stroked([[(left, height), (right, height)]]), transform)
     add_path(ax, stroked(hatching(left, right, -height)), transform)
-    x, y = np.meshgrid(
-        np.linspace(left, right, int(right - left) // 2 + 2), np.linspace(-height - 4, height, 9)
+    return grid(
+        transform,
+        np.linspace(left, right, int(right - left) // 2 + 2),
+        np.linspace(-height - 4, height, 9),
     )
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
 
 
 def block(ax: Axes, place: Place, angle: float) -> Array:
@@ -113,8 +114,7 @@ def _block(ax: Axes, place: Place, angle: float, half: Place, layer: float) -> A
     transform = anchored(ax, place, angle)
     a, b = half
     add_path(ax, _rectangle(a, b), transform, fill=PALE, layer=layer)
-    x, y = np.meshgrid(np.linspace(-a, a, 11), np.linspace(-b, b, 7))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return grid(transform, np.linspace(-a, a, 11), np.linspace(-b, b, 7))
 
 
 def _rectangle(a: float, b: float) -> Path:
@@ -131,8 +131,7 @@ def slot(ax: Axes, ends: Array, edge: str) -> Array:
     outline = np.vstack((outline, outline[:1]))
     transform = anchored(ax, (float(ends[0, 0]), float(ends[0, 1])), float(np.arctan2(*way[::-1])))
     add_path(ax, Path(outline), transform, fill="white", edge=edge, width=1.4, layer=LAYER - 0.7)
-    x, y = np.meshgrid(np.linspace(-radius, length + radius, 40), (-radius, 0.0, radius))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return grid(transform, np.linspace(-radius, length + radius, 40), (-radius, 0.0, radius))
 
 
 def point_mass(ax: Axes, place: Place) -> Array:
@@ -144,8 +143,7 @@ def fixed_end(ax: Axes, place: Place, direction: float) -> Array:
     """Hatched ground that a body is welded to, which lies towards `direction`."""
     transform = anchored(ax, place, direction + np.pi / 2)
     add_path(ax, stroked(hatching(-9.0, 9.0, 0.0)), transform)
-    x, y = np.meshgrid(np.linspace(-10, 10, 11), np.linspace(-4, 0, 4))
-    return np.asarray(transform.transform(np.column_stack((x.ravel(), y.ravel()))))
+    return grid(transform, np.linspace(-10, 10, 11), np.linspace(-4, 0, 4))
 
 
 def wedge(ax: Axes, place: Place, first: float, second: float, colour: str) -> Array:
@@ -185,6 +183,12 @@ def _ring(ax: Axes, place: Place, radius: float, fill: str, edge: str, layer: fl
         )
     )
     return around(ax, place, np.linspace(0, 2 * np.pi, 13)[:-1], radius)
+
+
+def grid(transform: Transform, x: ArrayLike, y: ArrayLike) -> Array:
+    """Pixels of a grid of points, from places along both axes."""
+    columns = [places.ravel() for places in np.meshgrid(x, y)]
+    return np.asarray(transform.transform(np.column_stack(columns)))
 
 
 def around(ax: Axes, place: Place, angles: Array, radius: float) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies, outlines
 from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.samples import pose_at, positions_at
+from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, frame, picture, pixels
 from linkages.plots.style import GREY, line_style, styled
 
@@ -30,7 +30,7 @@ SAME = 0.01  # of the picture's size: traces no farther apart look the same
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Traces over the run; None for data without joint positions."""
-    if not positions_at(data, 0):
+    if not pose_at(data, mechanism, 0).positions:
         return None
     result, ax = picture(Box.around(np.asarray(data["joint_position"], dtype=float)), MARGIN)
     draw(ax, data, mechanism)

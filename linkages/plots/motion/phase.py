@@ -1,8 +1,8 @@
-"""Phase diagrams: angle against angular speed (figure 10 of the paper)."""
+"""Phase diagrams: a free coordinate against its rate, and any two outputs against each other."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,12 +10,20 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.motion.angles import show_degrees
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import BUSY, show_steady
+from linkages.plots.motion.free_axes import (
+    Free,
+    free_coordinates,
+    show_degrees,
+    show_output,
+    values_of,
+)
 from linkages.plots.motion.phase_curve import refined, spread, wrapped
 from linkages.plots.prefixes import scale_of
-from linkages.plots.style import PALETTE, fitted, line_style, panels, styled, title
+from linkages.plots.style import PALETTE, diagrams, fitted, line_style, panels, styled, title
 from linkages.solution.resolved import turning_points
+from linkages.solution.values.series import TIME, Series, data_series, find_series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,72 +33,34 @@ Array = NDArray[np.float64]
 MANY_POINTS = 50_000
 
 
-class Coordinate(NamedTuple):
-    """A free coordinate: ``name`` along ``dimension``."""
-
-    dimension: str
-    name: str
-
-
-class Kind(NamedTuple):
-    """Variables and axis labels of the coordinates along one dimension."""
-
-    variables: tuple[str, str, str]
-    labels: tuple[str, str]
-
-
-def _angle(dimension: str, symbol: str) -> Kind:
-    position, speed, acceleration = (
-        f"{dimension}_{what}" for what in ("angle", "speed", "acceleration")
-    )
-    labels = f"{dimension} angle {symbol} [°]", f"{dimension} speed d{symbol}/dt"
-    return Kind((position, speed, acceleration), labels)
-
-
-KINDS = {
-    "clearance": _angle("clearance", "α"),
-    "bar": _angle("bar", "θ"),
-    "slider": Kind(
-        ("slider_position", "slider_velocity", "slider_acceleration"),
-        ("slider displacement s", "slider velocity ds/dt"),
-    ),
-}
-
-
 @styled
 def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """One panel for each clearance and each other free angle; None if there are none."""
     found = coordinates(data, mechanism)
     if not found or data.sizes["time"] == 0:
         return None
-    columns = 1 if len(found) == 1 else 2
-    rows = -(-len(found) // columns)
-    result, axes = panels(rows, columns, 3.6 if len(found) == 1 else 2.5)
-    for ax, coordinate in zip(axes, found, strict=False):
+    result, axes = diagrams(len(found))
+    for ax, coordinate in zip(axes, found, strict=True):
         draw(ax, data, coordinate, mechanism.name if len(found) == 1 else "")
-    for ax in axes[len(found) :]:
-        ax.remove()
     return result
 
 
-def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Coordinate]:
+def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     """Clearances, then bars and sliders that are free, as far as the data have them.
 
     Which are free say the mechanism and the data (``attrs["free"]``, separated by spaces).
     """
     free = f" {data.attrs.get('free', '')} "
     return [
-        Coordinate(dimension, str(name))
-        for dimension, kind in KINDS.items()
-        if set(kind.variables[:2]) <= set(data.data_vars)
-        for name in data[dimension].values
-        if (dimension == "clearance" and name in mechanism.bodies)
-        or name in mechanism.initial
-        or f" {name} " in free
+        found
+        for found in free_coordinates(data)
+        if (found.dimension == "clearance" and found.name in mechanism.bodies)
+        or found.name in mechanism.initial
+        or f" {found.name} " in free
     ]
 
 
-def draw(ax: Axes, data: xr.Dataset, coordinate: Coordinate, heading: str = "") -> Axes:
+def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axes:
     """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
 
     Parameters
@@ -98,34 +68,29 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Coordinate, heading: str = "") 
     ax
         Where to draw.
     data
-        SI units, with the variables that `KINDS` names. Accelerations, where there are any,
-        make the curve smooth between samples.
+        SI units. Accelerations, where there are any, make the curve smooth between samples.
     coordinate
         What to draw.
     heading
         Stands before the name in the title.
     """
-    dimension, name = coordinate
-    kind = KINDS[dimension]
-    known = [variable for variable in kind.variables if variable in data]
-    motion = [np.asarray(data[v].sel({dimension: name}), dtype=float) for v in known]
-    if len(motion) == 3:
-        turn = 0.0 if dimension == "slider" else 2 * np.pi
-        position, speed, acceleration = motion
+    x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
+    angle = VARIABLES[coordinate.value.variable].angle
+    acceleration = VARIABLES[coordinate.rate.variable].rate
+    if acceleration in data:
+        slopes = np.asarray(data[acceleration].sel({coordinate.dimension: coordinate.name}))
         time = np.asarray(data["time"], dtype=float)
-        motion = [*refined(time, position, speed, acceleration, turn)]
-    rate = scale_of(motion[1], str(data[known[1]].attrs.get("units", "")))
-    if dimension == "slider":
-        scale = scale_of(motion[0], "m")
-        x, y = motion[0] * scale.factor, motion[1] * rate.factor
-        ax.set_xlabel(scale.label(kind.labels[0]))
-    else:
-        x, y = wrapped(motion[0], motion[1] * rate.factor)
-        show_degrees(ax, x)
-        ax.set_xlabel(kind.labels[0])
-    draw_curve(ax, x, y)
-    ax.set_ylabel(rate.label(kind.labels[1]))
-    ax.set_title(fitted(title(heading, name), ax.bbox.width / ax.figure.dpi - 0.7))
+        x, y = refined(time, x, y, slopes.astype(float), 2 * np.pi if angle else 0.0)
+    if angle:
+        degrees, y = wrapped(x, y)
+        x = np.radians(degrees)
+    words = f"{coordinate.dimension} "
+    along, up = (
+        show_output(ax, way, data, output._replace(label=words + output.label), values)
+        for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
+    )
+    draw_curve(ax, degrees if angle else along * x, up * y)
+    ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
     return ax
 
 
@@ -140,3 +105,69 @@ def draw_curve(ax: Axes, x: Array, y: Array) -> None:
     ax.plot(x[:1], y[:1], **look, markerfacecolor="white", label="start", zorder=4)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
+
+
+@styled
+def pair_figure(data: xr.Dataset, x: str, y: str, *, wrap: bool = True) -> Figure | None:
+    """One output against another; None for data without samples.
+
+    Parameters
+    ----------
+    data
+        A solution's data.
+    x, y
+        What to draw, such as ``"r1.angle"``, ``"slider9.velocity"`` or ``"time"``.
+    wrap
+        Whether angles are taken within half a turn either way.
+
+    Raises
+    ------
+    ValueError
+        For names that the data do not have.
+    """
+    known = data_series(data)
+    across, up = find_series(known, x), find_series(known, y)
+    if not data.sizes["time"]:
+        return None
+    result, (ax,) = panels(1, 1, 3.6)
+    draw_pair(ax, data, across, up, wrap)
+    heading = str(data.attrs.get("name", ""))
+    ax.set_title(fitted(heading, ax.bbox.width / result.dpi - 0.7))
+    return result
+
+
+def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = True) -> Axes:
+    """Draw one series against another, angles in degrees; parameters as of `pair_figure`.
+
+    Over time, angles are never taken within one turn.
+    """
+    across, label_x = _shown(data, x)
+    up, label_y = _shown(data, y)
+    if TIME in (x.variable, y.variable):
+        ax.plot(across, up, color=PALETTE[0], linewidth=1.0)
+        ax.margins(x=0.0 if x.variable == TIME else None)
+    else:
+        if wrap and x.angle:
+            across, up = wrapped(np.radians(across), up)
+        if wrap and y.angle:
+            up, across = wrapped(np.radians(up), across)
+        draw_curve(ax, across, up)
+    if x.angle:
+        show_degrees(ax, across)
+    if y.angle:
+        show_degrees(ax, up, "y")
+    ax.set_xlabel(label_x)
+    ax.set_ylabel(label_y)
+    return ax
+
+
+def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
+    """Values as they are drawn, and the label of their axis."""
+    array = series.of(data)
+    values = np.asarray(array, dtype=float)
+    words = str(array.attrs.get("long_name", series.variable))
+    label = " of ".join([words, *[".".join(series.place.values())][: bool(series.place)]])
+    if series.angle:
+        return np.degrees(values), f"{label} [°]"
+    scale = scale_of(values, str(array.attrs.get("units", "")))
+    return values * scale.factor, scale.label(label)

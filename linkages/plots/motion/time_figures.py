@@ -37,11 +37,44 @@ FEWEST = 12.0  # samples per swing: with fewer the tops of a curve look ragged
 ROW, HEAD = 0.155, 0.04  # of a legend, in inches
 
 
+def efforts(data: xr.Dataset, mechanism: Mechanism, variable: str) -> xr.Dataset:
+    """Data with the efforts of one kind of drives: torques and forces have no common axis."""
+    if "drive_effort" not in data:
+        return data
+    bodies, sliding = mechanism.bodies, variable == "drive_force"
+    names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
+    chosen = data.sel(drive=names)
+    if sliding:
+        force = chosen["drive_effort"].assign_attrs(units="N")
+        chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
+    return chosen
+
+
+def varying(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
+    """Data with the elements of a variable that are not the same at all times."""
+    if variable not in data:
+        return data
+    values = data[variable]
+    spread = values.max("time") - values.min("time") if values.sizes["time"] else values.sum("time")
+    return data.isel({QUANTITIES[variable].dimension: np.flatnonzero(spread)})
+
+
 class Quantity(NamedTuple):
-    """A variable over time: the dimension that its lines run along, and its name on the axis."""
+    """A variable over time.
+
+    Attributes
+    ----------
+    dimension
+        That its lines run along.
+    label
+        Its name on the axis.
+    shown
+        Data, mechanism and variable → the data that its figure shows.
+    """
 
     dimension: str
     label: str
+    shown: Callable[[xr.Dataset, Mechanism, str], xr.Dataset] = lambda data, *_: data
 
 
 QUANTITIES = {
@@ -52,71 +85,26 @@ QUANTITIES = {
     "slider_velocity_error": Quantity("slider", "velocity error"),
     "slider_acceleration_error": Quantity("slider", "acceleration error"),
     "clearance_force": Quantity("clearance", "clearance force"),
-    "drive_effort": Quantity("drive", "driving torque"),
-    "drive_force": Quantity("drive", "driving force"),
-    "load_force": Quantity("force", "load"),
-    "load_torque": Quantity("torque", "load torque"),
+    "drive_effort": Quantity("drive", "driving torque", efforts),
+    "drive_force": Quantity("drive", "driving force", efforts),
+    "load_force": Quantity("force", "load", varying),
+    "load_torque": Quantity("torque", "load torque", varying),
 }
-
-
-def force_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-    """The figure of the driving forces of sliders over time; None if there are none."""
-    return _of_drives(data, mechanism, sliding=True)
-
-
-def torque_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-    """The figure of the driving torques of bars and plates over time; None if there are none."""
-    return _of_drives(data, mechanism, sliding=False)
-
-
-def _of_drives(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> Figure | None:
-    """Efforts of one kind: torques and forces have no common axis."""
-    if "drive_effort" not in data:
-        return None
-    chosen = efforts(data, mechanism, sliding=sliding)
-    return time_figure("drive_force" if sliding else "drive_effort")(chosen, mechanism)
-
-
-def efforts(data: xr.Dataset, mechanism: Mechanism, *, sliding: bool) -> xr.Dataset:
-    """Data with the efforts of one kind of drives: ``drive_force``, or torques."""
-    bodies = mechanism.bodies
-    names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
-    chosen = data.sel(drive=names)
-    if sliding:
-        force = chosen["drive_effort"].assign_attrs(units="N")
-        chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
-    return chosen
-
-
-def load_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
-    """The function that makes the figure of the loads that vary; None if none does."""
-
-    def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-        if variable not in data:
-            return None
-        return time_figure(variable)(varying(data, variable), mechanism)
-
-    return figure_of
-
-
-def varying(data: xr.Dataset, variable: str) -> xr.Dataset:
-    """Data with the elements of a variable that are not the same at all times."""
-    values = data[variable]
-    spread = values.max("time") - values.min("time") if values.sizes["time"] else values.sum("time")
-    return data.isel({QUANTITIES[variable].dimension: np.flatnonzero(spread)})
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
     """The function that makes the figure of a variable over time.
 
-    It returns None for data without the variable or without samples.
+    It returns None for data without the variable or without samples, and where it has nothing to
+    show: of loads those that vary.
     """
 
     @styled
     def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-        if variable not in data or data[variable].size == 0:
+        shown = QUANTITIES[variable].shown(data, mechanism, variable)
+        if variable not in shown or shown[variable].size == 0:
             return None
-        ax = draw(page(data, variable), data, variable, mechanism.name)
+        ax = draw(page(shown, variable), shown, variable, mechanism.name)
         return ax.get_figure(root=True)
 
     return figure_of

@@ -17,7 +17,10 @@ sliders:
   cart: {joint: C, through: H, angle: 30 deg, mass: 2}
   lift: {joint: L, through: [0.1, 0], angle: 90 deg, mass: 0.4}
   valve: {joint: V, through: O, angle: 90 deg, mass: 0.2}
-free: {upper: {angle: -1, speed: 1}, lower: {angle: 0.2, speed: 0}, cart: {position: 0.1, speed: 0.1}}
+free:
+  upper: {angle: -1, speed: 1}
+  lower: {angle: 0.2, speed: 0}
+  cart: {position: 0.1, speed: 0.1}
 springs:
   - {slider: cart, stiffness: 200, position: 5 cm, damping: 1}
   - {between: [H, B], force: 30, damping: 0.5}

@@ -79,7 +79,7 @@ def _laws(schema: Schema) -> str:
     """Tables of the named laws, as a drive of a bar takes them."""
     arms = schema["definitions"]["Drive"]["properties"]["law"]["anyOf"]
     laws = [arm for arm in arms if "properties" in arm]
-    parts = ["## law\n", "Where a law of time may stand. Here are the quantities of an angle.\n"]
+    parts = ["## law\n", "Where a law may stand. Here are the quantities of an angle.\n"]
     for law in laws:
         (key, inner), *others = law["properties"].items()
         found = law if others else inner

@@ -10,6 +10,7 @@ from linkages.chaos.verdicts.report import verdict as verdict
 from linkages.components.assembly import AssemblyHint as AssemblyHint
 from linkages.components.bar import Bar as Bar
 from linkages.components.clearance import Clearance as Clearance
+from linkages.components.contact_clearance import ContactClearance as ContactClearance
 from linkages.components.damper import GuideDamper as GuideDamper
 from linkages.components.damper import LineDamper as LineDamper
 from linkages.components.drive import Drive as Drive

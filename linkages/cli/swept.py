@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from linkages.chaos.sections.free_states import PAIRS
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
 from linkages.cli.terminal import print_notes
@@ -99,7 +100,7 @@ def free_columns(data: xr.Dataset) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     for name, array in data.data_vars.items():
         dim = str(array.dims[-1])
-        if "crossing" not in array.dims or dim not in ("bar", "clearance", "slider"):
+        if "crossing" not in array.dims or dim not in PAIRS:
             continue
         for element in data[dim].values:
             series = array.sel({dim: element}).to_numpy().ravel()

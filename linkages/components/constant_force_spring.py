@@ -10,8 +10,9 @@ from linkages.components.contributed.listed import ListedComponent
 from linkages.components.contributed.measures import Distance, Load, damper_law
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Path
+from linkages.components.laws.law import DampingLaw, function_of
 from linkages.components.spring import ends, two_joints
-from linkages.spec.quantities import Damping, Force, Name
+from linkages.spec.quantities import Force, Name
 
 
 @component
@@ -27,7 +28,7 @@ class ConstantForceSpring(ListedComponent):
     force
         Newtons; one below zero pushes.
     damping
-        N·s/m, ≥ 0.
+        N·s/m, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "springs"
@@ -36,7 +37,7 @@ class ConstantForceSpring(ListedComponent):
     index: int
     between: tuple[Name, Name]
     force: Force
-    damping: Damping = 0.0
+    damping: DampingLaw = 0.0
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different joints."""
@@ -49,6 +50,6 @@ class ConstantForceSpring(ListedComponent):
     def terms(self) -> tuple[Load, ...]:
         """One spring, whose energy is force times distance."""
         force = Number(self.number("force"))
-        law = damper_law(self.number("damping")) - force
+        law = damper_law(function_of(self.damping, (*self.path, "damping"))) - force
         measure = Distance(*self.between)
         return (Load(measure, law, self.path, called="constant-force spring", stores=force * X),)

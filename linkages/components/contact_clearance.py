@@ -146,7 +146,7 @@ class ContactClearance(Component):
             elif given and key not in (*law.needs, *law.takes):
                 known = ", ".join((*law.needs, *law.takes))
                 yield key, f"{law.name} has no {key!r}; it takes {known}"
-        written, expected = exponent_of(self.stiffness), self._exponent
+        written, expected = exponent_of(self.stiffness), self.stiffness_exponent
         if written is not None and written != expected:
             yield (
                 "stiffness",
@@ -157,12 +157,16 @@ class ContactClearance(Component):
     def _of_friction(self) -> Iterator[tuple[str, str]]:
         if not self.friction:
             return
+        if "stiffness" not in self.law.needs:
+            yield "friction", f"{self.law.name} has no friction; expected the law of a force"
+            return
         for key, words in (("pin_radius", "radius of the pin"), ("slip", "velocity of slip")):
             if getattr(self, key) is None:
                 yield "friction", f"missing key {key!r}: friction needs the {words}"
 
     @property
-    def _exponent(self) -> float:
+    def stiffness_exponent(self) -> float:
+        """The exponent n of the force K·dⁿ."""
         usual = 1.5 if "exponent" in self.law.takes else 1.0
         return usual if self.exponent is None else self.exponent
 
@@ -229,7 +233,7 @@ class ContactClearance(Component):
         What is missing or out of range, as `problems` says, is 1 here.
         """
         values = {key: getattr(self, key) for key in _KEYS}
-        values["exponent"] = self._exponent
+        values["exponent"] = self.stiffness_exponent
         values["least_rate"] = USUAL_RATE if self.least_rate is None else self.least_rate
         factor = self.law.restitution
         if factor is not None and self.restitution is not None and self._reachable:

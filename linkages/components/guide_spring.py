@@ -8,7 +8,8 @@ from linkages.components.contributed.component import component
 from linkages.components.contributed.listed import ListedComponent
 from linkages.components.contributed.measures import Load, Slide, spring_law
 from linkages.components.contributed.references import References
-from linkages.spec.quantities import Damping, Length, Name, Stiffness
+from linkages.components.laws.law import DampingLaw, StiffnessLaw, function_of
+from linkages.spec.quantities import Length, Name
 
 
 @component
@@ -22,11 +23,11 @@ class GuideSpring(ListedComponent):
     slider
         Slider name.
     stiffness
-        N/m, ≥ 0.
+        N/m, ≥ 0, or a law.
     position
         Position of the slider on its axis without force, in metres.
     damping
-        N·s/m, ≥ 0.
+        N·s/m, ≥ 0, or a law.
     """
 
     section: ClassVar[str] = "springs"
@@ -34,9 +35,9 @@ class GuideSpring(ListedComponent):
 
     index: int
     slider: Name
-    stiffness: Stiffness
+    stiffness: StiffnessLaw
     position: Length = 0.0
-    damping: Damping = 0.0
+    damping: DampingLaw = 0.0
 
     def references(self) -> References:
         """The slider."""
@@ -44,5 +45,9 @@ class GuideSpring(ListedComponent):
 
     def terms(self) -> tuple[Load, ...]:
         """A spring and damper; numbers of exactly zero are structure."""
-        law = spring_law(*map(self.number, ("stiffness", "position", "damping")))
+        law = spring_law(
+            function_of(self.stiffness, (*self.path, "stiffness")),
+            self.number("position"),
+            function_of(self.damping, (*self.path, "damping")),
+        )
         return (Load(Slide(self.slider), law, self.path),)

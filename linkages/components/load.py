@@ -58,7 +58,7 @@ class FollowerForce(ListedComponent):
     on
         The bar, plate or slider whose frame the force is given in.
     force
-        Two numbers in newtons, along the body's own axis and across it, or laws of time.
+        Two numbers in newtons, along the body's own axis and across it, or laws.
     """
 
     # above `JointForce`: entries of both have its key, and the first one that fits is taken
@@ -101,7 +101,7 @@ class ForceBetweenJoints(ListedComponent):
     between
         Two joints; one may be fixed to the ground.
     force
-        Newtons, positive where it pushes them apart, or a law of time.
+        Newtons, positive where it pushes them apart, or a law.
     """
 
     section: ClassVar[str] = "loads"

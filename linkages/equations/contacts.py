@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.contacts import Contact, NormalForce, RigidContact
 from linkages.components.contributed.functions import FIRST, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -18,24 +18,28 @@ from linkages.equations.places import Places
 from linkages.equations.symbols import Symbols
 
 
-def require_no_memory(mechanism: Mechanism) -> None:
-    """A force that depends on how a contact began is no function of the state.
+def require_forces_of_the_state(mechanism: Mechanism) -> None:
+    """Impulses, and forces that depend on how a contact began, are no functions of the state.
 
     Raises
     ------
     InputError
-        For the laws of such forces.
+        For the laws of such contacts.
     """
-    found = [
-        (
-            (*contact.path, "contact"),
-            "the force depends on the rate at which each contact began, which is no function of "
-            "the state: there are no equations in closed form; expected a law without that memory "
-            "(hertz, hunt-crossley-constant, kelvin-voigt)",
+    found = []
+    for contact in mechanism.contacts:
+        normal = contact.normal
+        if isinstance(normal, RigidContact):
+            why = "impacts change rates at once, by no force"
+        elif FIRST in leaves(normal.force):
+            why = "the force depends on the rate at which each contact began"
+        else:
+            continue
+        message = (
+            f"{why}, which is no function of the state: there are no equations in closed form; "
+            "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
         )
-        for contact in mechanism.contacts
-        if FIRST in leaves(contact.normal.force)
-    ]
+        found.append(((*contact.path, "contact"), message))
     if found:
         raise mechanism.error(found)
 
@@ -82,6 +86,7 @@ class _Contact:
         self._symbols, self._places = symbols, places
         self.definitions: list[Definition] = []
         normal, name = contact.normal, contact.name
+        assert isinstance(normal, NormalForce)
         x, y = (symbols.coordinates[axis] for axis in contact.axes)
         dx, dy = symbols.rates[x], symbols.rates[y]
         size, radius = symbols.parameter(contact.size), symbols.parameter(contact.pin_radius)

@@ -8,7 +8,7 @@ import sympy as sp
 
 from linkages.equations.closure import BlockEquations, LoopEquation, closure
 from linkages.equations.coefficients import Definition
-from linkages.equations.contacts import contact_forces, require_no_memory
+from linkages.equations.contacts import contact_forces, require_forces_of_the_state
 from linkages.equations.energies import (
     MassiveBody,
     gravitational_energy,
@@ -121,7 +121,7 @@ def derive(topology: Topology) -> Equations:
         Its blocks give the loops and their order.
     """
     mechanism = topology.mechanism
-    require_no_memory(mechanism)
+    require_forces_of_the_state(mechanism)
     symbols = Symbols(mechanism, tuple(topology.slaves))
     places = Places(topology, symbols)
     driven, free, dependent = (
@@ -147,7 +147,7 @@ def derive(topology: Topology) -> Equations:
         free=free,
         dependent=dependent,
         followers=tuple(
-            Definition(symbol, places.orientation(name))
+            Definition(symbol, places.coordinate(name))
             for name, symbol in symbols.followers.items()
         ),
         drives=_drives(topology, symbols),

@@ -157,7 +157,7 @@ class ActingLoads:
                 if reference is not None:
                     value -= places.orientation(reference)
             case Slide(body):
-                value = self._symbols.coordinates[body]
+                value = places.coordinate(body)
             case Coordinate(joint, axis):
                 place, part = places.joint(joint), (sp.cos, sp.sin)[axis]
                 value = sp.Add(*(term.components[axis] for term in place))

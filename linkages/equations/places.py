@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from linkages.components.contributed.terms import Body, Parameter
+from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.equations.laws import law_of
 from linkages.equations.polar import Polar, Terms, in_frame
 from linkages.equations.symbols import Symbols
 from linkages.topology.blocks import Step
@@ -62,17 +63,27 @@ class Places:
         if guide is not None:
             carrier = sp.S.Zero if guide.body is None else self.orientation(guide.body)
             return carrier + self._angle(guide.angle, whole_turns=False)
+        return self.coordinate(name)
+
+    def coordinate(self, name: str) -> sp.Expr:
+        """A body's own coordinate: its angle in radians, or its displacement in metres."""
         if name in self._topology.slaves:
             return self._following(name)
         return self._symbols.coordinates[name]
 
     def _following(self, name: str) -> sp.Expr:
-        """The angle is offset + Σ ratio·θ_other."""
-        relation = self._topology.slaves[name]
-        total = self._angle(relation.offset)
+        """It is offset + Σ ratio·q_other, or offset + f(Σ ratio·q_other)."""
+        relation, turns = self._topology.slaves[name], self._body(name).rotates
+        offset = (self._angle if turns else self._symbols.parameter)(relation.offset)
+        if relation.profile is None:
+            return self._summed(relation) + offset
+        return law_of(relation.profile, self._symbols, lambda _: self._summed(relation)) + offset
+
+    def _summed(self, relation: Relation) -> sp.Expr:
+        total = sp.S.Zero
         for other, ratio in relation.parts:
             factor = sp.S.One if ratio.value == 1.0 else self._symbols.parameter(ratio)
-            total += factor * self.orientation(other)
+            total += factor * self.coordinate(other)
         return total
 
     def _angle(self, angle: Parameter, whole_turns: bool = True) -> sp.Expr:
@@ -88,7 +99,7 @@ class Places:
         places, own = self._mechanism.attachments[step.body], self._body(step.body).axis
         slid: Terms = ()
         if own in (step.start, step.end):
-            along = Polar(self._symbols.coordinates[step.body], self.orientation(step.body))
+            along = Polar(self.coordinate(step.body), self.orientation(step.body))
             slid = (along if step.start == own else -along,)
         origin = next(iter(places.values()))
         within = self._within(

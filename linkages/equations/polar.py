@@ -25,12 +25,11 @@ class Polar:
         """Its x and y components."""
         return self.length * sp.cos(self.angle), self.length * sp.sin(self.angle)
 
-    def derivative(self, coordinate: sp.Symbol) -> Polar:
-        """Return the partial derivative by its angle or by its length."""
-        if self.angle.has(coordinate):
-            turned = self.length * sp.diff(self.angle, coordinate)
-            return Polar(turned, self.angle + RIGHT_ANGLE)
-        return Polar(sp.diff(self.length, coordinate), self.angle)
+    def derivative(self, coordinate: sp.Symbol) -> Terms:
+        """Return the partial derivative by its angle and by its length, without zeros."""
+        turned = Polar(self.length * sp.diff(self.angle, coordinate), self.angle + RIGHT_ANGLE)
+        grown = Polar(sp.diff(self.length, coordinate), self.angle)
+        return tuple(term for term in (turned, grown) if term.length != 0)
 
 
 Terms = tuple[Polar, ...]
@@ -50,8 +49,7 @@ def components(terms: Iterable[Polar]) -> tuple[sp.Expr, sp.Expr]:
 
 def derivative(terms: Iterable[Polar], coordinate: sp.Symbol) -> Terms:
     """Return the partial derivative of a sum, without zeros."""
-    found = (term.derivative(coordinate) for term in terms)
-    return tuple(term for term in found if term.length != 0)
+    return tuple(part for term in terms for part in term.derivative(coordinate))
 
 
 def dot(a: Terms, b: Terms) -> sp.Expr:

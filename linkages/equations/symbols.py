@@ -32,6 +32,43 @@ _BY_KEY = {
     "pin_radius": "R",
     "slip": "w",
 }
+_BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
+    ("motors", "stall_torque"): ("M", "0"),
+    ("motors", "no_load_speed"): ("omega", "0"),
+    ("motors", "gear_ratio"): ("n",),
+    ("motors", "against"): ("n", "carrier"),
+    ("motors", "rotor_inertia"): ("J",),
+    ("motors", "torque_constant"): ("k",),
+    ("motors", "resistance"): ("R",),
+    ("motors", "voltage"): ("U",),
+    ("cylinders", "bore"): ("D",),
+    ("cylinders", "rod"): ("D", "rod"),
+    ("cylinders", "pressure"): ("p",),
+    ("cylinders", "rod_pressure"): ("p", "rod"),
+    ("cylinders", "gas_pressure"): ("p", "0"),
+    ("cylinders", "ambient"): ("p", "a"),
+    ("cylinders", "volume"): ("V", "0"),
+    ("cylinders", "exponent"): ("n",),
+    ("cams", "offset"): ("s", "0"),
+    ("racks", "radius"): ("R",),
+    ("racks", "radius", "inverse"): ("kappa",),
+    ("racks", "carrier"): ("R", "carrier"),
+    ("racks", "ratio"): ("i",),
+    ("racks", "ratio", "inverse"): ("i", "inverse"),
+    ("racks", "offset"): ("s", "0"),
+    ("racks", "offset", "inverse"): ("phi",),
+    ("stops", "stiffness"): ("k",),
+    ("stops", "damping"): ("d",),
+    ("stops", "lower"): ("x", "lower"),
+    ("stops", "upper"): ("x", "upper"),
+    ("friction", "torque"): ("M",),
+    ("friction", "force"): ("F",),
+    ("friction", "static"): ("F", "static"),
+    ("friction", "stribeck_speed"): ("v", "Stribeck"),
+    ("friction", "slip_speed"): ("v", "slip"),
+}
+"""Section and keys → letter and further subscripts, behind the name or number of the entry."""
+
 _AXES = ("x", "y")
 
 
@@ -102,7 +139,8 @@ class Symbols:
         bodies = [body for body in mechanism.bodies.values() if body.name not in followers]
         self.time = self.define("t")
         self.coordinates = {b.name: self.define(_coordinate_letter(b), b.name) for b in bodies}
-        self.followers = {name: self.define("theta", name) for name in followers}
+        follow = [mechanism.bodies[name] for name in followers]
+        self.followers = {b.name: self.define(_coordinate_letter(b), b.name) for b in follow}
         self.rates = {q: self.dotted(q) for q in self.coordinates.values()}
 
     def define(self, letter: str, *subscripts: str, dots: int = 0) -> sp.Symbol:
@@ -169,6 +207,12 @@ def _coordinate_letter(body: Body) -> str:
 
 def _parameter_notation(path: Path) -> tuple[str, ...]:
     """Letter and subscripts for what stands at a path of the definition file."""
+    section, *rest = path
+    keys = tuple(key for key in rest[1:] if isinstance(key, str))
+    if (section, *keys) in _BY_PLACE:
+        letter, *more = _BY_PLACE[section, *keys]
+        numbers = (number for number in rest[1:] if isinstance(number, int))
+        return (letter, _counted(rest[0]), *more, *map(_counted, numbers))
     match path:
         case ("gravity", int(axis)):
             return "g", _AXES[axis]

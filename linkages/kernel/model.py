@@ -11,12 +11,14 @@ from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.contacts import ContactNodes
+from linkages.kernel.forces.impacts import contact_nodes
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
+from linkages.kernel.graph.symmetric import solve_symmetric
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import chosen_paths, definition_numbers
@@ -88,7 +90,7 @@ class Model:
     @cached_property
     def contacts(self) -> list[ContactNodes]:
         """What presses in clearances that open."""
-        return [ContactNodes(self, contact) for contact in self.mechanism.contacts]
+        return [contact_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @property
     def acting(self) -> list[Acting]:
@@ -141,9 +143,14 @@ class Model:
         It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
         gravity and loads on the partial velocities.
         """
+        return self._required(accelerations, partial, self.acting)
+
+    def _required(
+        self, accelerations: Accelerations, partial: Rates, acting: Sequence[Acting]
+    ) -> Scalar:
         with section(f"projection on {partial.label}"):
             force = self.inertia.product(accelerations, partial, self.gravity)
-            for load in self.acting:
+            for load in acting:
                 force = force - load.power(partial)
         return force
 
@@ -209,6 +216,13 @@ class Model:
         ]
 
     @cached_property
+    def unheld_accelerations(self) -> list[Scalar]:
+        """Second derivatives of the free coordinates as if no rigid contact pressed."""
+        given = [*self.loads, *(nodes for nodes in self.contacts if not nodes.contact.rigid)]
+        forces = [-self._required(self.bias, partial, given) for partial in self.partials]
+        return solve_symmetric(self.mass_matrix, forces)
+
+    @cached_property
     @section("accelerations of the free coordinates")
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
@@ -219,7 +233,7 @@ class Model:
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"
-        return solution
+        return self.switches.sticking(solution)
 
     @cached_property
     def power(self) -> Scalar:
@@ -251,42 +265,3 @@ class Model:
         """Of gravity and springs; zero for centres of mass at the origin and relaxed springs."""
         elastic = self.graph.total(load.potential for load in self.acting)
         return elastic - self.gravity.dot(self.inertia.moment_of_mass())
-
-
-def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Scalar]:
-    """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
-
-    Parameters
-    ----------
-    matrix
-        Lower triangle, row by row.
-    right
-        Right-hand side.
-    """
-    count = len(right)
-    lower: list[list[Scalar]] = []
-    inverse: list[Scalar] = []
-    for i in range(count):
-        row: list[Scalar] = []  # row[j] = L_ij d_j until it is scaled below
-        for j in range(i):
-            value = matrix[i][j]
-            for k in range(j):
-                value = value - row[k] * lower[j][k]
-            row.append(value)
-        scaled = [value * inverse[j] for j, value in enumerate(row)]
-        pivot = matrix[i][i]
-        for value, factor in zip(row, scaled, strict=True):
-            pivot = pivot - value * factor
-        lower.append(scaled)
-        inverse.append(1.0 / pivot)
-    forward: list[Scalar] = []
-    for i in range(count):
-        value = right[i]
-        for j in range(i):
-            value = value - lower[i][j] * forward[j]
-        forward.append(value)
-    solution = [value * inverse[i] for i, value in enumerate(forward)]
-    for i in reversed(range(count)):
-        for j in range(i):
-            solution[j] = solution[j] - lower[i][j] * solution[i]
-    return solution

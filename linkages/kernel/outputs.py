@@ -130,6 +130,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.driven
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in _dyads(model))
+    if dim == "cam":
+        return tuple(model.mechanism.cams)
     if dim in LOADS:
         return tuple(load.label for load in model.loads if load.dimension == dim)
     if dim == "clearance":
@@ -148,7 +150,7 @@ def _components(vectors: Sequence[Vector]) -> list[Scalar]:
 
 
 def _of_bodies(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
-    return lambda model: [getattr(model, field).bodies[name] for name in labels(model, dim)]
+    return lambda model: [getattr(model, field).moving(name) for name in labels(model, dim)]
 
 
 def _of_turning(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
@@ -237,11 +239,7 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
 
     def nodes(model: Model) -> list[Scalar]:
         partials = [model.partial(name) for name in model.topology.driven]
-        return [
-            1.0 / (partial.turning(name) if dim == "bar" else partial.bodies[name])
-            for partial in partials
-            for name in labels(model, dim)
-        ]
+        return [1.0 / partial.moving(name) for partial in partials for name in labels(model, dim)]
 
     return nodes
 
@@ -316,7 +314,7 @@ _OWN: dict[str, Variable] = {
         ("slider",),
         "m",
         "displacement",
-        lambda m: [m.positions.displacements[name] for name in labels(m, "slider")],
+        lambda m: [m.positions.displacement(name) for name in labels(m, "slider")],
         default=True, coordinate=True, rate="slider_velocity",
     ),
     "slider_velocity": Variable(

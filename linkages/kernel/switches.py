@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.graph.differentiation import derivative_along
+from linkages.kernel.graph.differentiation import derivative, derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 
 if TYPE_CHECKING:
@@ -40,12 +40,16 @@ class Switch:
     jump
         Rates of the free coordinates behind a time at which the function rises through zero; empty
         if they are those before it.
+    stick
+        Whether the motion may stay on the zero of its function: where it is pushed back from both
+        sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function zero.
     """
 
     name: str
     function: Scalar
     active: int | None = None
     jump: tuple[Scalar, ...] = ()
+    stick: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +83,15 @@ class Switches:
     ----------
     switches, memories
         All of them.
+    equivalent
+        Number of a switch that may stick → the value that its mode 0 stands for; 0 in others.
     """
 
     def __init__(self, model: Model) -> None:
         self._model = model
         self.switches: list[Switch] = []
         self.memories: list[Memory] = []
+        self.equivalent: dict[int, Scalar] = {}
         self._known: dict[tuple[int, int | None], int] = {}
         self._called: dict[str, int] = {}
         self._collecting = 0
@@ -105,6 +112,7 @@ class Switches:
         *,
         active: Scalar | None = None,
         jump: Sequence[Scalar] = (),
+        stick: bool = False,
     ) -> Scalar:
         """The mode of a function, +1.0 or −1.0; equal functions have one mode.
 
@@ -122,13 +130,17 @@ class Switches:
             −1; where it becomes +1, this mode is set from the sign of the function.
         jump
             New rates of the free coordinates where the function rises through zero.
+        stick
+            Whether the motion may stay where the function is zero (Filippov's sliding, Coulomb's
+            sticking). Accelerations must be affine in the mode there, as those of ``force·mode``
+            are; `select` on it is not.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
             _ = self._model.free_accelerations  # so that the order is always the same
         owner = None if active is None else self._number(active)
         known = self._known.get((function.index, owner))
-        if known is None and not jump:
+        if known is None and not (jump or stick):
             other = self._known.get((graph.negate(function).index, owner))
             if owner is None and other is not None and not self.switches[other].jump:
                 return -self._model.inputs.mode(other)
@@ -139,7 +151,7 @@ class Switches:
                 return graph.select(function, graph.one, -graph.one)
             known = len(self.switches)
             self._known[function.index, owner] = known
-            self.switches.append(Switch(self._unused(name), function, owner, tuple(jump)))
+            self.switches.append(Switch(self._unused(name), function, owner, tuple(jump), stick))
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
 
@@ -180,6 +192,62 @@ class Switches:
     def functions(self) -> list[Scalar]:
         """Whose signs the modes are."""
         return [switch.function for switch in self.switches]
+
+    @property
+    def watched(self) -> list[Scalar]:
+        """What crosses zero where modes change: the functions; while one sticks, 1 − (its value)².
+
+        The accelerations have been built.
+        """
+        found = self.functions
+        for number, value in self.equivalent.items():
+            within = 1.0 - value * value
+            found[number] = self._model.graph.select(self._stuck(number), within, found[number])
+        return found
+
+    def _stuck(self, number: int) -> Scalar:
+        """Not negative where a mode is 0."""
+        mode = self._model.inputs.mode(number)
+        return 0.5 - mode * mode
+
+    def sticking(self, free: list[Scalar]) -> list[Scalar]:
+        """Accelerations of the free coordinates with the values that modes of 0 stand for.
+
+        The rate of a function is affine in the modes, as the accelerations are. Where it is to stay
+        zero that is a linear system for their values (equivalent control [1]_).
+
+        Parameters
+        ----------
+        free
+            Accelerations with the modes as they are.
+
+        References
+        ----------
+        .. [1] A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, Kluwer
+               1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
+        """
+        sticky = [number for number, switch in enumerate(self.switches) if switch.stick]
+        if not sticky:
+            return free
+        graph, inputs = self._model.graph, self._model.inputs
+        modes = [inputs.mode(number) for number in sticky]
+        functions = [self.switches[number].function for number in sticky]
+        rates = self.rates(functions, self._model.integrated_accelerations(free))
+        slopes = derivative(rates, modes)
+        matrix, right = [], []
+        for row, number in enumerate(sticky):
+            stuck = self._stuck(number)
+            unit = [graph.one if row == column else graph.zero for column in range(len(sticky))]
+            pairs = zip(slopes[row], unit, strict=True)
+            matrix.append([graph.select(stuck, slope, other) for slope, other in pairs])
+            right.append(graph.select(stuck, -rates[row], graph.zero))
+        values = [right[0] / matrix[0][0]] if len(sticky) == 1 else graph.solve(matrix, right)
+        self.equivalent = dict(zip(sticky, values, strict=True))
+        effects = derivative(free, modes)
+        return [
+            acceleration + graph.total(e * v for e, v in zip(row, values, strict=True))
+            for acceleration, row in zip(free, effects, strict=True)
+        ]
 
     @property
     def nodes(self) -> list[Scalar]:

@@ -215,6 +215,9 @@ class System:
                 rate = switches.rates([switches.functions[number]], accelerations)
                 rising = self.evaluate(rate, held=held[:, None])[0, 0] >= 0.0
                 held[number] = 1.0 if rising else -1.0
+                back = self.evaluate(rate, held=held[:, None])[0, 0] > 0.0
+                if switches.switches[number].stick and not rising and back:
+                    held[number] = 0.0
         return np.asarray(held)
 
     def holding(self, named: Mapping[str, float]) -> System:
@@ -279,6 +282,7 @@ class System:
             found = self._signed(inputs) if held is None else held
             count = len(self.model.switches.switches)
             inputs |= {"mode": found[:count], "memory": found[count:]}
+            inputs["mode"] = self._unstuck(inputs)
         values = evaluator(**inputs)
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
@@ -302,6 +306,18 @@ class System:
                 parameters[self.model.inputs.parameters["side", block], where] *= -1.0
         return {"t": times[None], "y": state, "a": accelerations, "p": parameters}
 
+    def _unstuck(self, inputs: Mapping[str, Floats]) -> Floats:
+        """Modes with the values that those of 0 stand for."""
+        modes, values = inputs["mode"], self.model.switches.equivalent
+        rows = [row for row in values if (modes[row] == 0.0).any()]
+        if not rows:
+            return modes
+        modes = modes.copy()
+        found = self.model.evaluator([values[row] for row in rows])(**inputs)
+        for row, value in zip(rows, found, strict=True):
+            modes[row] = np.where(modes[row] == 0.0, value, modes[row])
+        return modes
+
     def _signed(self, inputs: Mapping[str, Floats]) -> Floats:
         """Modes and memories that follow from a state, shape (m, times)."""
         found = self.model.switches.signed(inputs)
@@ -313,9 +329,9 @@ class System:
 
     @property
     def axes(self) -> dict[str, Floats]:
-        """Slider → unit vector of its axis at the initial state."""
+        """Slider → unit vector of its axis at the initial state, for a cam times its slope."""
         sliders = [name for name, body in self.mechanism.bodies.items() if not body.rotates]
-        units = [self.model.positions.unit(name) for name in sliders]
+        units = [self.model.positions.travel(name) for name in sliders]
         nodes = [node for unit in units for node in (unit.x, unit.y)]
         return dict(zip(sliders, self.evaluate(nodes).reshape(-1, 2), strict=True))
 

@@ -40,5 +40,5 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
         return values
     accelerations = [model.inputs.acceleration(i) for i in range(len(layout.coordinates))]
     rates = switches.rates(values, accelerations)
-    moved = derivative_along([*values, *switches.functions], tangent_directions(model, layout))
+    moved = derivative_along([*values, *switches.watched], tangent_directions(model, layout))
     return [*values, *rates, *(entry for row in moved for entry in row)]

@@ -58,6 +58,8 @@ class Switching:
         For each number remembered the switch that renews it when it rises.
     jumps : m of int
         For each switch the place of its first new rate among the values of `transition`, or −1.
+    sticks : m of bool
+        For each switch whether the motion may stay on the zero of its function, with a mode of 0.
     free
         Number of free coordinates: the first ones, whose rates may jump.
     tangents
@@ -72,6 +74,7 @@ class Switching:
     active: tuple[int, ...]
     owners: tuple[int, ...] = ()
     jumps: tuple[int, ...] = ()
+    sticks: tuple[bool, ...] = ()
     free: int = 0
     tangents: int = 0
     transition: Companion | None = None

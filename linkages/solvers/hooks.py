@@ -96,6 +96,7 @@ def switching(
         active=memory.integers(own.active),
         owners=memory.integers(own.owners),
         jumps=memory.integers(own.jumps),
+        sticks=memory.integers(own.sticks),
         transition=memory.integers(transition),
         written=memory.floats(np.zeros(own.written)),
         before=memory.floats(np.zeros(3 * n)),

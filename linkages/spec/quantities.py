@@ -191,6 +191,13 @@ Duration = Annotated[float, Quantity(dimensions.DURATION, Bound.POSITIVE)]
 Instant = Annotated[float, Quantity(dimensions.DURATION)]
 Frequency = Annotated[float, Quantity(dimensions.FREQUENCY)]
 Pressure = Annotated[float, Quantity(dimensions.PRESSURE)]
+NonNegativeForce = Annotated[float, Quantity(dimensions.FORCE, Bound.NON_NEGATIVE)]
+NonNegativeTorque = Annotated[float, Quantity(dimensions.TORQUE, Bound.NON_NEGATIVE)]
+PositiveAngularSpeed = Annotated[float, Quantity(dimensions.ANGULAR_SPEED, Bound.POSITIVE)]
+PositiveStiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.POSITIVE)]
+PositiveTorsionalStiffness = Annotated[
+    float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.POSITIVE)
+]
 PositivePressure = Annotated[float, Quantity(dimensions.PRESSURE, Bound.POSITIVE)]
 PositiveVolume = Annotated[float, Quantity(dimensions.VOLUME, Bound.POSITIVE)]
 Voltage = Annotated[float, Quantity(dimensions.VOLTAGE)]

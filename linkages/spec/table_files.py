@@ -1,7 +1,8 @@
 """Tables of laws that stand in CSV files beside the definition file.
 
 A table ``{file: gas.csv, columns: [time, force], units: [ms, kN]}`` is replaced in the document by
-the times and values that it names, so that a mechanism needs the file only while it is loaded.
+the times (or places, of a table over another quantity) and values that it names, so that a
+mechanism needs the file only while it is loaded.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from linkages.spec.units import UnitError, unit
 MAX_ROWS = 10_000
 """More points are more than a law needs, and each is an argument of the kernel."""
 
-_SECTIONS = ("drives", "loads")
+_SECTIONS = ("drives", "loads", "springs", "dampers")
 _OWN = ("file", "columns", "units")
 _NUMBER = re.compile(r"[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _DECIMAL_COMMA = re.compile(r"[-+−]?\d+,\d+")
@@ -57,13 +58,14 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
         table = found.get("table")
         if isinstance(table, dict) and "file" in table:
             place = (*path, "table")
+            first = "at" if "over" in table else "times"
             kept = {key: value for key, value in table.items() if key not in _OWN}
             try:
-                times, values = _read(table, document.folder)
+                times, values = _read(table, document.folder, first)
             except _RefusedError as reason:
                 problems.append(document.problem((*place, *reason.place), str(reason)))
                 times, values = ["0", "1", "2"], ["0", "0", "0"]
-            found["table"] = {**kept, "times": times, "values": values}
+            found["table"] = {**kept, first: times, "values": values}
         return found
 
     content = {
@@ -73,15 +75,20 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
     return replace(document, content=content), problems
 
 
-def _read(table: Mapping[str, Any], folder: FilePath | None) -> tuple[list[Any], list[Any]]:
-    """Times and values in SI; the first of each as text with its unit, which is checked there."""
-    doubled = [key for key in ("times", "values") if key in table]
+def _read(
+    table: Mapping[str, Any], folder: FilePath | None, first: str
+) -> tuple[list[Any], list[Any]]:
+    """Times (or places) and values in SI; the first of each as text with its unit.
+
+    Units are checked where the table is read. `first` is the key of the times.
+    """
+    doubled = [key for key in (first, "values") if key in table]
     if doubled:
         raise _RefusedError(f"'file' and {doubled[0]!r} are both given; expected one of them")
     if folder is None:
         raise _RefusedError(
             "the definition is no file itself, so there is no folder to look for this one in; "
-            "expected 'times' and 'values'",
+            f"expected {first!r} and 'values'",
             "file",
         )
     name = table["file"]
@@ -100,7 +107,8 @@ def _read(table: Mapping[str, Any], folder: FilePath | None) -> tuple[list[Any],
         raise _RefusedError(f"{name} has one line of names and no numbers", "file")
     for (before, after), (line, _) in zip(pairwise(times), lines[1:], strict=True):
         if after <= before:
-            found = f"expected increasing times, found {after:g} after {before:g}"
+            what = "times" if first == "times" else "places"
+            found = f"expected increasing {what}, found {after:g} after {before:g}"
             raise _RefusedError(f"{name}, line {line}: {found}", "file")
     units = _pair(table, "units", (None, None))
     return _in_units(times, units[0], 0), _in_units(values, units[1], 1)

@@ -227,7 +227,11 @@ class BlockBuilder:
         if len(loops) != 1 or len(unknowns) != 2:
             return ITERATED
         for step in loops[0].steps:
-            if self._masters(step.body, unknowns) and not self._orientations[step.body].rigid:
+            orientation, own = self._orientations[step.body], step.body in unknowns
+            slides = not (own or self._body(step.body).rotates)
+            if self._masters(step.body, unknowns) and not orientation.rigid:
+                return ITERATED
+            if slides and {*orientation.moved} & {*unknowns}:
                 return ITERATED
         sliding = [u for u in unknowns if not self._body(u).rotates]
         guided = any(self._masters(slider, unknowns) for slider in sliding)

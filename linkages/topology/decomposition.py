@@ -188,7 +188,7 @@ def _owners(
     if body.rotates:
         return masters
     if label == body.axis:
-        return (name, *masters)
+        return (*orientations[name].moved, *masters)
     return () if label == next(iter(mechanism.attachments[name])) else masters
 
 
@@ -231,7 +231,8 @@ def _groups(
     # x, y and the angle of a body may be components of their own: it stands in the last
     last = {body: step for step, c in enumerate(order) for body in matched(c, "body")}
     for body, orientation in orientations.items():
-        last[body] = max([last[body], *(solved[m] for m in orientation.masters if m in solved)])
+        needed = {*orientation.masters, *({*orientation.moved} - {body})}
+        last[body] = max([last[body], *(solved[m] for m in needed if m in solved)])
     groups = []
     for step, component in enumerate(order):
         bodies = tuple(b for b in mechanism.bodies if last[b] == step)

@@ -42,7 +42,8 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
     places
         Point → position, shape (2,).
     axes
-        Slider → unit vector of its axis, shape (2,).
+        Slider → unit vector of its axis, shape (2,), of a cam's follower times the slope of the
+        lift.
 
     Returns
     -------
@@ -51,7 +52,7 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
     loop contains is zero.
     """
     column = {body: index for index, body in enumerate(owners(topology))}
-    gradients = turning_gradients(topology)
+    gradients, moves = turning_gradients(topology), moving_gradients(topology)
     loops = topology.closing
     jacobian = np.zeros((2 * len(loops), len(column)))
     for row, loop in enumerate(loops):
@@ -63,26 +64,32 @@ def closure_jacobian(topology: Topology, places: Places, axes: Places) -> NDArra
                     jacobian[rows, column[master]] += sign * ratio * np.array([-y, x])
                 body = topology.mechanism.bodies[step.body]
                 own = 0 if body.rotates else (step.start == body.axis) - (step.end == body.axis)
-                if own:
-                    jacobian[rows, column[step.body]] += sign * own * axes[step.body]
+                for master, ratio in moves[step.body].items() if own else ():
+                    jacobian[rows, column[master]] += sign * own * ratio * axes[step.body]
     norms = np.linalg.norm(jacobian, axis=0)
     return jacobian / np.where(norms > 0, norms, 1.0)
 
 
 def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
     """Body → how its orientation changes with the angles of the bodies that it depends on."""
-    mechanism = topology.mechanism
+    mechanism, moves = topology.mechanism, moving_gradients(topology)
+
+    def gradient(name: str) -> dict[str, float]:
+        guide = mechanism.bodies[name].guide
+        if guide is None:
+            return moves[name]
+        return {} if guide.body is None else gradient(guide.body)
+
+    return {name: gradient(name) for name in mechanism.bodies}
+
+
+def moving_gradients(topology: Topology) -> dict[str, dict[str, float]]:
+    """Body → how its own coordinate changes with the coordinates that it depends on."""
     found: dict[str, dict[str, float]] = {}
 
     def gradient(name: str) -> dict[str, float]:
         if name not in found:
-            guide = mechanism.bodies[name].guide
-            if name in topology.slaves:
-                found[name] = follower(name)
-            elif guide is None:
-                found[name] = {name: 1.0}
-            else:
-                found[name] = {} if guide.body is None else gradient(guide.body)
+            found[name] = follower(name) if name in topology.slaves else {name: 1.0}
         return found[name]
 
     def follower(name: str) -> dict[str, float]:
@@ -92,7 +99,7 @@ def turning_gradients(topology: Topology) -> dict[str, dict[str, float]]:
                 total[master] = total.get(master, 0.0) + ratio.value * value
         return total
 
-    return {name: gradient(name) for name in mechanism.bodies}
+    return {name: gradient(name) for name in topology.mechanism.bodies}
 
 
 def distance_from_singular(

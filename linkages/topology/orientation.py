@@ -1,8 +1,8 @@
-"""What the orientation of a body follows from: its own angle, a guide, a weld or gears."""
+"""What the orientation of a body and its coordinate follow from: itself, a guide, a relation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -18,14 +18,18 @@ class Orientation:
         The bodies with an angle of their own that it depends on.
     rigid
         Whether it is the angle of its only master plus a constant (or a constant, without one).
+    moved
+        The bodies with a coordinate of their own that the body's coordinate depends on: of one that
+        turns the same, of one that slides itself, unless its displacement follows from others.
     """
 
     masters: tuple[str, ...]
     rigid: bool
+    moved: tuple[str, ...]
 
 
 def slaves(mechanism: Mechanism) -> dict[str, Relation]:
-    """Bodies whose angle follows from those of others, with the relation that says how.
+    """Bodies whose coordinate follows from those of others, with the relation that says how.
 
     None of them is driven or free, or follows twice: `Mechanism` refuses that.
     """
@@ -52,30 +56,33 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
     def orientation(name: str) -> Orientation:
         if name not in found:
             guide = mechanism.bodies[name].guide
-            if name in followers:
-                found[name] = combined(followers[name])
-            elif guide is None:
-                found[name] = Orientation((name,), rigid=True)
+            follows = combined(followers[name]) if name in followers else None
+            own = Orientation((name,), rigid=True, moved=(name,)) if follows is None else follows
+            if guide is None:
+                found[name] = own
             elif guide.body is None:
-                found[name] = Orientation((), rigid=True)
+                found[name] = Orientation((), rigid=True, moved=own.moved)
             else:
-                found[name] = orientation(guide.body)
+                found[name] = replace(orientation(guide.body), moved=own.moved)
         return found[name]
 
     def combined(relation: Relation) -> Orientation:
         others = [orientation(other) for other, _ in relation.parts]
-        masters = tuple(dict.fromkeys(m for other in others for m in other.masters))
-        unit = all(is_unit(ratio) for _, ratio in relation.parts)
+        moved = tuple(dict.fromkeys(m for other in others for m in other.moved))
+        turn = all(mechanism.bodies[name].rotates for name, _ in relation.parts)
+        unit = turn and all(is_unit(ratio) for _, ratio in relation.parts)
         rigid = unit and len(others) <= 1 and all(other.rigid for other in others)
-        return Orientation(masters, rigid)
+        return Orientation(moved, rigid, moved)
 
     return {name: orientation(name) for name in mechanism.bodies}
 
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:
-    """Bodies whose angle counts with its whole turns, for a spring or a gear depends on it."""
+    """Bodies whose angle counts with its whole turns, for a spring or a relation depends on it."""
     found = {name for load in mechanism.loads for name in load.turned}
     for relation in mechanism.relations:
-        if not all(is_unit(ratio) for _, ratio in relation.parts):
-            found |= {relation.body, *(name for name, _ in relation.parts)}
+        tied = [relation.body, *(name for name, _ in relation.parts)]
+        turning = {name for name in tied if mechanism.bodies[name].rotates}
+        if len(turning) < len(tied) or not all(is_unit(ratio) for _, ratio in relation.parts):
+            found |= turning
     return found

@@ -91,8 +91,8 @@ class Topology:
 
         An iteration starts from it, and whole turns are counted by it.
         """
-        masters = {m for name in self.turned for m in self.orientations[name].masters}
-        turned = (name for name in self.dependent if name in masters)
+        masters, bodies = self.counting, self.mechanism.bodies
+        turned = (n for n in self.dependent if n in masters and bodies[n].rotates)
         return tuple(dict.fromkeys([*self.iterated, *turned]))
 
     @property
@@ -117,8 +117,12 @@ class Topology:
 
     def unwrapped(self, name: str) -> bool:
         """Whether an integrated coordinate is not to be kept within one turn."""
-        masters = {m for turned in self.turned for m in self.orientations[turned].masters}
-        return name in masters
+        return name in self.counting
+
+    @property
+    def counting(self) -> set[str]:
+        """Bodies with a coordinate of their own that angles with whole turns depend on."""
+        return {m for name in self.turned for m in self.orientations[name].masters}
 
     @property
     def solved_blocks(self) -> tuple[Block, ...]:
@@ -215,6 +219,7 @@ def _outside_loops(blocks: Sequence[Block], turned: Mapping[str, Orientation]) -
     found = []
     for block in blocks:
         steps = [step.body for loop in block.loops for step in loop.steps]
-        moving = {*steps, *(master for body in steps for master in turned[body].masters)}
+        followed = (m for body in steps for m in (*turned[body].masters, *turned[body].moved))
+        moving = {*steps, *followed}
         found += [unknown for unknown in block.unknowns if unknown not in moving]
     return found

@@ -91,7 +91,7 @@ def test_contact_is_that_of_a_simulation(name, speed, expected):
 
 def test_a_motion_is_the_same_with_and_without_looks(monkeypatch):
     looked = linkages.poincare(engine(), periods=4, skip=1)
-    monkeypatch.setattr("linkages.chaos.sections.strobe.labels", lambda *_: [])
+    monkeypatch.setattr("linkages.chaos.sections.strobe.links", lambda *_: [])
     alone = linkages.poincare(engine(), periods=4, skip=1)
     assert (looked.clearance_angle == alone.clearance_angle).all()
     assert (looked.time == alone.time).all()

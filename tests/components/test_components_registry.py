@@ -76,7 +76,7 @@ def test_examples_can_be_used(section):
         "value": about.example,
     }
     rest = REST.get(section, FRAME)
-    if section in ("loads", "assembly", "springs"):
+    if section in ("loads", "assembly", "springs", "racks", "stops", "cams"):
         rest += PISTON
     text = f"{rest}\n{section}: {entry[about.form]}\n"
     assert any(c.section == section for c in mechanism(text).components)

@@ -5,7 +5,7 @@ import sympy as sp
 
 from linkages.components.mechanisms.definition import from_document
 from linkages.equations.derivation import derive
-from linkages.equations.polar import Polar
+from linkages.equations.polar import Polar, components
 from linkages.reading.document import parse
 from linkages.topology.topology import build_topology
 
@@ -186,9 +186,9 @@ free: {bar: {angle: 0}}
 
 
 def test_derivative_of_a_polar_vector():
-    angle, length = sp.symbols("angle length", real=True)
-    vector = Polar(length, angle)
-    for coordinate in (angle, length):
-        derived = vector.derivative(coordinate).components
+    angle, length, both = sp.symbols("angle length both", real=True)
+    vector = Polar(length + 2 * both, angle - both)
+    for coordinate in (angle, length, both):
+        derived = components(vector.derivative(coordinate))
         direct = [sp.diff(value, coordinate) for value in vector.components]
         assert all(sp.simplify(a - b) == 0 for a, b in zip(derived, direct, strict=True))

@@ -65,6 +65,7 @@ class Lagrange:
             sp.Matrix([energy, equations.potential_energy]),
             sp.Matrix([d.value for d in equations.followers]),
             sp.Matrix([[sp.diff(d.value, q) for q in self.q] for d in equations.followers]),
+            sp.Matrix([self._bent(d.value) for d in equations.followers]),
             sp.Matrix(len(equations.drives), 3, self._laws()),
         ]
         self.parameters = [symbol for symbol in symbols.values if symbol not in self.sizes]
@@ -72,6 +73,10 @@ class Lagrange:
             (symbols.time, self.q, dq, self.parameters), results, [self._functions(), "numpy"],
             cse=True,
         )  # fmt: skip
+
+    def _bent(self, value):
+        """The part of a second derivative that is quadratic in rates."""
+        return time_derivative(time_derivative(value, self.symbols.rates), self.symbols.rates)
 
     def _functions(self):
         """What SymPy does not know. Splines are computed by the printed module."""
@@ -136,7 +141,9 @@ class Lagrange:
             acceleration=acceleration,
             efforts=multipliers[len(closure) :],
             largest_terms=np.abs(terms).max(axis=0),
-            followers=np.array([np.ravel(turned[0]), ratios @ dq, ratios @ acceleration]),
+            followers=np.array(
+                [np.ravel(turned[0]), ratios @ dq, ratios @ acceleration + np.ravel(turned[2])]
+            ),
         )
 
 

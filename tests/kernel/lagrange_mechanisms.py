@@ -312,6 +312,74 @@ motors:
     {bar: boom, voltage: "12*cos(t)", torque_constant: 0.05, resistance: 1.2, gear_ratio: -10}
 """
 
+RACK = """
+gravity: [0.3, -9.81]
+joints: {O: [0, 0]}
+bars:
+  pinion: {joints: [O, A], length: 0.05, mass: 1, center: [0.02, 0.01]}
+  rod: {joints: [A, B], length: 0.3, mass: 0.5}
+sliders:
+  rack: {joint: R, through: [0, 0.05], angle: 20 deg, mass: 3}
+  block: {joint: B, on: rack, through: [0, -0.05], angle: 60 deg, mass: 0.3}
+racks: [{slider: rack, bar: pinion, radius: -50 mm, offset: 0.1}]
+KNOWN
+springs: [{slider: rack, stiffness: 200}, {bar: pinion, stiffness: 2, angle: 1, damping: 0.1}]
+dampers: [{slider: block, damping: 2}]
+loads: [{slider: rack, force: "5*sin(t)"}]
+"""
+
+ROLLING_WHEEL = """
+gravity: [0, -9.81]
+joints: {O: [0, 0.1]}
+bars:
+  crank: {joints: [O, A], length: 0.05, mass: 0.3}
+  rod: {joints: [A, P], length: 0.5, mass: 0.6, center: [0.2, 0.01]}
+  wheel: {points: {C: [0, 0], P: [0.03, 0.02]}, mass: 2, center: [0.01, 0], inertia: 0.01}
+sliders: {carriage: {joint: C, through: [0, 0.1], angle: 5 deg, mass: 1}}
+racks: [{slider: carriage, bar: wheel, radius: -0.1, offset: 0.5}]
+KNOWN
+assembly: {P: [0.5, 0.14]}
+loads: [{slider: carriage, force: 3}]
+dampers: [{slider: carriage, damping: 0.5}, {joint: C, damping: 0.02}]
+"""
+
+RACK_ON_ARM = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  arm: {joints: [O, E], length: 0.6, mass: 2}
+  pinion: {points: {M: [0, 0], N: [0.04, 0]}, mass: 0.5, center: [0.01, 0], inertia: 1e-3}
+  hub: {joints: [O, M], length: 0.3, mass: 0.1}
+sliders:
+  rack: {joint: R, on: arm, through: [0.1, 0.05], angle: 10 deg, mass: 0.7}
+  weight: {joint: W, through: [-0.2, 0], angle: 90 deg, mass: 1.5}
+welds: {O: {bars: [arm, hub], angle: 0}}
+racks:
+  - {slider: rack, bar: pinion, radius: 0.05, carrier: arm}
+  - {sliders: [rack, weight], ratio: -2, offset: 0.3}
+KNOWN
+springs:
+  - {between_bars: [arm, pinion], stiffness: 3}
+  - {between: [O, R], stiffness: 20, length: 0.1}
+"""
+
+CAM = """
+gravity: [0.3, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.05, mass: 1, center: [0.02, 0.01]}
+  rod: {joints: [V, B], length: 0.3, mass: 0.5}
+sliders:
+  valve: {joint: V, through: [0, 0.05], angle: 80 deg, mass: 0.3}
+  foot: {joint: B, through: [0.2, 0], angle: 5 deg, mass: 0.2}
+cams:
+  - {slider: valve, bar: crank, angles: [0, 1, 2, 3.5, 5, 360 deg], lifts: [0, 0.01, 0.03, 0.04,
+     0.02, 0], offset: 0.03, base_radius: 0.04}
+KNOWN
+springs: [{slider: valve, stiffness: 200}]
+dampers: [{slider: foot, damping: 2}]
+"""
+
 DRIVEN = "drives: {crank: {angle: 0.5, speed: 3}}"
 FREE = "free: {crank: {angle: 0.5, speed: 3}}"
 
@@ -354,4 +422,17 @@ MORE_MECHANISMS = {
     "loaded-clearances": LOADED_CLEARANCES,
     "actuated": ACTUATED,
     "motorised": MOTORISED,
+    "cam": filled(CAM, KNOWN=DRIVEN),
+    "cam-free": filled(CAM, KNOWN=FREE),
+    "rack": filled(RACK, KNOWN="free: {pinion: {angle: 0.5, speed: 2}}"),
+    "rack-from-slider": filled(RACK, KNOWN="free: {rack: {position: 0.1, speed: 2}}"),
+    "rack-from-block": filled(RACK, KNOWN="free: {rod: {angle: 0.1, speed: 2}}"),
+    "rolling-wheel": filled(ROLLING_WHEEL, KNOWN=DRIVEN),
+    "rolling-wheel-free": filled(ROLLING_WHEEL, KNOWN="free: {carriage: {position: 0.5}}"),
+    "rack-on-arm": filled(
+        RACK_ON_ARM, KNOWN="free: {arm: {angle: 0.4, speed: 0}, pinion: {angle: 0.1, speed: 1}}"
+    ),
+    "rack-on-arm-from-weight": filled(
+        RACK_ON_ARM, KNOWN="free: {arm: {angle: 0.4, speed: 0}, weight: {position: 0.1, speed: 1}}"
+    ),
 }

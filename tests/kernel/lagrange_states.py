@@ -62,7 +62,7 @@ class Kernel:
         followers = list(topology.slaves)
         joints = {name: model.positions.joints[name] for name in topology.joints}
         own = {name: model.positions.coordinate(name) for name in bodies if name not in followers}
-        turned = {name: model.positions.angle(name) for name in followers}
+        turned = {name: model.positions.coordinate(name) for name in followers}
         self.first = {
             "free": dict(zip(topology.free, model.free_accelerations, strict=True)),
             "position": own | turned,
@@ -92,7 +92,7 @@ class Kernel:
 
     @staticmethod
     def _rates(field, followers):
-        return field.bodies | {name: field.turning(name) for name in followers}
+        return field.bodies | {name: field.moving(name) for name in followers}
 
     @staticmethod
     def _evaluate(groups, **inputs):

@@ -6,7 +6,7 @@ from linkage_models import system, values
 
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.scalars import Level, ScalarGraph
-from linkages.kernel.model import solve_symmetric
+from linkages.kernel.graph.symmetric import solve_symmetric
 
 
 def lower_triangle(graph, count):

@@ -97,6 +97,8 @@ def _operation(operation: Operation, time: float, measured: Sense) -> Jet:
     if name == "div":
         x = others[0][0]
         return _product(first, _chain((1 / x, -1 / x**2, 2 / x**3), others[0]))
+    if name == "atan2":  # of measures alone
+        return math.atan2(first[0], others[0][0]), 0.0, 0.0
     if name in ("add", "sub"):
         sign = 1 if name == "add" else -1
         return tuple(a + sign * b for a, b in zip(first, others[0], strict=True))

@@ -91,6 +91,20 @@ def rubbing(load, stiffness=100.0, friction=0.5):
     return -stiffness * load.displacement - friction * sign
 
 
+def sticking(load, stiffness=100.0, friction=0.5):
+    """A spring, friction that holds as well as it brakes, and a force from outside."""
+    sign = load.model.switches.add("block: sign(speed)", load.measured(1), stick=True)
+    return load.outside - stiffness * load.displacement - friction * sign
+
+
+def belted(load, stiffness=100.0, friction=5.0, drop=3.0, belt=0.2, scale=0.1):
+    """A spring, and a belt whose friction falls with the speed of sliding (Stribeck)."""
+    graph, slip = load.graph, belt - load.measured(1)
+    sign = load.model.switches.add("block: sign(slip)", slip, stick=True)
+    falling = drop * graph.apply("exp", -(sign * slip) / scale)
+    return (friction - drop + falling) * sign - stiffness * load.displacement
+
+
 def forced_wall(load, stiffness=1e4, damping=20.0, gap=0.01):
     """A spring, a force from outside, and a wall as spring and damper at some distance."""
     x, v = load.measured(0), load.measured(1)

@@ -1,11 +1,13 @@
 """Tables of laws from CSV files beside the definition file."""
 
+import math
 import pickle
 
 import pytest
 
 import linkages
 from linkages import InputError
+from linkages.components.contributed.functions import X
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.spec.table_files import MAX_ROWS
@@ -47,6 +49,35 @@ def test_no_header_units_and_other_keys(law):
     assert found.places == pytest.approx((0, 1e-3, 2e-3), rel=1e-15)
     assert found.values == pytest.approx((-9e3, 8e3, -9e3), rel=1e-15)
     assert found.interpolation == "linear"
+
+
+def test_over_another_quantity(law):
+    """The first column holds places on its axis, in its units."""
+    table = "file: gas.csv, over: a.angle, units: [deg, N*m], periodic: true, interpolation: linear"
+    found = law(table, "angle,torque\n0,5\n90,7\n360,5\n")
+    assert found.places == pytest.approx((0, math.pi / 2, 2 * math.pi), rel=1e-15)
+    assert (found.values, found.turning) == ((5, 7, 5), True)
+    assert found.over == X
+    with pytest.raises(
+        InputError, match=r"at\[0\]: .* is an angle or a pure number, and this is a"
+    ):
+        law(table.replace("deg", "mm"), "0,5\n90,7\n360,5\n")
+    with pytest.raises(InputError, match="increasing places, found 0 after 90"):
+        law(table, "90,5\n0,7\n360,5\n")
+
+
+def test_over_another_quantity_it_is_written_out_and_read_again(tmp_path):
+    (tmp_path / "gas.csv").write_text("0,5\n90,7\n360,5\n")
+    table = "file: gas.csv, over: sin(a.angle) + 1 rad*2, units: [deg, N*m]"
+    (tmp_path / "engine.yaml").write_text(DEFINITION.replace("TABLE", table))
+    mechanism = linkages.load(tmp_path / "engine.yaml")
+    assert linkages.loads(mechanism.to_yaml()) == mechanism
+    (load,) = (c for c in mechanism.components if c.section == "loads")
+    made = linkages.Mechanism(components=mechanism.components, name=mechanism.name)
+    again = linkages.loads(made.to_yaml())  # numbers in SI: their units are gone
+    assert again.loads[0].law.places == mechanism.loads[0].law.places
+    assert again.loads[0].law.over == mechanism.loads[0].law.over
+    assert load.torque.table.at[1].value == pytest.approx(math.pi / 2)
 
 
 def test_another_file_by_set_and_none_afterwards(law, tmp_path):

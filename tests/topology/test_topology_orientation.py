@@ -47,12 +47,13 @@ def test_everything_follows_from_its_masters():
     """Rigid is what keeps a constant angle against one master."""
     of = arms()
     found = orientations(of, slaves(of))
-    assert found["one"] == found["two"] == found["ram"] == found["tail"]
-    assert found["one"] == Orientation(("one",), rigid=True)
-    assert found["wheel"] == Orientation(("one",), rigid=False)
-    assert found["other"] == Orientation(("one",), rigid=False)
-    assert found["block"] == Orientation((), rigid=True)
-    assert found["k"] == Orientation(("k",), rigid=True)
+    one = ("one",)
+    assert found["one"] == found["two"] == Orientation(one, rigid=True, moved=one)
+    for name in ("ram", "tail"):
+        assert found[name] == Orientation(one, rigid=True, moved=(name,))
+    assert found["wheel"] == found["other"] == Orientation(one, rigid=False, moved=one)
+    assert found["block"] == Orientation((), rigid=True, moved=("block",))
+    assert found["k"] == Orientation(("k",), rigid=True, moved=("k",))
 
 
 def test_gradients_of_a_train():

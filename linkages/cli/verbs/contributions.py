@@ -10,6 +10,8 @@ from typing import assert_never
 import numpy as np
 
 from linkages.cli.terminal import number
+from linkages.components.cam import Cam
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.functions import (
     Function,
     Measured,
@@ -42,6 +44,7 @@ from linkages.components.laws.law import function_of
 from linkages.components.laws.named import NamedLaw
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.units import unit_at
+from linkages.components.rack import Rack, Rope
 from linkages.components.weld import Weld
 from linkages.kernel.numbers.laws import law_values
 from linkages.reading.paths import dotted
@@ -54,7 +57,7 @@ Row = dict[str, str]
 
 
 def relations(mechanism: Mechanism) -> list[Row]:
-    """Welds and gears: ``kind, path, on, value``."""
+    """Welds, gears, racks and ropes: ``kind, path, on, value``."""
     found: list[Row] = []
     for part in mechanism.components:
         if isinstance(part, Weld):
@@ -65,6 +68,19 @@ def relations(mechanism: Mechanism) -> list[Row]:
             if part.carrier not in (None, GROUND):
                 value += f", seen from {part.carrier}"
             found.append(_row("gear", value, part.path, " and ".join(part.bars)))
+        elif isinstance(part, Rack):
+            value = f"{part.slider} moves {number(part.radius)} m per radian of {part.bar}"
+            if part.carrier not in (None, GROUND):
+                value += f", seen from {part.carrier}"
+            found.append(_row("rack", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Cam):
+            low, high = extremes(part.table, part.angles[0], part.angles[-1])
+            value = f"{part.slider} is lifted by {number(low)} to {number(high)} m"
+            found.append(_row("cam", value, part.path, f"{part.bar} and {part.slider}"))
+        elif isinstance(part, Rope):
+            first, second = part.sliders
+            value = f"{second} moves {number(part.ratio)} times as fast as {first}"
+            found.append(_row("rope", value, part.path, f"{first} and {second}"))
     return found
 
 
@@ -103,7 +119,19 @@ def loads(mechanism: Mechanism) -> list[Row]:
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*found, *masses]
+    return [*found, *_contacts(mechanism), *masses]
+
+
+def _contacts(mechanism: Mechanism) -> Iterator[Row]:
+    """What presses in clearances that open: the law, and the numbers that were given."""
+    for own in mechanism.clearances:
+        if isinstance(own, ContactClearance):
+            keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
+                    "restitution": "", "damping": "N s/m", "friction": ""}  # fmt: skip
+            given = ((key, getattr(own, key), unit) for key, unit in keys.items())
+            numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
+            on = f"{own.bar} at {own.joint}, which has the {own.carries}"
+            yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
 
 
 def _on(load: Load) -> str:

@@ -14,6 +14,7 @@ from linkages.components.contributed.measures import Friction, Load
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -31,6 +32,7 @@ Term = (
     | GroundPin
     | Displacement
     | Relation
+    | CamSize
     | PointMass
     | Prescribed
     | Initial

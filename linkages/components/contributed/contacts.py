@@ -52,6 +52,24 @@ class NormalForce:
 
 
 @dataclass(frozen=True)
+class RigidContact:
+    """Impacts by which the rate d' of the indentation becomes −e·d', or 0 where that is slow.
+
+    A pin that does not bounce stays at the wall until it would have to be pulled.
+
+    Parameters
+    ----------
+    restitution
+        Newton's coefficient e.
+    least_rate
+        An impact that would bounce with less than this (m/s) closes the contact.
+    """
+
+    restitution: Parameter
+    least_rate: Parameter
+
+
+@dataclass(frozen=True)
 class ContactLaw:
     """A law of contact as definition files name it.
 
@@ -69,7 +87,7 @@ class ContactLaw:
 
     name: str
     needs: tuple[str, ...]
-    force: Callable[[Numbers], NormalForce]
+    force: Callable[[Numbers], NormalForce | RigidContact]
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
 
@@ -189,16 +207,24 @@ class Contact:
     displaced: str
     body: str
     size: Parameter
-    normal: NormalForce
+    normal: NormalForce | RigidContact
     hole: bool
     pin_radius: Parameter
     friction: GapFriction | None
     path: Path
 
     @property
+    def rigid(self) -> bool:
+        """Whether impacts take no time."""
+        return isinstance(self.normal, RigidContact)
+
+    @property
     def dissipates(self) -> bool:
         """Whether impacts or slip lose energy."""
-        return self.normal.force != self.normal.elastic or self.friction is not None
+        normal = self.normal
+        if isinstance(normal, RigidContact):
+            return True
+        return normal.force != normal.elastic or self.friction is not None
 
     @property
     def axes(self) -> tuple[str, str]:

@@ -50,7 +50,8 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    return Load(Turn(second, against), term.law, term.path)
+    called = term.called if isinstance(term, JointFriction) else ""
+    return Load(Turn(second, against), term.law, term.path, called=called)
 
 
 def ambiguity(

@@ -8,7 +8,7 @@ definition file never becomes code; their numbers are parameters like all others
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from linkages.components.contributed.interpolation import Joined
@@ -131,6 +131,12 @@ class Table(Arithmetic):
     held: bool = False
     over: Function = TIME
     turning: bool = False
+
+    @property
+    def bends(self) -> Table:
+        """The second derivative of a spline, which has a derivative of its own."""
+        path = (*self.path, "bends")
+        return replace(self, path=path, interpolation="bends", held=True)
 
     @property
     def corners(self) -> Table | None:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 Interpolation: TypeAlias = Literal["linear", "pchip", "spline"]
 
-Joined: TypeAlias = Interpolation | Literal["corners"]
-"""What joins values, and what is zero at the corners of straight lines."""
+Joined: TypeAlias = Interpolation | Literal["corners", "bends"]
+"""What joins values, what is zero at corners of straight lines, and how a spline bends."""
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,8 @@ def polynomials(table: Table) -> PPoly:
     if table.held and not table.periodic:
         times = np.array([times[0] - span, *times, times[-1] + span])
         ends = np.zeros((2, 4, 1))
-        ends[:, 3, 0] = values[0], values[-1]
+        if table.interpolation != "bends":  # a natural spline goes on in straight lines
+            ends[:, 3, 0] = values[0], values[-1]
         coefficients = np.hstack([ends[0], coefficients, ends[1]])
     return PPoly.construct_fast(coefficients, times)
 
@@ -85,7 +86,20 @@ def _corners(places: Floats, values: Floats, periodic: bool) -> Floats:  # noqa:
     return np.array([zero, -signs / lengths, signs, zero])
 
 
-_COEFFICIENTS = {"linear": _linear, "pchip": _pchip, "spline": _spline, "corners": _corners}
+def _bends(times: Floats, values: Floats, periodic: bool) -> Floats:
+    """The second derivative of a spline: straight lines."""
+    cubic, square, *_ = _spline(times, values, periodic)
+    zero = np.zeros_like(cubic)
+    return np.array([zero, zero, 6.0 * cubic, 2.0 * square])
+
+
+_COEFFICIENTS = {
+    "linear": _linear,
+    "pchip": _pchip,
+    "spline": _spline,
+    "corners": _corners,
+    "bends": _bends,
+}
 
 
 def extremes(table: Table, begin: float, end: float) -> tuple[float, float]:

@@ -257,6 +257,7 @@ class JointFriction:
     bodies: tuple[str, str] | None
     law: Function
     path: Path
+    called: str = ""
 
 
 @dataclass(frozen=True)

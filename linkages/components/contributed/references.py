@@ -22,6 +22,8 @@ class References:
     meeting
         Paths, bodies, and joints at which these must turn, as they are or with a slider that they
         carry; the body may be ``"ground"``.
+    carried
+        Paths, sliders, and what must carry their axes: a body, or None for the ground.
     """
 
     joints: tuple[tuple[Path, str], ...] = ()
@@ -30,3 +32,4 @@ class References:
     bodies: tuple[tuple[Path, str, tuple[str, ...]], ...] = ()
     points: tuple[tuple[Path, str, str], ...] = ()
     meeting: tuple[tuple[Path, str, str], ...] = ()
+    carried: tuple[tuple[Path, str, str | None], ...] = ()

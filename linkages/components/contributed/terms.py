@@ -5,12 +5,12 @@ Lengths are metres, angles radians (counter-clockwise from +x), masses kilograms
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from linkages.components.contributed.functions import Function
+    from linkages.components.contributed.functions import Function, Table
 
 Path = tuple[str | int, ...]
 
@@ -161,24 +161,74 @@ class Displacement:
 
 @dataclass(frozen=True)
 class Relation:
-    """The angle of a body follows from others: θ = offset + Σ ratio·θ_other (welds, gears).
+    """The coordinate of a body follows from others: q = offset + f(Σ ratio·q_other).
+
+    Welds and gears tie angles, racks an angle and a displacement; there f is the sum itself.
 
     Parameters
     ----------
     body
-        A body that turns.
+        A body that turns or slides.
     parts
-        Other bodies that turn, with their ratios. A ratio of exactly 1 is structure.
+        Other bodies with their ratios. Between angles a ratio of exactly 1 is structure.
     offset
-        In radians.
+        In radians or metres.
     path
         Where it stands in the definition file.
+    inverse
+        The same for another body, which is taken where something else gives that of `body`.
+    profile
+        f of a body that slides, a spline over `X`, the sum; None if it is the sum.
     """
 
     body: str
     parts: tuple[tuple[str, Parameter], ...]
     offset: Parameter
     path: Path
+    inverse: Relation | None = None
+    profile: Table | None = None
+
+
+def oriented(relations: Iterable[Relation], known: Collection[str]) -> list[Relation]:
+    """Relations as they are taken where the coordinates of some bodies are driven or free.
+
+    One that has an inverse gives the coordinate that nothing else gives, as far as there is one.
+    """
+    found = list(relations)
+    given = {*known, *(relation.body for relation in found if relation.inverse is None)}
+    left = [place for place, relation in enumerate(found) if relation.inverse is not None]
+    while left:
+        place = next((p for p in left if {found[p].body, _back(found[p]).body} & given), left[0])
+        left.remove(place)
+        own, back = found[place], _back(found[place])
+        found[place] = back if own.body in given else replace(own, inverse=None)
+        given.add(found[place].body)
+    return found
+
+
+def _back(relation: Relation) -> Relation:
+    assert relation.inverse is not None
+    return relation.inverse
+
+
+@dataclass(frozen=True)
+class CamSize:
+    """What the pressure angle of a cam's follower depends on besides its lift.
+
+    Parameters
+    ----------
+    slider
+        The follower, which translates.
+    base, roller
+        Radii of the base circle and of the roller (m).
+    eccentricity
+        Distance of the follower's axis from the cam's pin (m).
+    """
+
+    slider: str
+    base: Parameter
+    roller: Parameter
+    eccentricity: Parameter
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""Laws of time: what drives prescribe and loads follow."""
+"""Laws: what drives prescribe and loads follow."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.friction import ambiguity, meeting
@@ -25,6 +25,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     if declared.complete:
         found += _unknown_names(components, declared)
         found += _missing_points(components, declared)
+        found += _carried_elsewhere(components, declared)
         found += sliders_on_air(declared)
         found += _ambiguous_frictions(declared)
         found += formula_findings(components, declared)
@@ -32,6 +33,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
     found += _rubbing_in_the_open(declared)
+    found += _several_rigid_contacts(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
     return found
@@ -74,6 +76,19 @@ def _missing_points(components: Sequence[Component], declared: Declared) -> list
             listed = ", ".join(here)
             found.append((path, f"{name!r} does not turn at joint {joint!r}; found {listed}"))
     return found
+
+
+def _carried_elsewhere(
+    components: Sequence[Component], declared: Declared
+) -> Iterator[tuple[Path, str]]:
+    """Sliders whose axis something else carries than it should."""
+    references = [component.references() for component in components]
+    for path, name, carrier in (c for r in references for c in r.carried):
+        body = declared.by_name.get(name)
+        if body is not None and body.guide is not None and body.guide.body != carrier:
+            own = body.guide.body or GROUND
+            expected = f"expected what carries the axis of {name!r}: {own}"
+            yield path, f"{expected}, found {carrier or GROUND}"
 
 
 def _lacks(body: Body, joint: str) -> str:
@@ -147,6 +162,18 @@ def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
         )
         for term in declared.rubbing
         if term.clearance in declared.opening
+    ]
+
+
+def _several_rigid_contacts(declared: Declared) -> list[Finding]:
+    """Rigid contacts beyond the first: their impulses and forces would depend on each other."""
+    return [
+        (
+            (*term.path, "contact"),
+            f"clearance {declared.rigid[0].name!r} is rigid already; expected one rigid contact, "
+            "and laws of a force for all others",
+        )
+        for term in declared.rigid[1:]
     ]
 
 

@@ -25,15 +25,22 @@ def _driven_and_free(declared: Declared) -> list[Finding]:
 def _related_twice(declared: Declared) -> list[Finding]:
     found: list[Finding] = []
     seen: set[str] = set()
+    cams = {relation.body for relation in declared.relations if relation.profile is not None}
     remedy = "turn the relation round, with the inverse ratio"
     for relation in declared.relations:
         name = relation.body
-        start = f"the angle of {name!r} follows from this relation"
+        body = declared.by_name.get(name)
+        what = "angle" if body is None or body.rotates else "position"
+        start = f"the {what} of {name!r} follows from this relation"
         if name in seen:
             found.append((relation.path, f"{start} and from another one; expected one: {remedy}"))
         elif name in declared.driven or name in declared.free:
             what = "driven" if name in declared.driven else "free"
             found.append((relation.path, f"{start} and is {what}; expected one of the two"))
+        for other, _ in relation.parts:
+            if other in cams:
+                message = f"{other!r} follows a cam; expected one that nothing else is tied to"
+                found.append((relation.path, message))
         seen.add(name)
     return found
 
@@ -47,7 +54,7 @@ def _cycles(relations: list[Relation]) -> list[Finding]:
         if chain and not reported & set(chain):
             reported |= set(chain)
             listed = " → ".join((*chain, chain[0]))
-            found.append((relation.path, f"angles follow from each other: {listed}"))
+            found.append((relation.path, f"coordinates follow from each other: {listed}"))
     return found
 
 

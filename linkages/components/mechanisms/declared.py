@@ -16,6 +16,7 @@ from linkages.components.contributed.terms import (
     Path,
     Prescribed,
     Relation,
+    oriented,
 )
 from linkages.reading.wording import nearest
 
@@ -48,9 +49,11 @@ class Declared:
         self.displacements = [(c.path, t) for c, t in terms if isinstance(t, Displacement)]
         self.driven = {t.body: t.path for _, t in terms if isinstance(t, Prescribed)}
         self.free = {t.body: t.path for _, t in terms if isinstance(t, Initial)}
-        self.relations = [t for _, t in terms if isinstance(t, Relation)]
+        known = {*self.driven, *self.free}
+        self.relations = oriented((t for _, t in terms if isinstance(t, Relation)), known)
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.opening = {t.name for _, t in terms if isinstance(t, Contact)}
+        self.rigid = [t for _, t in terms if isinstance(t, Contact) and t.rigid]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}
@@ -76,7 +79,8 @@ class Declared:
         held = self.ground | self.uncertain | used
         held |= {joint for _, body in self.bodies if body.rotates for joint in body.points}
         carriers = {body.guide.body for _, body in self.bodies if body.guide is not None}
-        carriers |= set(self.driven) | set(self.free)
+        tied = {n for r in self.relations for n in (r.body, *(name for name, _ in r.parts))}
+        carriers |= set(self.driven) | set(self.free) | tied
         found = []
         for path, body in self.bodies:
             if body.rotates or body.name in carriers:

@@ -21,6 +21,7 @@ from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
+    CamSize,
     Displacement,
     Gravity,
     GroundPin,
@@ -32,6 +33,7 @@ from linkages.components.contributed.terms import (
     Prescribed,
     Relation,
     axis_label,
+    oriented,
 )
 from linkages.components.free import FreeAngle, FreePosition
 from linkages.components.mechanisms.consistency import Declared, findings
@@ -288,8 +290,14 @@ class Mechanism:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Welds and gears."""
-        return tuple(t for t in self.terms if isinstance(t, Relation))
+        """Welds, gears and racks."""
+        known = {*self.prescribed, *self.initial}
+        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+
+    @cached_property
+    def cams(self) -> dict[str, CamSize]:
+        """Followers of cams whose size is known."""
+        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
 
     @cached_property
     def gravity(self) -> Gravity:

@@ -24,7 +24,7 @@ def unit_at(document: Document, path: str) -> str:
 
     Returns
     -------
-    Empty for a pure number, and where the path leads nowhere. A law of time is in the unit of what
+    Empty for a pure number, and where the path leads nowhere. A law is in the unit of what
     it gives; a formula has no paths within it.
     """
     steps = split(path) or ()

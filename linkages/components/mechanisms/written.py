@@ -10,7 +10,7 @@ from linkages.components.mechanisms.registry import SECTIONS
 from linkages.reading.document import Document
 from linkages.reading.paths import Path
 from linkages.spec.annotations import written_fields
-from linkages.spec.formulas import Formula
+from linkages.spec.formulas import Constant, Formula
 
 
 def document_of(
@@ -74,6 +74,8 @@ def entry_of(component: Component) -> Any:
 def _plain(value: Any) -> Any:
     if isinstance(value, Formula):
         return value.text
+    if isinstance(value, Constant):
+        return value.value
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, tuple | list):

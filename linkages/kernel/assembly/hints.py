@@ -99,7 +99,8 @@ def turning(model: Model) -> dict[int, Scalar]:
     nodes = [*model.loads, *model.sensed.values()]
     found: dict[int, Scalar] = {}
     for place, angle in wound_angles(model.mechanism).items():
-        masters = {m for body in angle.bodies for m in topology.orientations[body].masters}
+        owners = (m for body in angle.bodies for m in topology.orientations[body].masters)
+        masters = {m for m in owners if topology.mechanism.bodies[m].rotates}
         if not masters <= given:
             found[place] = nodes[place].displacement
     return found

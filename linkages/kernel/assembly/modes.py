@@ -153,7 +153,8 @@ class Place:
         ]
         found = np.array(iterate(iteration, starts, outside, most_turned=np.inf))
         found = found[:, np.isfinite(found).all(axis=0)]
-        angles = np.array(turning)
+        slid = [self._slides(block, name) for name in block.unknowns]
+        angles = np.array(turning) & ~np.array(slid)  # of the others, whole turns matter
         found[angles] = np.remainder(found[angles] + np.pi, 2 * np.pi) - np.pi
         kept: list[Any] = []  # arrays of one axis
         for solution in found.T:
@@ -168,6 +169,12 @@ class Place:
                 if not radicand >= 0:
                     continue
             yield values
+
+    def _slides(self, block: Block, name: str) -> bool:
+        """Whether a displacement follows from a coordinate in the loops of a block."""
+        bodies, followed = self.mechanism.bodies, self.model.topology.orientations
+        sliders = {s.body for loop in block.loops for s in loop.steps} - {name}
+        return any(name in followed[s].moved for s in sliders if not bodies[s].rotates)
 
 
 def _apart(first: Floats, second: Floats, angles: NDArray[np.bool_]) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from linkages.components.contributed.terms import Parameter
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
@@ -18,9 +20,12 @@ class Frames:
     ----------
     topology, inputs
         The mechanism and the numbers of its definition.
+    slope
+        Follower of a cam → the derivative of its lift at the angle of the cam.
     """
 
-    def __init__(self, topology: Topology, inputs: Inputs) -> None:
+    def __init__(self, topology: Topology, inputs: Inputs, slope: Callable[[str], Scalar]) -> None:
+        self._slope = slope
         self._topology = topology
         self._mechanism = topology.mechanism
         self._inputs = inputs
@@ -79,17 +84,29 @@ class Frames:
         guide = self._mechanism.bodies[name].guide
         if guide is not None:
             return {} if guide.body is None else self.ratios(guide.body)
+        return self.moves(name)
+
+    def moves(self, name: str) -> dict[str, Scalar]:
+        """How fast a body's own coordinate changes with each that it depends on."""
         if name not in self._topology.slaves:
             return {name: self._inputs.graph.one}
         total: dict[str, Scalar] = {}
         for other, factor in self.follows(name):
-            for master, value in self.ratios(other).items():
+            for master, value in self.moves(other).items():
                 added = factor * value
                 total[master] = total[master] + added if master in total else added
         return total
 
     def follows(self, name: str) -> list[tuple[str, Scalar]]:
-        """Bodies that a follower turns with, and in which ratios."""
+        """Bodies that a follower moves with, and in which ratios of rates."""
+        parts = self.summed(name)
+        if self._topology.slaves[name].profile is None:
+            return parts
+        slope = self._slope(name)
+        return [(other, slope * ratio) for other, ratio in parts]
+
+    def summed(self, name: str) -> list[tuple[str, Scalar]]:
+        """Bodies whose coordinates a follower's depends on, and in which ratios they add up."""
         parts = self._topology.slaves[name].parts
         return [(other, self._ratio(ratio)) for other, ratio in parts]
 

@@ -74,9 +74,12 @@ def columns(positions: Positions, block: Block) -> list[list[Vector]]:
 def _column(positions: Positions, loop: Loop, name: str) -> Vector:
     total = Vector(positions.graph.zero, positions.graph.zero)
     for step in loop.steps:
-        if name == step.body and not positions.body(name).rotates:
-            total = total + positions.unit(name) * float(positions.frames.sliding(*_way(step)))
-        elif name in positions.topology.orientations[step.body].masters:
+        orientation = positions.topology.orientations[step.body]
+        sliding = positions.frames.sliding(*_way(step))
+        if sliding and name in orientation.moved:
+            ratio = positions.frames.moves(step.body)[name]
+            total = total + positions.unit(step.body) * float(sliding) * ratio
+        if name in orientation.masters:
             ratio = positions.frames.ratios(step.body)[name]
             total = total + positions.along(*_way(step)).turned * ratio
     return total

@@ -53,10 +53,19 @@ class _Field(ABC):
         guide = self.topology.mechanism.bodies[name].guide
         if guide is not None:
             return self.graph.zero if guide.body is None else self.turning(guide.body)
+        return self.moving(name)
+
+    def moving(self, name: str) -> Scalar:
+        """Derivative of a body's own coordinate: its angle, or its displacement."""
         if name not in self.topology.slaves:
             return self.bodies[name]
         parts = self.positions.frames.follows(name)
-        return self.graph.total(factor * self.turning(other) for other, factor in parts)
+        return self.graph.total(factor * self.moving(other) for other, factor in parts)
+
+    def summed(self, name: str) -> Scalar:
+        """Derivative of what the coordinate of a follower is a function of."""
+        parts = self.positions.frames.summed(name)
+        return self.graph.total(factor * self.moving(other) for other, factor in parts)
 
     def _add(self, block: Block) -> None:
         if block.unknowns:
@@ -140,7 +149,7 @@ class Rates(_Field):
         rate = link.turned * self.turning(name)
         sliding, axis = self._slides(step)
         if sliding:
-            rate = rate + axis * self.bodies[name]
+            rate = rate + axis * self.moving(name)
         if name == self._stretch:
             points = tuple(self.topology.mechanism.bodies[name].points)
             unit = self.positions.unit(name)
@@ -168,13 +177,28 @@ class Rates(_Field):
     def _column_rate(self, block: Block, index: int, name: str) -> Vector:
         total = Vector(self.graph.zero, self.graph.zero)
         for step in block.loops[index].steps:
-            if name == step.body and not self.topology.mechanism.bodies[name].rotates:
-                sliding, axis = self._slides(step)
-                total = total + (axis.turned * self.turning(name) if sliding else axis)
-            elif name in self.topology.orientations[step.body].masters:
+            orientation = self.topology.orientations[step.body]
+            sliding, axis = self._slides(step)
+            if sliding and name in orientation.moved:
+                ratio = self.positions.frames.moves(step.body)[name]
+                total = total + axis.turned * self.turning(step.body) * ratio
+                total = total + axis * self._ratio_rate(step.body, name)
+            if name in orientation.masters:
                 ratio = self.positions.frames.ratios(step.body)[name]
                 total = total + self._along(step).turned * ratio
         return total
+
+    def _ratio_rate(self, slider: str, name: str) -> Scalar:
+        """How the ratio changes in which a slider moves with a coordinate: along cams alone."""
+        relation = self.topology.slaves.get(slider)
+        if relation is None or relation.profile is None:
+            return self.graph.zero
+        frames = self.positions.frames
+        ratio = self.graph.total(
+            factor * frames.moves(other).get(name, self.graph.zero)
+            for other, factor in frames.summed(slider)
+        )
+        return self.positions.curvature(slider) * self.summed(slider) * ratio
 
 
 class Accelerations(_Field):
@@ -198,6 +222,14 @@ class Accelerations(_Field):
         self.rates = rates
         super().__init__(positions, known, label)
 
+    def moving(self, name: str) -> Scalar:
+        """Derivative of a body's own coordinate; that of a cam's follower has a part of its own."""
+        relation = self.topology.slaves.get(name)
+        if relation is None or relation.profile is None:
+            return super().moving(name)
+        rate = self.rates.summed(name)
+        return super().moving(name) + self.positions.curvature(name) * (rate * rate)
+
     def _along(self, step: Step, block: Block | None = None) -> Vector:
         name = step.body
         link = self.positions.along(name, step.start, step.end)
@@ -207,8 +239,8 @@ class Accelerations(_Field):
             result = result - link * (rate * rate)
         sliding, axis = self._slides(step)
         if sliding:
-            result = result + axis * self.bodies[name]
-            result = result + axis.turned * (2.0 * self.rates.bodies[name] * rate)
+            result = result + axis * self.moving(name)
+            result = result + axis.turned * (2.0 * self.rates.moving(name) * rate)
         return result
 
     def _inward(self, block: Block, name: str) -> bool:

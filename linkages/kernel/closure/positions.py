@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 
+from linkages.components.contributed.functions import Table
 from linkages.components.contributed.terms import Body
 from linkages.kernel.closure.closed_forms import solve_dyad
 from linkages.kernel.closure.dyads import Dyad
 from linkages.kernel.closure.frames import Frames
 from linkages.kernel.closure.iterated import Iterated
 from linkages.kernel.closure.iteration import iterate_block
+from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.scalars import Scalar, section
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
-from linkages.kernel.numbers.laws import Law, law_of
+from linkages.kernel.numbers.laws import Law, law_of, value_of
 from linkages.topology.blocks import ITERATED, Block, Loop
 from linkages.topology.topology import Topology
 
@@ -33,7 +35,7 @@ class Positions:
     joints
         Point → position.
     displacements
-        Slider → displacement.
+        Slider → displacement, of those that do not follow from others.
     units, links
         How a body is turned: its unit vector, or one of its vectors in its own frame and in the
         plane.
@@ -47,7 +49,7 @@ class Positions:
         self.topology = topology
         self.inputs = inputs
         self.graph = inputs.graph
-        self.frames = Frames(topology, inputs)
+        self.frames = Frames(topology, inputs, self.slope)
         self.dyads: dict[int, Dyad | Iterated] = {}
         # in the order of the bodies: the order of the ground joints in the file is no structure
         mechanism = topology.mechanism
@@ -120,7 +122,7 @@ class Positions:
         sliding = self.frames.sliding(name, start, end)
         if not sliding:
             return vector
-        displacement = self.displacements[name]
+        displacement = self.displacement(name)
         return Vector(vector.x + (displacement if sliding > 0 else -displacement), vector.y)
 
     def along(self, name: str, start: str, end: str) -> Vector:
@@ -173,10 +175,7 @@ class Positions:
             turned = self.inputs.parameter(guide.angle)
             return turned if guide.body is None else self.angle(guide.body) + turned
         if name in self.topology.slaves:
-            parts = self.frames.follows(name)
-            offset = self.inputs.parameter(self.topology.slaves[name].offset)
-            total = self.graph.total(factor * self.angle(other) for other, factor in parts)
-            return total + offset
+            return self._following(name)
         if name in self._angles:
             return self._angles[name]
         unit = self.unit(name)
@@ -204,4 +203,45 @@ class Positions:
 
     def coordinate(self, name: str) -> Scalar:
         """A body's own coordinate: its angle, or its displacement."""
-        return self.angle(name) if self.body(name).rotates else self.displacements[name]
+        return self.angle(name) if self.body(name).rotates else self.displacement(name)
+
+    def displacement(self, name: str) -> Scalar:
+        """The displacement of a slider."""
+        following = name in self.topology.slaves
+        return self._following(name) if following else self.displacements[name]
+
+    def _following(self, name: str) -> Scalar:
+        """A coordinate that follows from others."""
+        relation = self.topology.slaves[name]
+        value = self._summed(name)
+        if relation.profile is not None:
+            value = self._lift(relation.profile, value)
+        return value + self.inputs.parameter(relation.offset)
+
+    def _summed(self, name: str) -> Scalar:
+        parts = self.frames.summed(name)
+        return self.graph.total(factor * self.coordinate(other) for other, factor in parts)
+
+    def _lift(self, profile: Table, value: Scalar) -> Scalar:
+        return value_of(profile, self.inputs, lambda _: value)
+
+    def _profile(self, name: str) -> Table:
+        profile = self.topology.slaves[name].profile
+        assert profile is not None
+        return profile
+
+    def slope(self, name: str) -> Scalar:
+        """Derivative of the lift of a cam's follower by the angle of the cam."""
+        angle = self._summed(name)
+        ((found,),) = derivative([self._lift(self._profile(name), angle)], [angle])
+        return found
+
+    def curvature(self, name: str) -> Scalar:
+        """Second derivative of the lift of a cam's follower by the angle of the cam."""
+        return self._lift(self._profile(name).bends, self._summed(name))
+
+    def travel(self, name: str) -> Vector:
+        """How the pin of a slider moves on its axis with what its displacement follows from."""
+        relation = self.topology.slaves.get(name)
+        cam = relation is not None and relation.profile is not None
+        return self.unit(name) * self.slope(name) if cam else self.unit(name)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.contacts import Contact, NormalForce
 from linkages.components.contributed.functions import Function, Measured
 from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
 from linkages.kernel.graph.scalars import Scalar
@@ -44,7 +45,7 @@ class ContactNodes(Acting):
 
     def offset_rate(self, velocities: Velocities) -> Vector:
         """Its rate, at velocities that may be partial ones."""
-        x, y = (velocities.bodies[name] for name in self.contact.axes)
+        x, y = (velocities.moving(name) for name in self.contact.axes)
         return Vector(x, y)
 
     @cached_property
@@ -97,58 +98,34 @@ class ContactNodes(Acting):
         return pushed - 2.0 * turning * self.speed / self.distance
 
     @property
-    def touching(self) -> Scalar:
-        """Mode: whether pin and hole touch."""
-        return self.model.switches.add(self.touch, self._squares * (0.5 / self.size))
-
-    @property
-    def pressing(self) -> Scalar:
-        """Mode: whether the law presses while they touch; otherwise the contact is slack."""
-        law, touching = self.contact.normal.pressing, self.touching
-        if law is None:
-            return touching
-        name = f"{self.contact.name}: press"
-        return self.model.switches.add(name, self.value(law), active=touching)
-
-    @property
     def touch(self) -> str:
         """Name of the mode of touching."""
         return f"{self.contact.name}: touch"
 
-    @cached_property
-    def pressed(self) -> Scalar:
-        """The indentation where they touch, as laws take it."""
-        return self.graph.select(self.indentation - LEAST, self.indentation, self.graph.lift(LEAST))
+    @property
+    def gap(self) -> Scalar:
+        """What the sign of the indentation is seen from (m): it is smooth where that is not."""
+        return self._squares * (0.5 / self.size)
 
-    def value(self, law: Function) -> Scalar:
-        """What a law gives, such as the force or the energy."""
-        return value_of(law, self.model.inputs, self._measured)
+    @property
+    @abstractmethod
+    def touching(self) -> Scalar:
+        """Mode: whether pin and hole touch."""
 
-    def _measured(self, found: Measured) -> Scalar:
-        return getattr(self, ("pressed", "speed", "first_rate")[found.order])
+    @property
+    @abstractmethod
+    def force(self) -> Scalar:
+        """Normal force, positive where it presses."""
+
+    @property
+    @abstractmethod
+    def normal_loss(self) -> Scalar:
+        """Power lost across the wall."""
 
     @cached_property
     def speed(self) -> Scalar:
         """The actual rate of the indentation."""
         return self.rate(self.model.velocities)
-
-    @property
-    def first_rate(self) -> Scalar:
-        """Rate of the indentation at the last touch, not below the least one that counts."""
-        assert self.contact.normal.least_rate is not None
-        least = self.model.inputs.parameter(self.contact.normal.least_rate)
-        kept = self.graph.select(self.speed - least, self.speed, least)
-        _ = self.touching
-        return self.model.switches.memory(self.touch, kept)
-
-    def _while_touching(self, value: Scalar) -> Scalar:
-        return self.graph.select(self.touching, value, self.graph.zero)
-
-    @cached_property
-    def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
-        force = self.value(self.contact.normal.force)
-        return self.graph.select(self.pressing, force, self.graph.zero)
 
     @cached_property
     def friction(self) -> Scalar:
@@ -165,17 +142,6 @@ class ContactNodes(Acting):
         if self.contact.friction is None:
             return found
         return found + self.friction * self.slip(velocities)
-
-    @property
-    def potential(self) -> Scalar:
-        """Energy of the elastic part, in slack as well."""
-        return self._while_touching(self.value(self.contact.normal.energy))
-
-    @cached_property
-    def normal_loss(self) -> Scalar:
-        """Power lost across the wall."""
-        elastic = self._while_touching(self.value(self.contact.normal.elastic))
-        return (self.force - elastic) * self.speed
 
     @cached_property
     def friction_loss(self) -> Scalar:
@@ -200,3 +166,66 @@ class ContactNodes(Acting):
         bodies = (self.other, self.contact.body)
         pin, hole = bodies if self.contact.hole else bodies[::-1]
         return [(pin, on_pin), (hole, on_hole)]
+
+
+class PressingNodes(ContactNodes):
+    """A contact whose force follows a law of indentation and rate."""
+
+    def __init__(self, model: Model, contact: Contact, law: NormalForce) -> None:
+        super().__init__(model, contact)
+        self.law = law
+
+    @property
+    def touching(self) -> Scalar:
+        """Mode: whether pin and hole touch."""
+        return self.model.switches.add(self.touch, self.gap)
+
+    @property
+    def pressing(self) -> Scalar:
+        """Mode: whether the law presses while they touch; otherwise the contact is slack."""
+        law, touching = self.law.pressing, self.touching
+        if law is None:
+            return touching
+        name = f"{self.contact.name}: press"
+        return self.model.switches.add(name, self.value(law), active=touching)
+
+    @cached_property
+    def pressed(self) -> Scalar:
+        """The indentation where they touch, as laws take it."""
+        return self.graph.select(self.indentation - LEAST, self.indentation, self.graph.lift(LEAST))
+
+    def value(self, law: Function) -> Scalar:
+        """What a law gives, such as the force or the energy."""
+        return value_of(law, self.model.inputs, self._measured)
+
+    def _measured(self, found: Measured) -> Scalar:
+        return getattr(self, ("pressed", "speed", "first_rate")[found.order])
+
+    @property
+    def first_rate(self) -> Scalar:
+        """Rate of the indentation at the last touch, not below the least one that counts."""
+        assert self.law.least_rate is not None
+        least = self.model.inputs.parameter(self.law.least_rate)
+        kept = self.graph.select(self.speed - least, self.speed, least)
+        _ = self.touching
+        return self.model.switches.memory(self.touch, kept)
+
+    def _while_touching(self, value: Scalar) -> Scalar:
+        return self.graph.select(self.touching, value, self.graph.zero)
+
+    @cached_property
+    def force(self) -> Scalar:
+        """Normal force, positive where it presses."""
+        force = self.value(self.law.force)
+        return self.graph.select(self.pressing, force, self.graph.zero)
+
+    @property
+    def potential(self) -> Scalar:
+        """Energy of the elastic part, in slack as well."""
+        return self._while_touching(self.value(self.law.energy))
+
+    @cached_property
+    def normal_loss(self) -> Scalar:
+        """Power lost across the wall."""
+        elastic = self._while_touching(self.value(self.law.elastic))
+        return (self.force - elastic) * self.speed

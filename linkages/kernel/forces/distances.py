@@ -113,7 +113,7 @@ class DistanceNodes(LoadNodes):
         own = {X: self.displacement, V: rate}
 
         def measured(found: Measured) -> Scalar:
-            return own[found] if found in own else self.measured(found)
+            return own[found] if found in own else self.sensed(found)
 
         return direction * value_of(term, self.model.inputs, measured, self.mode)
 

@@ -27,11 +27,14 @@ Torques = list[tuple[str | None, Scalar]]
 class Velocities(Protocol):
     """Velocities, actual or partial."""
 
-    bodies: dict[str, Scalar]
     joints: dict[str, Vector]
 
     def turning(self, name: str) -> Scalar:
         """Angular speed of a body."""
+        ...
+
+    def moving(self, name: str) -> Scalar:
+        """Rate of a body's own coordinate."""
         ...
 
 
@@ -102,18 +105,21 @@ class LoadNodes(Acting):
 
     def value(self, law: Function) -> Scalar:
         """What a law gives, such as the force or the energy."""
-        return value_of(law, self.model.inputs, self.measured, self.mode)
+        return value_of(law, self.model.inputs, self.sensed, self.mode)
 
     def mode(self, part: Function, node: Scalar) -> Scalar:
         """On which side of zero the motion is of what makes a part of the law jump or turn."""
         name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
         return self.model.switches.add(name, node)
 
-    def measured(self, found: Measured) -> Scalar:
-        """The displacement, its actual rate, or that of another measure."""
-        if found.measure is not None:
-            return self.model.sensed[found.measure].measured(Measured(found.order))
-        return self.rate(self.model.velocities) if found.order else self.displacement
+    def sensed(self, found: Measured) -> Scalar:
+        """The value or rate of a measure: its own, or another one."""
+        nodes = self if found.measure is None else self.model.sensed[found.measure]
+        return nodes.measured(found.order)
+
+    def measured(self, order: int) -> Scalar:
+        """The displacement, or its actual rate."""
+        return self.rate(self.model.velocities) if order else self.displacement
 
     def _power(self, law: Function, velocities: Velocities) -> Scalar:
         return self.value(law) * self.rate(velocities)
@@ -159,7 +165,7 @@ class LoadNodes(Acting):
         force = self.load.force
         if everywhere(force) or not rated(force):
             return []
-        return [self.value(force), *map(self.measured, dict.fromkeys(measured_in(force)))]
+        return [self.value(force), *map(self.sensed, dict.fromkeys(measured_in(force)))]
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""

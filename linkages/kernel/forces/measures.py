@@ -57,10 +57,10 @@ class _Slide(LoadNodes):
 
     @property
     def displacement(self) -> Scalar:
-        return self.model.positions.displacements[self.body]
+        return self.model.positions.displacement(self.body)
 
     def rate(self, velocities: Velocities) -> Scalar:
-        return velocities.bodies[self.body]
+        return velocities.moving(self.body)
 
     def forces(self) -> Forces:
         slider = self.model.mechanism.bodies[self.body]

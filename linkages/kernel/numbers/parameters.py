@@ -49,7 +49,8 @@ def structure_key(item: object) -> Hashable:
             return (structure_key(origin), structure_key(angle), right_angle(angle), body)
         case Relation(body, parts, offset, path):
             ratios = tuple((name, structure_key(r), is_unit(r)) for name, r in parts)
-            return (body, ratios, structure_key(offset), right_angle(offset), path)
+            profile = structure_key(item.profile)
+            return (body, ratios, structure_key(offset), right_angle(offset), path, profile)
         case tuple():
             return tuple(map(structure_key, item))
         case Mapping():
@@ -69,6 +70,8 @@ def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
             for place, value in enumerate(table_numbers(item)):
                 yield (*path, "spline", place), value
             yield from numbers_in(item.over if item.corners is None else item.corners)
+        case Relation(_, parts, offset, profile=Table() as profile):
+            yield from numbers_in((parts, offset, profile, profile.bends))
         case tuple():
             for part in item:
                 yield from numbers_in(part)
@@ -108,6 +111,7 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.point_masses,
         laws,
         mechanism.loads,
+        mechanism.cams.values(),
         mechanism.contacts,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import draw_bodies
 from linkages.plots.mechanism.drawing import draw_bearings, draw_joints, reach
-from linkages.plots.mechanism.gears import draw_gears, draw_welds, note_gears
+from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, draw_welds, note_gears
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.loads import draw_masses, draw_springs, draw_torsional
 from linkages.plots.mechanism.pose import Pose
@@ -76,6 +76,8 @@ def draw_moving(ax: Axes, pose: Pose, first: Pose) -> None:
     labels = Unlabelled(ax)
     draw_bodies(ax, pose)
     draw_gears(ax, pose, labels)
+    draw_racks(ax, pose, labels)
+    draw_cams(ax, pose, labels)
     draw_springs(ax, pose, labels)
     draw_sliders(ax, pose, labels, rails=False)
     draw_welds(ax, pose, labels)

@@ -24,7 +24,9 @@ from linkages.plots.mechanism.bodies import (
     slots_of,
 )
 from linkages.plots.mechanism.gears import (
+    draw_cams,
     draw_gears,
+    draw_racks,
     draw_welds,
     note_gears,
     reach_of_gears,
@@ -126,6 +128,8 @@ def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
     for _, corners in outlines(shown):
         labels.avoid_line(np.vstack((corners, corners[:1])))
     draw_gears(ax, shown, labels)
+    draw_racks(ax, shown, labels)
+    draw_cams(ax, shown, labels)
     note_gears(ax, shown)
     draw_springs(ax, shown, labels)
     draw_sliders(ax, shown, labels)

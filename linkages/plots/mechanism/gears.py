@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -9,8 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from linkages.components.cam import Cam
+from linkages.components.contributed.interpolation import evaluated, polynomials
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.gear import Gear
+from linkages.components.rack import Rack
 from linkages.components.weld import Weld
 from linkages.plots.mechanism import symbols
 from linkages.plots.mechanism.bodies import body_colour
@@ -66,14 +70,14 @@ def _axis(pose: Pose, wheel: str, carrier: str | None) -> Place | None:
 
 
 def reach_of_gears(pose: Pose) -> Array:
-    """Corners of all pitch circles, shape (n, 2)."""
+    """Corners of all pitch circles and outlines of cams, shape (n, 2)."""
     found = [wheels(pose, gear) for gear in gears(pose)]
-    corners = [
-        np.asarray(place) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
-        for pair in found
-        if pair is not None
-        for place, radius in zip(pair.places, pair.radii, strict=True)
-    ]
+    circles = [c for p in found if p is not None for c in zip(p.places, p.radii, strict=True)]
+    pinions = ((_centre(pose, rack), abs(rack.radius) * pose.unit) for rack in racks(pose))
+    circles += [(place, radius) for place, radius in pinions if place is not None]
+    square = np.array([[-1.0, -1.0], [1.0, 1.0]])
+    corners = [np.asarray(place) + radius * square for place, radius in circles]
+    corners += [outline for _, outline in cam_outlines(pose)]
     return np.vstack(corners) if corners else np.empty((0, 2))
 
 
@@ -93,6 +97,67 @@ def draw_gears(ax: Axes, pose: Pose, labels: Labels) -> None:
             labels.avoid_line(np.asarray(place) + radius * ring)
         if pair.belt:
             _belt(ax, pair, labels)
+
+
+def draw_racks(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """The pitch circle of each pinion, and the line that it rolls on."""
+    for rack in racks(pose):
+        place, angle = _centre(pose, rack), pose.angle(rack.slider)
+        block = next(iter(pose.shown(rack.slider).values()), None)
+        if place is None or angle is None or block is None:
+            continue
+        rolls = place == block  # the wheel goes with the slider, its rack stands still
+        colour = body_colour(pose.mechanism, rack.bar)
+        style = {"edgecolor": colour, "linestyle": PITCH, "linewidth": 1.0}
+        radius = rack.radius * pose.unit
+        ax.add_patch(Circle(place, abs(radius), fill=False, zorder=1.8, **style))
+        along = np.array([np.cos(angle), np.sin(angle)])
+        out = np.array([along[1], -along[0]]) * (-radius if rolls else radius)
+        meshing = np.asarray(place) + out
+        reach = float((np.asarray(block) - meshing) @ along)
+        first, last = min(reach, -2.0 * abs(radius)), max(reach, 2.0 * abs(radius))
+        line = np.array([meshing + first * along, meshing + last * along])
+        colour = PASSIVE if rolls else body_colour(pose.mechanism, rack.slider)
+        ax.plot(*line.T, color=colour, linewidth=1.6, zorder=1.9)
+        labels.avoid_line(line)
+
+
+def draw_cams(ax: Axes, pose: Pose, labels: Labels) -> None:
+    """The outline of each cam whose size is known, around its pin, through its roller's centre."""
+    for cam, outline in cam_outlines(pose):
+        colour = body_colour(pose.mechanism, cam.bar)
+        ax.plot(*outline.T, color=colour, linestyle=PITCH, linewidth=1.0, zorder=1.8)
+        labels.avoid_line(outline)
+
+
+def cam_outlines(pose: Pose) -> Iterator[tuple[Cam, Array]]:
+    """Cams whose size and place are known, with their pitch curves, shape (n, 2)."""
+    for cam in (part for part in pose.mechanism.components if isinstance(part, Cam)):
+        place, axis = _axis(pose, cam.bar, None), pose.angle(cam.slider)
+        turned = pose.angle(cam.bar)
+        if cam.base_radius is None or place is None or axis is None or turned is None:
+            continue
+        angles = np.linspace(0.0, 2.0 * np.pi, 361)
+        knots = polynomials(cam.table)
+        lift = evaluated(knots.x, knots.c, cam.table.periodic, angles)[0]
+        aside, reach = cam.eccentricity, cam.base_radius + cam.roller_radius
+        height = np.sqrt(reach**2 - aside**2) + lift
+        way = axis + turned - angles
+        out = height * np.array([np.cos(way), np.sin(way)])
+        beside = aside * np.array([np.sin(way), -np.cos(way)])
+        yield cam, np.asarray(place) + pose.unit * (out + beside).T
+
+
+def _centre(pose: Pose, rack: Rack) -> Place | None:
+    """Where a pinion turns: on its carrier, or on the slider itself as a wheel that rolls."""
+    place = _axis(pose, rack.bar, rack.carrier)
+    own, slid = pose.shown(rack.bar), pose.shown(rack.slider)
+    return next((own[j] for j in own if j in slid), None) if place is None else place
+
+
+def racks(pose: Pose) -> list[Rack]:
+    """All racks of a mechanism with their pinions."""
+    return [part for part in pose.mechanism.components if isinstance(part, Rack)]
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:

@@ -152,7 +152,8 @@ class Propagator:
         columns = np.eye(*shape) if tangents is None else np.asarray(tangents, dtype=float)
         if columns.shape != shape:
             raise ValueError(f"tangents must have shape {shape}, found {columns.shape}")
-        march = March(system.at(float(t0), given), self._run, tangents=self.tangents)
+        start = system.at(float(t0), given)
+        march = March(start, self._run, tangents=self.tangents, tangent_atol=self._run.rtol)
         march.tangents = columns
         if held:
             march.held = held

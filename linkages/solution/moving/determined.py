@@ -35,7 +35,7 @@ def is_determined(piece: Piece) -> bool:
         return False
     model = system.model
     sliders = [name for name, body in system.mechanism.bodies.items() if not body.rotates]
-    vectors = [*model.positions.joints.values(), *(model.positions.unit(n) for n in sliders)]
+    vectors = [*model.positions.joints.values(), *(model.positions.travel(n) for n in sliders)]
     rows = evaluate_nodes(piece, [node for vector in vectors for node in (vector.x, vector.y)])
     middle = replace(piece, samples=np.array([piece.crossing])).interpolated(rows)
     found = middle.reshape(-1, 2)

@@ -48,7 +48,8 @@ PASSAGE_RTOL = 1e-10
 """Errors below this cannot be told from round-off in a step through a change point."""
 
 TANGENT_ATOL = 1e-6
-"""Absolute tolerance of tangents: they are of length one when they start."""
+"""Absolute tolerance of tangents that are only asked how they grow: they are of length one when
+they start."""
 
 Floats = NDArray[np.float64]
 
@@ -72,6 +73,8 @@ class March:
         Whether to integrate the work of drives and loads as well.
     tangents
         Number of solutions of the variational equations that are carried along.
+    tangent_atol
+        Their absolute tolerance.
     counting
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
@@ -92,9 +95,11 @@ class March:
         *,
         work: bool = False,
         tangents: int = 0,
+        tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
         self.run, self._passing = run, passes(system, run)
+        self._tangent_atol = tangent_atol
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
@@ -202,7 +207,7 @@ class March:
             for contact in self.system.mechanism.contacts:
                 rows = [self.layout.coordinates.index(axis) for axis in contact.axes]
                 found[[*rows, *(self.layout.size + row for row in rows)]] *= contact.size.value
-        found[self.layout.tangent_rows] = TANGENT_ATOL
+        found[self.layout.tangent_rows] = self._tangent_atol
         return found
 
     @property

@@ -79,8 +79,8 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
     accelerations = [*moving, model.power] if layout.work else moving
     accelerations = [*accelerations, *variations(model, layout)]
     counted = tuple(model.counted) if layout.counted else ()
-    functions = model.switches.functions
-    switched = (*functions, *model.switches.rates(functions, moving))
+    watched = model.switches.watched
+    switched = (*watched, *model.switches.rates(watched, moving))
     return KernelSource(model, tuple(accelerations), counted, switched)
 
 
@@ -94,6 +94,7 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         active=tuple(-1 if s.active is None else s.active for s in switches.switches),
         owners=tuple(memory.owner for memory in switches.memories),
         jumps=jump_places(model),
+        sticks=tuple(switch.stick for switch in switches.switches),
         free=len(layout.free),
         tangents=layout.tangents,
     )

@@ -133,7 +133,7 @@ class _Configuration:
         sliders = [name for name, body in bodies.items() if not body.rotates]
         own = [name for name in bodies if name not in self._topology.slaves]
         places = [n for p in model.positions.joints.values() for n in (p.x, p.y)]
-        units = [model.positions.unit(name) for name in sliders]
+        units = [model.positions.travel(name) for name in sliders]
         axes = [n for u in units for n in (u.x, u.y)]
         coordinates = [model.positions.coordinate(name) for name in own]
         rates = [model.velocities.bodies[name] for name in own]

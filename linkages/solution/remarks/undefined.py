@@ -78,11 +78,15 @@ def _breaks(law: Function, time: float) -> bool:
 
 
 def _springs(system: System, trajectory: Trajectory) -> Iterator[str]:
-    """Springs whose ends meet, and other laws of state without a value, by the last state."""
+    """Springs whose ends meet, and other laws of state without a value, at the last state."""
     count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
     state = np.concatenate(
         [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
     )
+    time = trajectory.stop_time
+    ahead = NEAR * max(1.0, abs(time)) * np.array([0.0, 1e-3, 1.0, 1e3])
+    states = np.repeat(state[:, None], len(ahead), axis=1)
+    states[:count] += ahead * states[count:]
     for load in system.model.loads:
-        if not load.load.given and _lost(system, load, trajectory.stop_time, state[:, None]).any():
+        if not load.load.given and _lost(system, load, time + ahead, states).any():
             yield f"{dotted(load.load.path)} ({load.undefined})"

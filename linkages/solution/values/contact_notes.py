@@ -41,7 +41,7 @@ def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str
         )
     lasting = found.lasting[-1:] > LASTING * abs(motion.stop_time - motion.time[0])
     follows = len(found.end) and found.end[-1] == motion.stop_time and not found.impact[-1]
-    if normal.least_rate is not None and follows and lasting.all():
+    if not nodes.contact.rigid and normal.least_rate is not None and follows and lasting.all():
         yield (
             f"clearance {name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
             "damping is what the rate of that touch has made it, so that other starts end on "

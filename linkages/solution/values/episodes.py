@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.contacts import RigidContact
 from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.model import Model
 from linkages.solution.moving.evaluation import evaluate_nodes
@@ -84,23 +85,26 @@ def states(motion: Motion) -> NDArray[np.int8]:
 
 def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
     changed = motion.changes.get(nodes.touch)
-    span = np.array([*motion.time[:1], motion.stop_time])
-    if changed is None or not len(changed.time):
-        begins, leaves = np.zeros(0), np.zeros(0)
-        rates = lasting = np.zeros(0)
-        touches = 0
-        starts = _touching_at_start(motion, nodes)
-    else:
-        begins, leaves = changed.time[changed.rises], changed.time[~changed.rises]
-        rates, lasting = (row[changed.rises] for row in _at_touches(changed, nodes))
-        touches = changed.count - len(leaves) if changed.count > len(changed.time) else len(begins)
-        starts = not changed.rises[0]
-    if starts:
-        begins, rates = np.append(span[0], begins), np.append(np.nan, rates)
-        lasting = np.append(np.inf, lasting)
-    ends = np.append(leaves, span[1])[: len(begins)]
-    impact = ends - begins <= LONGEST * lasting
-    return Episodes(nodes.contact.name, begins, ends, rates, impact & np.isfinite(lasting), touches)
+    if changed is None:
+        changed = Changed(pieces=(), rises=np.zeros(0, dtype=bool), count=0)
+    time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
+    rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
+    begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
+    if nodes.contact.rigid:  # thrown back at once, or closed
+        number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
+        held = [piece.held for piece in changed.pieces if piece.held is not None]
+        closed = np.concatenate([rows[number] > 0 for rows in held] or [rises])
+        end = np.where(closed[rises], end, begin)
+    if _touching_at_start(motion, nodes):
+        begin, rates = np.append(motion.time[:1], begin), np.append(np.nan, rates)
+        end = np.append(np.append(time, motion.stop_time)[:1], end)
+        lasting = np.append(np.nan, lasting)
+    touches = int(rises.sum())
+    if changed.count > len(time):  # touches and leaves take turns
+        touches += (changed.count - len(time)) // (1 if nodes.contact.rigid else 2)
+    return Episodes(
+        nodes.contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches
+    )
 
 
 def _touching_at_start(motion: Motion, nodes: ContactNodes) -> bool:
@@ -112,6 +116,8 @@ def _at_touches(changed: Changed, nodes: ContactNodes) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
+    if not changed.pieces:
+        return np.zeros(0), np.zeros(0)
     found = [
         evaluate_nodes(piece, [nodes.speed, nodes.normal.x, nodes.normal.y, *rows])
         for piece in changed.pieces
@@ -137,7 +143,10 @@ def _effective_mass(model: Model, nodes: ContactNodes, normal: Floats, rows: Flo
 
 def _duration(nodes: ContactNodes, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
-    stiffness, exponent = nodes.contact.normal.numbers
+    normal = nodes.contact.normal
+    if isinstance(normal, RigidContact):
+        return np.zeros(speed.shape)
+    stiffness, exponent = normal.numbers
     power = exponent.value + 1.0
     factor = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + 1.0 / power)
     factor /= math.gamma(0.5 + 1.0 / power)

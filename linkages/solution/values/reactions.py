@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.terms import Body
+from linkages.components.contributed.terms import Body, Relation
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -174,21 +174,31 @@ class _Statics:
         rows[:, self._row[body] + 2] += torque
 
     def _effort_columns(self) -> Iterator[Floats]:
-        """Efforts of drives (of free coordinates too, which come out as zero), welds and gears."""
+        """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
         for name in (*self._topology.driven, *self._topology.free):
-            body = self._system.mechanism.bodies[name]
-            if body.rotates:
-                column = self._column()
-                self._add_torque(column, name, 1.0)
-                yield column
-            else:
-                yield self._along_guide(body, across=False)
+            yield self._effort(name)
         for relation in self._system.mechanism.relations:
-            column = self._column()
-            self._add_torque(column, relation.body, 1.0)
+            column = self._effort(relation.body)
+            slope = self._slope(relation)
             for other, ratio in relation.parts:
-                self._add_torque(column, other, -ratio.value)
+                column -= ratio.value * slope * self._effort(other)
             yield column
+
+    def _slope(self, relation: Relation) -> Floats | float:
+        """Of the lift of a cam, shape (samples, 1)."""
+        if relation.profile is None:
+            return 1.0
+        slope = self._system.model.positions.slope(relation.body)
+        return evaluate_nodes(self._piece, [slope]).T
+
+    def _effort(self, name: str) -> Floats:
+        """A unit torque on a body that turns, or force along the axis of one that slides."""
+        body = self._system.mechanism.bodies[name]
+        if not body.rotates:
+            return self._along_guide(body, across=False)
+        column = self._column()
+        self._add_torque(column, name, 1.0)
+        return column
 
     def _reference(self, body: str) -> Floats:
         """The point that moments of a body are taken about: its first joint."""

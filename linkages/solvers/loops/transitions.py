@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.solvers.loops.commit import CHATTER, DIVERGED, SLIDING, outcome_of, settle
+from linkages.solvers.loops.commit import CHATTER, DIVERGED, DONE, SLIDING, outcome_of, settle
 from linkages.solvers.steps.compiled import (
     call_clock,
     call_rates,
@@ -172,6 +172,32 @@ def chatters(switches: Switches, t: float) -> bool:
     return row[1] > CHANGES
 
 
+@compiled
+def release(
+    system: System, switches: Switches, record: Record, switch: int, forward: float, t: float
+) -> int:
+    """Leave the zero of a function on which the motion has stuck; returns an `Outcome`."""
+    held = floats(system.held)
+    functions = floats(functions_of(system, switches.modes, 0))
+    held[switch] = -1.0
+    status = arrive_at(system, switches, record, t)
+    down = -forward * functions[switches.modes + switch]
+    held[switch] = 1.0
+    if status == 0:
+        status = arrive_at(system, switches, record, t)
+    if status == 0 and forward * functions[switches.modes + switch] < down:
+        held[switch] = -1.0
+        status = arrive_at(system, switches, record, t)
+    if status != 0:
+        return outcome_of(record, status)
+    settle(system)
+    note_change(system, switches, record, switch, held[switch] > 0.0, t)
+    if chatters(switches, t):
+        return CHATTER
+    integers(record.counters)[SWITCH] = -1
+    return DONE
+
+
 @callback
 def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """Change the mode that `look` has found, at the state in row 0; returns an `Outcome`."""
@@ -193,6 +219,8 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
         status = new_values(system, switches, t_end)
         if status != 0:
             return outcome_of(record, status)
+    if held[switch] == 0.0:
+        return release(system, switches, record, switch, forward, t_end)
     if jumped >= 0 and forward * rate <= 0.0:
         jumped = -1  # round-off: it moves away already
     else:
@@ -214,9 +242,16 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
     if not finite(system, 0, 3 * n):
         return DIVERGED
     behind = forward * held[switch] * functions[switches.modes + switch]
-    note_change(system, switches, record, switch, rises, t_end)
     if behind < -GRAZING * abs(rate):
-        return SLIDING
+        if integers(switches.sticks)[switch] == 0:
+            return SLIDING
+        held[switch] = 0.0
+        status = arrive_at(system, switches, record, t_end)
+        if status != 0:
+            return outcome_of(record, status)
+        if functions[switch] < 0.0:
+            return SLIDING
+    note_change(system, switches, record, switch, rises, t_end)
     if chatters(switches, t_end):
         return CHATTER
     if switches.tangents > 0:

@@ -45,6 +45,8 @@ def functions_of(system: System, modes: int, row: int) -> int:
 def seen(system: System, modes: int, row: int, switch: int) -> tuple[float, float]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
     mode, found = floats(system.held)[switch], floats(functions_of(system, modes, row))
+    if mode == 0.0:  # it sticks
+        mode = 1.0
     return mode * found[switch], mode * found[modes + switch]
 
 

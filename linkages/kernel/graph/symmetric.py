@@ -1,0 +1,44 @@
+"""Symmetric linear systems on a graph of scalar operations."""
+
+from __future__ import annotations
+
+from linkages.kernel.graph.scalars import Scalar
+
+
+def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Scalar]:
+    """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
+
+    Parameters
+    ----------
+    matrix
+        Lower triangle, row by row.
+    right
+        Right-hand side.
+    """
+    count = len(right)
+    lower: list[list[Scalar]] = []
+    inverse: list[Scalar] = []
+    for i in range(count):
+        row: list[Scalar] = []  # row[j] = L_ij d_j until it is scaled below
+        for j in range(i):
+            value = matrix[i][j]
+            for k in range(j):
+                value = value - row[k] * lower[j][k]
+            row.append(value)
+        scaled = [value * inverse[j] for j, value in enumerate(row)]
+        pivot = matrix[i][i]
+        for value, factor in zip(row, scaled, strict=True):
+            pivot = pivot - value * factor
+        lower.append(scaled)
+        inverse.append(1.0 / pivot)
+    forward: list[Scalar] = []
+    for i in range(count):
+        value = right[i]
+        for j in range(i):
+            value = value - lower[i][j] * forward[j]
+        forward.append(value)
+    solution = [value * inverse[i] for i, value in enumerate(forward)]
+    for i in reversed(range(count)):
+        for j in range(i):
+            solution[j] = solution[j] - lower[i][j] * solution[i]
+    return solution

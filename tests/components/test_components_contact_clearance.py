@@ -1,0 +1,93 @@
+import pytest
+from component_reading import assert_frozen_and_keyword_only, complaints, component, mechanism
+
+from linkages.components.contact_clearance import ContactClearance
+from linkages.components.contributed.contact_laws import contact_laws
+from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.terms import Displacement, Initial
+
+ENGINE = """joints: {{O: [0, 0]}}
+bars:
+  crank: {{joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}}
+  rod: {{joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}}
+sliders: {{piston: {{joint: B, through: O, mass: 0.4}}}}
+clearances:
+  gap: {{joint: A, bar: rod, size: 0.1 mm, {keys}}}
+drives: {{crank: {{angle: 0, speed: 600 rpm}}}}
+assembly: {{B: [0.18, 0]}}
+"""
+BARE = ContactClearance(name="gap", joint="A", bar="rod", size=1e-4, contact="hertz", stiffness=2e9)
+
+
+def engine(keys):
+    return ENGINE.format(keys=keys)
+
+
+def test_same_from_yaml_and_python():
+    assert component(engine("contact: hertz, stiffness: 2e9"), "clearances", "gap") == BARE
+    assert component(engine("contact: hertz, stiffness: 2e9 N/m^1.5"), "clearances", "gap") == BARE
+    millimetres = component(engine("contact: hertz, stiffness: 2e9 N/mm^1.5"), "clearances", "gap")
+    # 1 N/mm^1.5 is 1000^1.5 N/m^1.5
+    assert millimetres.stiffness == pytest.approx(2e9 * 1000**1.5, rel=1e-15)
+
+
+def test_frozen_and_keyword_only():
+    assert_frozen_and_keyword_only(BARE)
+
+
+def test_its_offset_has_two_free_coordinates():
+    made = ContactClearance(
+        name="gap", joint="A", bar="rod", size=1e-4, contact="hertz", stiffness=2e9,
+        offset=(1e-5, -2e-5), rate=(0.1, 0.2),
+    )  # fmt: skip
+    displacement, x, y, contact = made.terms()
+    assert isinstance(displacement, Displacement)
+    assert (displacement.joint, displacement.body, displacement.renamed) == ("A", "rod", "A.gap")
+    assert [link.name for link in displacement.links] == ["gap.x", "gap.y"]
+    assert all(link.mass.absent and not link.rotates for link in displacement.links)
+    path = ("clearances", "gap")
+    assert (x, y) == (Initial("gap.x", 1e-5, 0.1, path), Initial("gap.y", -2e-5, 0.2, path))
+    assert isinstance(contact, Contact)
+    assert contact.hole
+
+
+def test_another_state_moves_the_offset_alone():
+    found = mechanism(engine("contact: hertz, stiffness: 2e9"))
+    moved = found.with_state({"gap.y": (3e-5, 0.5)})
+    (clearance,) = moved.clearances
+    assert (clearance.offset, clearance.rate) == ((0.0, 3e-5), (0.0, 0.5))
+    assert found.ideal().clearances == ()
+
+
+@pytest.mark.parametrize("law", contact_laws())
+def test_every_law_says_what_it_lacks(law):
+    (complaint,) = complaints(engine(f"contact: {law}"))[:1]
+    assert f"missing key 'stiffness', which {law} needs" in complaint
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ("contact: hertz, stiffness: -1", "stiffness: expected a stiffness > 0"),
+        ("contact: hertz, stiffness: 1e9 N/m", "expected a stiffness in N/m^1.5, for the exponent"),
+        ("contact: hertz, stiffness: 1e9 kg", "stiffness: expected a stiffness > 0"),
+        ("contact: hunt-crosley, stiffness: 1e9", "did you mean 'hunt-crossley'?"),
+        ("contact: flores, stiffness: 1, restitution: 1.2", "at most 1, found 1.2"),
+        ("contact: flores, stiffness: 1, restitution: 0", "restitution: expected a number > 0"),
+        ("contact: hertz, stiffness: 1, damping: 2", "hertz has no 'damping'; it takes stiffness"),
+        ("contact: hertz, stiffness: 1, friction: 0.1, slip: 1", "missing key 'pin_radius'"),
+        ("contact: hertz, stiffness: 1, friction: -0.1", "friction: expected a number >= 0"),
+        ("contact: hertz, stiffness: 1, offset: [1, 0]", "1 m from the pin, far outside the hole"),
+        ("contact: hertz, stiffness: 1, carries: holes", "did you mean 'hole'?"),
+        ("contact: hertz, stiffness: 1, angle: 0", "unknown key 'angle'"),
+    ],
+)
+def test_bad_entries(keys, expected):
+    (complaint,) = complaints(engine(keys))
+    assert expected in complaint
+
+
+def test_dampers_act_on_links_alone():
+    text = engine("contact: hertz, stiffness: 1") + "dampers: [{clearance: gap, damping: 0.1}]\n"
+    (complaint,) = complaints(text)
+    assert "clearance 'gap' opens, so no link turns in it; expected 'friction'" in complaint

@@ -1,0 +1,129 @@
+"""Clearances that open in whole motions: what holds of any of them, whatever the numbers are."""
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.solution.moving.plan import kernel_source
+from linkages.topology.topology import build_topology
+
+ENGINE = """
+gravity: [0, -9.81]
+joints: {{O: [0, 0]}}
+bars:
+  crank: {{joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}}
+  rod: {{joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}}
+sliders: {{piston: {{joint: B, through: O, mass: 0.4}}}}
+clearances:
+  gap: {{joint: A, bar: rod, size: 0.1 mm{contact}}}
+{end}
+drives: {{crank: {{angle: 0, speed: 600 rpm}}}}
+loads: [{{slider: piston, force: -200 N}}]
+assembly: {{B: [0.18, 0]}}
+simulate: {{end: 0.02, samples: 81}}
+"""
+CONTACT = (
+    ", contact: hunt-crossley-constant, stiffness: 2e9 N/m^1.5, dissipation: 1.5 s/m,"
+    " carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s"
+)
+FLORES = (
+    "  end: {joint: B, bar: rod, size: 0.05 mm, contact: flores, stiffness: 1e9, restitution: 0.5,"
+    " carries: pin, pin_radius: 6 mm, friction: 0.1, slip: 20 mm/s, offset: [10 um, 0]}"
+)
+LINK = "  end: {joint: B, bar: rod, size: 0.05 mm, angle: 180 deg}"
+
+
+def engine(contact=CONTACT, end=""):
+    return linkages.loads(ENGINE.format(contact=contact, end=end))
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return linkages.simulate(engine(), outputs="all")
+
+
+def test_reactions_are_the_forces_of_the_contact(solution):
+    """Newton's and Euler's equations of every body share no formula with the kernel."""
+    data = solution.data
+    gap = data.sel(clearance="gap")
+    offset = gap.clearance_offset.to_numpy()
+    normal = offset / np.linalg.norm(offset, axis=1)[:, None].clip(1e-30)
+    along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    # on the rod, which has the hole: the pin pulls it back, and drags it along
+    force, friction = gap.clearance_force.to_numpy(), gap.clearance_friction.to_numpy()
+    expected = friction[:, None] * along - force[:, None] * normal
+    found = -data.joint_reaction.sel(joint="A.gap").to_numpy()
+    # accelerations of a stiff contact are differences of forces: round-off of 400 N
+    np.testing.assert_allclose(found, expected, atol=1e-9 * float(force.max()))
+    assert np.abs(friction).max() > 1.0
+
+
+def test_energy_is_balanced(solution):
+    energy = solution.data.kinetic_energy + solution.data.potential_energy
+    # errors of 50 steps at the default tolerance of 1e-10
+    assert float(abs(solution.data.energy_residual).max()) < 1e-9 * float(abs(energy).max())
+
+
+def test_states_and_notes_tell_contact_from_flight(solution):
+    gap = solution.data.sel(clearance="gap")
+    state = gap.clearance_state.to_numpy()
+    assert state.dtype == np.int8
+    np.testing.assert_array_equal(state == 0, gap.clearance_indentation.to_numpy() < 0)
+    assert gap.clearance_state.attrs["flag_meanings"] == "free impact following"
+    touches = solution.motion.changes["gap: touch"]
+    (note,) = [n for n in solution.notes if "touch" in n]
+    assert note.startswith(f"clearance gap: {int(touches.rises.sum())} touches at ")
+
+
+@pytest.mark.parametrize("end", [FLORES, LINK], ids=["two-contacts", "contact-and-link"])
+def test_two_clearances(end):
+    solution = linkages.simulate(engine(end=end), outputs="all", end=0.005)
+    data = solution.data
+    assert [str(name) for name in data["clearance"].to_numpy()] == ["gap", "end"]
+    assert solution.system.topology.mobility == (5 if end == FLORES else 4)
+    energy = data.kinetic_energy + data.potential_energy
+    assert float(abs(data.energy_residual).max()) < 1e-9 * float(abs(energy).max())
+    offset = np.linalg.norm(data.clearance_offset.sel(clearance="end"), axis=1)
+    if end == LINK:  # a link has an offset, too, of its size
+        np.testing.assert_allclose(offset, 5e-5, rtol=1e-9)  # 17 digits of a length of 0.14 m
+        assert (data.clearance_state.sel(clearance="end") == 2).all()
+    else:
+        assert offset.min() < 4e-5
+        assert set(solution.motion.changes) >= {"gap: touch", "end: touch", "end: press"}
+
+
+def test_a_link_stays_what_it_is():
+    """A clearance without the word has one free angle, and none of the new outputs."""
+    closed = linkages.simulate(engine(contact=""), end=0.001)
+    assert closed.system.topology.free == ("gap",)
+    assert "clearance_offset" not in closed.data
+    assert not closed.motion.changes
+
+
+def test_numbers_are_arguments_of_the_kernel():
+    """Other sizes, stiffnesses and restitutions have the same text."""
+    flores = ", contact: flores, stiffness: 1e9, restitution: 0.5"
+    exact = ", contact: exact, stiffness: 3e9, restitution: 0.9, offset: [1e-5, 0]"
+    texts = {
+        kernel_source(build_topology(engine(contact))).program.text for contact in (flores, exact)
+    }
+    assert len(texts) == 1
+
+
+def test_another_state_goes_on_from_there(solution):
+    data = solution.data
+    half = data.isel(time=40)
+    state = {
+        f"gap.{axis}": (
+            float(half.clearance_offset.sel(clearance="gap", axis=axis)),
+            float(half.clearance_offset_rate.sel(clearance="gap", axis=axis)),
+        )
+        for axis in "xy"
+    }
+    times = data["time"].to_numpy()[40:]
+    found = linkages.simulate(engine(), times=times, state=state)
+    # both motions are within some 1e-10 of their sizes
+    for name in ("clearance_offset", "slider_position"):
+        expected = data[name].isel(time=slice(40, None))
+        scale = float(abs(expected).max())
+        np.testing.assert_allclose(found.data[name], expected, atol=1e-7 * scale)

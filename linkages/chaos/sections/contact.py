@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,10 +50,6 @@ class Contact:
             f"of the time, first at t = {self.first_loss:.4g} s: a real pin would leave its hole "
             "there, and move otherwise from then on."
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
 
 
 def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:

@@ -55,14 +55,32 @@ def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
     assert abs(data.energy_residual.to_numpy()).max() < 1e-8
 
 
-def test_where_it_sticks_the_run_ends_and_says_so():
+def test_where_it_sticks_the_block_rests():
     text = block(0, 3).replace("stiffness: 50", "stiffness: 0")
     mechanism = linkages.loads(text + "- {slider: block, force: 4}\n")
-    with pytest.raises(linkages.IncompleteError) as caught:
-        linkages.simulate(mechanism, end=2.0)
-    assert "friction[0]" in str(caught.value)
-    last = float(caught.value.solution.data.time[-1])
-    assert 1.498 <= last <= 1.5  # samples are 2 ms apart; it rests at 1.5 s
+    data = linkages.simulate(mechanism, end=2.0, samples=201, outputs=OUTPUTS).data
+    time = np.minimum(data.time.to_numpy(), 1.5)  # it comes to rest at 3·m/F
+    assert data.slider_position.to_numpy()[:, 0] == pytest.approx(3 * time - time**2, abs=1e-10)
+    assert data.slider_velocity.to_numpy()[:, 0] == pytest.approx(3 - 2 * time, abs=1e-10)
+    assert data.slider_velocity.to_numpy()[-1, 0] == pytest.approx(0.0, abs=1e-14)
+
+
+def test_it_breaks_away_at_its_static_value():
+    """A force that grows by 1 N/s starts the block at 7 N; friction falls to 4 N as it moves."""
+    mechanism = linkages.loads(
+        block(0, 0).replace(
+            "springs: [{slider: block, stiffness: 50}]", "loads: [{slider: block, force: t}]"
+        )
+        + "- {slider: block, force: 4, static: 7, stribeck_speed: 0.1}\n"
+    )
+    data = linkages.simulate(mechanism, end=10.0, samples=101, outputs=OUTPUTS[:3]).data
+    moving = data.time.to_numpy() > 7.0
+    speed, found = (data[name].to_numpy()[:, 0] for name in ("slider_velocity", "spring_force"))
+    assert np.abs(speed[~moving]).max() < 1e-13  # sums of round-off
+    assert (np.diff(speed[moving]) > 0.0).all()
+    # what holds it is as large as what pulls
+    assert np.abs(found[~moving]) == pytest.approx(data.time.to_numpy()[~moving], abs=1e-12)
+    assert np.abs(found[-1]) == pytest.approx(4.0, abs=1e-9)
 
 
 def test_a_joint_brakes_its_wheel():

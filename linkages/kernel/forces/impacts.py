@@ -18,7 +18,7 @@ from linkages.kernel.graph.symmetric import solve_symmetric
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
 
-NEAR, RESTING = 1e-5, 0.1
+NEAR, RESTING = 1e-7, 0.1
 """Distance from the wall over size, and rate over the least one that bounces, of a pin at rest."""
 
 LEAST = 1e-9

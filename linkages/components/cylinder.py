@@ -58,7 +58,7 @@ class Cylinder(_Cylinder):
     bore
         Diameter of the piston in metres, > 0.
     pressure
-        On the piston's full side in pascals, or a law of time; it pushes the joints apart.
+        On the piston's full side in pascals, or a law; it pushes the joints apart.
     rod
         Diameter of the rod in metres, less than the bore.
     rod_pressure

@@ -146,7 +146,7 @@ class ElectricMotor(_Motor):
     bar
         The bar or plate that it turns.
     voltage
-        Volts, or a law of time.
+        Volts, or a law.
     torque_constant
         Torque of the rotor per current in N·m/A, which is also voltage per speed in V·s/rad; > 0.
     resistance

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import linkages
 from linkages.chaos.growth.volumes import Volumes
@@ -195,3 +196,33 @@ def test_what_is_known_of_exponents_beforehand(torque, conservative, potential):
 
 def test_of_one_coordinate_any_force_is_a_gradient():
     assert Volumes(System(engine("3*crank.angle"))).potential
+
+
+ARM = """
+joints: {O: [0, 0]}
+gravity: [0, -9.81]
+bars: {arm: {joints: [O, A], length: 0.5, mass: 2}}
+free: {arm: {angle: -90 deg, speed: 0}}
+motors:
+  servo:
+    bar: arm
+    voltage: "max(-24 V, min(24 V, 600 V*(0.5 - arm.angle) - 20 V*s*arm.speed))"
+    torque_constant: 50 N mm/A
+    resistance: 0.8 ohm
+    gear_ratio: 60
+"""
+
+
+def test_a_motor_with_a_controller_holds_a_load():
+    """At rest n k U/R balances the weight: m g L/2 cos θ = n k·600 V·(0.5 − θ)/R."""
+    mechanism = linkages.loads(ARM)
+    solution = linkages.simulate(mechanism, end=3, samples=31, outputs="all")
+
+    def left_over(angle):
+        return 60 * 0.05 / 0.8 * 600 * (0.5 - angle) - 2 * 9.81 * 0.25 * np.cos(angle)
+
+    found = float(solution.data.bar_angle[-1, 0])
+    assert found == pytest.approx(brentq(left_over, 0, 0.5), abs=1e-8)  # settles within 0.1 s
+    assert len(solution.system.model.switches.switches) == 2
+    (row,) = loads(mechanism)
+    assert row["value"].startswith("voltage a law of arm.angle and arm.speed, torque constant")

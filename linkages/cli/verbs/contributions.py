@@ -26,6 +26,7 @@ from linkages.components.contributed.measures import (
     Coordinate,
     Distance,
     Load,
+    Measure,
     Slide,
     Turn,
 )
@@ -34,6 +35,7 @@ from linkages.components.contributed.sensing import named
 from linkages.components.contributed.state_laws import (
     Monomial,
     addends,
+    measured_in,
     monomial,
     sum_of,
     variables,
@@ -153,20 +155,8 @@ def _on(load: Load) -> str:
 
 def _pushing(same: list[Load], mechanism: Mechanism) -> tuple[str, str]:
     """Kind and value of a force or torque; that at a joint has two components."""
-    shown = ", ".join(_acting(load, mechanism) for load in same)
+    shown = ", ".join(_law(load.law, load.unit, mechanism, load.measure) for load in same)
     return "torque" if same[0].twists else "force", f"[{shown}]" if len(same) > 1 else shown
-
-
-def _acting(load: Load, mechanism: Mechanism) -> str:
-    """The range of a force over time, or what else it depends on."""
-    if load.given:
-        return _law(load.law, load.unit, mechanism)
-    of = listed(named(load.law, load.measure), "and")
-    if not isinstance(load.law, Table):
-        return f"a law of {of}"
-    places = load.law.places
-    low, high = extremes(load.law, places[0], places[-1])
-    return f"{number(low)} to {number(high)} {load.unit} over {of}"
 
 
 def _passive(load: Load) -> tuple[str, str]:
@@ -220,9 +210,16 @@ def _row(kind: str, value: str, path: Path, on: str) -> Row:
     return {"kind": kind, "path": dotted(path), "on": on, "value": value}
 
 
-def _law(function: Function, unit: str, mechanism: Mechanism) -> str:
+def _law(function: Function, unit: str, mechanism: Mechanism, own: Measure | None = None) -> str:
+    """The range of a law over time, or what else it depends on; `own` is what x and v are of."""
     if isinstance(function, Number):
         return f"{number(function.parameter.value)} {unit}"
+    if any(True for _ in measured_in(function)):
+        of = listed(named(function, own), "and")
+        if not isinstance(function, Table):
+            return f"a law of {of}"
+        low, high = extremes(function, function.places[0], function.places[-1])
+        return f"{number(low)} to {number(high)} {unit} over {of}"
     end = mechanism.simulation.end
     found = law_range(function, end)
     over = f"until t = {number(end)} s"

@@ -47,14 +47,14 @@ class _Dry(ListedComponent):
         return (((*self.path, "static"), message),)
 
     def _law(self, key: str) -> Function:
-        """Return −(F + (F_static − F)·exp(−(v/v_stribeck)²))·sense of v [1]_."""
+        """Return −(F + (F_static − F)·exp(−(v/v_stribeck)²))·sign(v), or smoothed [1]_."""
         size: Function = Number(self.number(key))
         if self.static is not None and self.stribeck_speed is not None:
             speed = V / self._number("stribeck_speed")
             more = Number(self.number("static")) - size
             size = size + more * applied("exp", applied("neg", speed**2))
         if self.slip_speed is None:
-            return applied("neg", size * applied("sign", V))
+            return applied("neg", size * applied("stick", V))
         return applied("neg", size * applied("tanh", V / self._number("slip_speed")))
 
     def _number(self, key: str) -> Number:
@@ -80,12 +80,11 @@ class DryJointFriction(_Dry):
     stribeck_speed
         Speed in rad/s, > 0, over which it falls from `static` to `torque`; goes with `static`.
     slip_speed
-        Speed in rad/s, > 0, up to which friction grows before it slides; without it friction jumps
-        where the speed changes its sign.
+        Speed in rad/s, > 0, over which friction is smoothed: nothing is held then.
     """
 
     section: ClassVar[str] = "friction"
-    opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m, slip_speed: 1 deg/s}")
+    opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
     index: int
     joint: Name
@@ -132,8 +131,7 @@ class DryGuideFriction(_Dry):
     stribeck_speed
         Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
     slip_speed
-        Speed in m/s, > 0, up to which friction grows before it slides; without it friction jumps
-        where the speed changes its sign.
+        Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
     """
 
     section: ClassVar[str] = "friction"

@@ -61,7 +61,6 @@ class FollowerForce(ListedComponent):
         Two numbers in newtons, along the body's own axis and across it, or laws.
     """
 
-    # above `JointForce`: entries of both have its key, and the first one that fits is taken
     section: ClassVar[str] = "loads"
     told_by: ClassVar[str] = "on"
 

@@ -7,7 +7,7 @@ Each function returns the matplotlib axes that it drew into: more can be drawn t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -149,7 +149,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
     ValueError
         For data without offsets, or an unknown clearance.
     """
-    data = _data(source)
+    data = _resolved(source, "clearance_offset", orbits.SHOWN)
     chosen = _chosen(name, dict.fromkeys(orbits.opening(data)), "clearance whose contact may open")
     ax = ax or panels(1, 1, SINGLE, orbits.ABOVE)[1][0]
     return orbits.draw_orbit(ax, data.sel(clearance=chosen), chosen)
@@ -158,7 +158,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
 @styled
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _data(source)
+    data = _resolved(source, "clearance_offset", orbits.SHOWN)
     _require(data, "clearance_state")
     if ax is None:
         ax = orbits.state_page(data)
@@ -283,11 +283,11 @@ def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
     return time_figures.draw(ax, data, variable, str(data.attrs.get("name", "")))
 
 
-def _resolved(source: Source, variable: str) -> xr.Dataset:
+def _resolved(source: Source, variable: str, also: Sequence[str] = ()) -> xr.Dataset:
     """Data of a variable; of a solution with samples that show every swing."""
     if not isinstance(source, Solution) or variable not in source.data:
         return _data(source)
-    return resolved(source, [variable])
+    return resolved(source, [variable], also)
 
 
 def _data(source: Source) -> xr.Dataset:

@@ -53,7 +53,7 @@ def per_swing(data: xr.Dataset, names: Sequence[str]) -> float:
     return np.inf if most < 2 else 2.0 * data.sizes["time"] / most
 
 
-def resolved(solution: Solution, names: Sequence[str]) -> xr.Dataset:
+def resolved(solution: Solution, names: Sequence[str], also: Sequence[str] = ()) -> xr.Dataset:
     """Variables of a solution at samples that show every swing.
 
     Parameters
@@ -63,6 +63,8 @@ def resolved(solution: Solution, names: Sequence[str]) -> xr.Dataset:
         interrupted, is too long to be computed again, or was sampled at times of one's own.
     names
         Of outputs.
+    also
+        Of further outputs, whose swings do not matter.
     """
     from linkages.solution.simulate import simulate
 
@@ -74,7 +76,7 @@ def resolved(solution: Solution, names: Sequence[str]) -> xr.Dataset:
         count = (given["samples"] - 1) * factor + 1
         if count > MOST_SAMPLES:
             break
-        given |= {"samples": count, "outputs": list(names)}
+        given |= {"samples": count, "outputs": [*names, *also]}
         data = simulate(solution.mechanism, **given, throw=False).data
     return data.assign_attrs(solution.data.attrs)
 

@@ -26,7 +26,7 @@ from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.values.contact_notes import contact_notes
-from linkages.solution.values.episodes import states
+from linkages.solution.values.episodes import energy_of_impacts, states
 from linkages.solution.values.requests import REACTION, STATE, requested
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
@@ -184,6 +184,7 @@ def _add_derived(
         assert work is not None
         # the first sample may be taken later than the motion starts
         nodes = [node for name in energies for node in VARIABLES[name].evaluated(system.model)]
+        work = work + energy_of_impacts(motion)
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
     if STATE in names:
         values[STATE] = states(motion)

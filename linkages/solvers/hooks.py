@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
@@ -75,6 +76,7 @@ def switching(
     system: System,
     table: Table,
     record: Record,
+    nodes: NDArray[np.float64],
 ) -> Switching:
     """What finds and makes changes of modes; nothing where there are none."""
     own = job.flow.switching
@@ -85,6 +87,8 @@ def switching(
     from linkages.solvers.watched.switches import guess, look
 
     changes, n = job.changes, job.flow.coordinates
+    # those around the middle and both quarters of a step
+    compared = sorted({1 + int(np.argmin(np.abs(nodes[1:-1] - at))) for at in (0.25, 0.5, 0.75)})
     # events have left their copies there
     transition = _function(memory, job, own.transition)
     switches = Switches(
@@ -106,6 +110,9 @@ def switching(
         values_of_events=0 if found is None else found.values,
         pending=memory.integers(np.zeros(2)),
         kind=memory.integers(np.zeros(1)),
+        halved=memory.integers(np.zeros(1)),
+        rows=memory.integers(compared),
+        compared=len(compared),
         since=memory.floats([job.start]),
         capacity=len(changes.time),
         found=memory.integers(changes.found),

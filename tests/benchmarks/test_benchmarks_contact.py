@@ -11,7 +11,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from contact_in_c import REFERENCE, compile_c, run_c
+from contact_in_c import REFERENCE, compile_c, measure, run_c
 from contact_in_python import integrate
 
 CONTENT = json.loads(REFERENCE.read_text(encoding="utf-8"))
@@ -52,6 +52,16 @@ def test_without_location_the_first_rate_is_wrong(program):
     wanted = expected("0.002")["piston.velocity"]
     located, over = (run_c(program, 0.002, 1e-10, by) for by in (True, False))
     assert abs(over.velocity - wanted) > 1e4 * abs(located.velocity - wanted)
+
+
+def test_measuring_gives_all_figures(program):
+    figures = measure(2, repeats=1)
+    assert program.exists()
+    assert {"seconds / C", "evaluations / C", "C located / not located", "SciPy / seconds"} <= {
+        *figures
+    }
+    # Chaos differs from program to program, the cost of a revolution does not by a factor.
+    assert 0.5 < figures["evaluations / C"] < 2
 
 
 def test_equations_in_python_after_seven_contacts():

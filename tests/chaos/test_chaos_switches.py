@@ -100,3 +100,7 @@ def test_what_volumes_say():
     assert not forced.autonomous
     assert not forced.conservative
     assert not forced.told
+    # a damper that acts while the block touches
+    damped = Volumes(System(block(forced_wall, 0.0, 0.0, "4*sin(2*pi*t)")))
+    assert not damped.told
+    assert not damped.conservative

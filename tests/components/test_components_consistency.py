@@ -173,7 +173,7 @@ GEAR = "gears:\n- {bars: [crank, rocker], ratio: -2}\n"
         ),
         (
             GEAR + "- {bars: [coupler, crank], ratio: 2}\n- {bars: [rocker, coupler], ratio: 2}\n",
-            "gears[0]: angles follow from each other: rocker → crank → coupler → rocker",
+            "gears[0]: coordinates follow from each other: rocker → crank → coupler → rocker",
         ),
         (
             "clearances:\n  r1: {joint: B, bar: rocker, size: 1e-4}\n"

@@ -55,14 +55,52 @@ def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
     assert abs(data.energy_residual.to_numpy()).max() < 1e-8
 
 
-def test_where_it_sticks_the_run_ends_and_says_so():
+def test_it_comes_to_rest_and_breaks_away():
+    """It rests at v²·m/(2·F), holds what pulls at it, and slides where that is more than F."""
     text = block(0, 3).replace("stiffness: 50", "stiffness: 0")
-    mechanism = linkages.loads(text + "- {slider: block, force: 4}\n")
-    with pytest.raises(linkages.IncompleteError) as caught:
-        linkages.simulate(mechanism, end=2.0)
-    assert "friction[0]" in str(caught.value)
-    last = float(caught.value.solution.data.time[-1])
-    assert 1.498 <= last <= 1.5  # samples are 2 ms apart; it rests at 1.5 s
+    text += "- {slider: block, force: 4}\n"
+    text += "loads: [{slider: block, force: '3*max(t - 2, 0)'}]\n"
+    data = linkages.simulate(linkages.loads(text), end=4.0, samples=81, outputs=OUTPUTS).data
+    time, start = data.time.to_numpy(), 2 + 4 / 3
+    since = np.maximum(time - start, 0)
+    slid = np.minimum(time, 1.5)
+    speed = 3 - 2 * slid + 0.75 * since**2
+    place = 3 * slid - slid**2 + 0.25 * since**3
+    assert data.slider_velocity.to_numpy()[:, 0] == pytest.approx(speed, abs=1e-12)
+    assert data.slider_position.to_numpy()[:, 0] == pytest.approx(place, abs=1e-12)
+    held = (time > 1.5) & (time < start)
+    friction = data.spring_force.sel(spring="friction[0]").to_numpy()
+    assert friction[held] == pytest.approx(-3 * np.maximum(time[held] - 2, 0), abs=1e-12)
+    assert abs(data.energy_residual.to_numpy()).max() < 1e-11
+
+
+def test_it_breaks_away_at_the_static_friction():
+    text = block(0, 0).replace("stiffness: 50", "stiffness: 0")
+    text += "- {slider: block, force: 4, static: 7, stribeck_speed: 0.05}\n"
+    text += "loads: [{slider: block, force: '3*t'}]\n"
+    data = linkages.simulate(linkages.loads(text), end=3.0, samples=181, outputs=OUTPUTS).data
+    moving = abs(data.slider_velocity.to_numpy()[:, 0]) > 1e-9
+    first = data.time.to_numpy()[moving][0]
+    assert 7 / 3 < first <= 7 / 3 + 2 * 3.0 / 180
+
+
+def test_a_joint_holds_a_pendulum():
+    text = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {rod: {joints: [O, P], length: 0.5, mass: 1.2}}
+free: {rod: {angle: -60 deg, speed: 0}}
+friction: [{joint: O, torque: TORQUE}]
+"""
+    weight = 1.2 * 9.81 * 0.25 * 0.5  # its torque about the pin
+    outputs = ["bar_angle", "torsional_spring_torque"]
+    for share, rests in ((1.01, True), (0.99, False)):
+        mechanism = linkages.loads(text.replace("TORQUE", str(share * weight)))
+        data = linkages.simulate(mechanism, end=1.0, samples=5, outputs=outputs).data
+        assert (np.ptp(data.bar_angle.to_numpy()) < 1e-12) == rests
+        if rests:
+            held = data.torsional_spring_torque.to_numpy()[:, 0]
+            assert held == pytest.approx(np.full(5, weight))
 
 
 def test_a_joint_brakes_its_wheel():

@@ -58,7 +58,7 @@ TEMPLATES = {
     "pendulums": (PENDULUMS, [("O", "upper"), ("A", "lower")]),
 }
 ENDS = {"four-bar": 0.02, "slider-crank": 0.012, "six-bar": 0.02, "pendulums": 0.02}
-"""Seconds in which pins hit their holes a few times, and errors grow a hundredfold at most."""
+"""Seconds in which pins hit their holes a few times, and errors grow a hundred- to thousandfold."""
 LAWS = ("hertz", "hunt-crossley-constant", "kelvin-voigt", *DAMPING_FACTORS)
 
 

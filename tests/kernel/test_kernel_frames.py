@@ -5,7 +5,6 @@ import pytest
 from linkage_models import system_of
 
 from linkages.components.contributed.terms import Parameter
-from linkages.kernel.closure.frames import Frames
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.scalars import Level
 
@@ -107,11 +106,11 @@ def test_places_of_a_slider_on_a_slider(of):
     assert complex(*places["W"]) == pytest.approx(-0.5, abs=1e-16)
 
 
-def test_a_way_along_the_displacement_has_a_sign():
-    assert Frames.sliding("ram", "ram.axis", "X") == 1
-    assert Frames.sliding("ram", "Y", "ram.axis") == -1
-    assert Frames.sliding("ram", "X", "Y") == 0
-    assert Frames.sliding("two", "A", "ram.axis") == 0
+def test_a_way_along_the_displacement_has_a_sign(frames):
+    assert frames.sliding("ram", "ram.axis", "X") == 1
+    assert frames.sliding("ram", "Y", "ram.axis") == -1
+    assert frames.sliding("ram", "X", "Y") == 0
+    assert frames.sliding("two", "A", "ram.axis") == 0
 
 
 def test_ratios(of, frames):

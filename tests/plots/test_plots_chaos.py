@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from linkages.chaos.sections.contact import contact_check
+from linkages.chaos.sections.contact import contact_check, lost_spans
 from linkages.chaos.series.rotation import Kind
 from linkages.chaos.series.spectrum import power_spectrum
 from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
@@ -389,7 +389,7 @@ def test_lost_contact_is_shaded_between_zeros():
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_spans_reach_the_ends(sign):
-    spans = contact.lost_spans(np.arange(5.0), sign * np.array([1.0, 1, -1, -1, 1]))
+    spans = lost_spans(np.arange(5.0), sign * np.array([1.0, 1, -1, -1, 1]))
     assert spans == ([(1.5, 3.5)] if sign > 0 else [(0.0, 1.5), (3.5, 4.0)])
 
 

@@ -83,8 +83,9 @@ def test_free_coordinates_are_found():
 
 def test_one_panel_for_each_coordinate():
     data = press_data(clearance=["r1", "r2"])
+    data.attrs["free"] = "r2"  # the press has no such clearance; without this it is no coordinate
     assert len(figure(data, press()).axes) == 2
-    data.attrs["free"] = "ram"
+    data.attrs["free"] = "r2 ram"
     result = figure(data, press())
     titles = [ax.get_title(loc="left") for ax in result.axes]
     assert titles == ["r1", "r2", "ram"]

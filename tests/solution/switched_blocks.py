@@ -1,7 +1,6 @@
 """A block on a straight guide under forces with modes, and what closed forms say of its motion."""
 
 import contextlib
-import itertools
 
 import numpy as np
 
@@ -9,7 +8,6 @@ from linkages.components.mechanisms.definition import loads
 from linkages.kernel.forces.loads import LoadNodes
 
 LAWS = {}
-_NUMBERS = itertools.count()
 
 BLOCK = """name: {name}
 joints: {{O: [0, 0]}}
@@ -40,10 +38,16 @@ def forces_by_nodes():
         LoadNodes.value = own
 
 
-def block(force, position, speed, outside="1 N"):
-    """A block of 1 kg; its name is its own, for equal structures share their equations."""
-    name = f"{force.__name__}{next(_NUMBERS)}"
+def named(force, body=""):
+    """A name of a body with such a load; its own, for equal structures share their equations."""
+    name = f"{body}{force.__name__}"
     LAWS[name] = force
+    return name
+
+
+def block(force, position, speed, outside="1 N"):
+    """A block of 1 kg."""
+    name = named(force)
     return loads(BLOCK.format(name=name, position=position, speed=speed, outside=outside))
 
 
@@ -121,6 +125,17 @@ def forced_impacts(load, stiffness=100.0, damping=0.5, gap=0.01, restitution=0.7
     rates[free.index(load.body)] *= -restitution
     load.model.switches.add("wall: impact", x - gap, jump=rates)
     return -stiffness * x - damping * v + load.outside
+
+
+def stopped(load, friction=2.0, stop=0.17, stiffness=1e4):
+    """Friction of constant magnitude, and a stop with the rate of its last touch."""
+    graph, switches = load.graph, load.model.switches
+    x, v = load.measured(0), load.measured(1)
+    sign = switches.add("piston: sign(velocity)", v)
+    touch = switches.add("stop: touch", x - stop)
+    first = switches.memory("stop: touch", graph.select(v - 1e-2, v, graph.number(1e-2)))
+    pressed = stiffness * (x - stop) * (1.0 + 0.3 * v / first)
+    return -friction * sign - graph.select(touch, pressed, graph.zero)
 
 
 def bounced(times, height, g=9.81, stiffness=1e4):

@@ -13,10 +13,12 @@ from switched_blocks import (
     floor,
     forces_by_nodes,
     impacts,
+    named,
     remembering_floor,
     rubbed,
     rubbing,
     sticking,
+    stopped,
 )
 
 import linkages
@@ -24,6 +26,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.march import March
+from linkages.solution.moving.switching import tangent_map
 
 ADAPTIVE = ("tsit5", "dop853", "vern9")
 TIMES = np.linspace(0.0, 3.0, 301)
@@ -77,8 +80,9 @@ def test_error_falls_with_the_tolerance():
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
 
 
-def march(mechanism, times, tangents=0, **options):
-    found = March(System(mechanism), RunOptions(**{"rtol": 1e-11, **options}), tangents=tangents)
+def march(mechanism, times, tangents=0, tangent_atol=1e-6, **options):
+    run = RunOptions(**{"rtol": 1e-11, **options})
+    found = March(System(mechanism), run, tangents=tangents, tangent_atol=tangent_atol)
     return found, found.advance(np.asarray(times))
 
 
@@ -138,6 +142,17 @@ def test_rest_ends_where_friction_no_longer_holds():
     t = motion.time - 0.5
     expected = np.where(t > 0, (t - np.sin(10 * t) / 10) / 100, 0.0)
     assert motion.state[0] == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("rtol", [1e-6, 1e-11])
+def test_no_release_is_missed(method, rtol):
+    """Nothing moves at rest, so that steps would be long; a force beyond friction is short."""
+    mechanism = block(sticking, 0.0, 0.0, "0.501*sin(7*t)")
+    _, motion = march(mechanism, [1.0], method=method, rtol=rtol)
+    times = motion.changes["block: sign(speed)"].time
+    assert len(times) == 4
+    assert times[0] == pytest.approx(math.asin(0.5 / 0.501) / 7, abs=1e-12)
 
 
 def belt_by_hand(end):
@@ -282,3 +297,55 @@ def test_right_hand_side_takes_modes():
     assert rhs.held(0.0, -rhs.state) == {"mode block: sign(speed)": -1.0}
     both = rhs.batch(0.0, np.column_stack([rhs.state, -rhs.state]))
     assert both[1] == pytest.approx([-10.5, 10.5])
+
+
+CRANK = """gravity: [0, -9.81]
+joints: {{O: [0, 0]}}
+bars:
+  {crank}: {{joints: [O, A], length: 0.04, mass: 0.8, center: 0.01, inertia: 6e-4}}
+  rod: {{joints: [A, B], length: 0.14, mass: 0.5}}
+sliders: {{piston: {{joint: B, through: O, mass: 0.4}}}}
+assembly: {{A: [0.02, 0.034], B: [0.156, 0]}}
+loads: [{{slider: piston, force: 1 N}}]
+free: {free}
+"""
+
+
+@pytest.fixture(scope="module")
+def cranks():
+    """A piston with friction and a stop that remembers, at equal states said in two ways."""
+    angle, speed, r, rod = math.pi / 3, 40.0, 0.04, 0.14
+    along = math.sqrt(rod**2 - (r * math.sin(angle)) ** 2)
+    position = r * math.cos(angle) + along
+    rate = -r * math.sin(angle) * (1 + r * math.cos(angle) / along) * speed
+    return [
+        linkages.loads(CRANK.format(crank=named(stopped, "crank"), free=free))
+        for free in (
+            f"{{{named(stopped, 'crank')}: {{angle: {angle!r}, speed: {speed!r}}}}}",
+            f"{{piston: {{position: {position!r}, speed: {rate!r}}}}}",
+        )
+    ]
+
+
+def test_modes_outlive_an_exchange_of_coordinates(cranks):
+    names = ["bar_angle", "slider_position", "joint_reaction", "load_force", "energy_residual"]
+    one, other = (
+        linkages.simulate(c, end=1.0, samples=101, rtol=1e-11, outputs=names) for c in cranks
+    )
+    assert "piston was exchanged for crank" in other.notes[0]
+    for name, scale in zip(names, (25.0, 0.2, 130.0, 100.0, 1.0), strict=True):
+        difference = np.abs(one.data[name].to_numpy() - other.data[name].to_numpy()).max()
+        assert difference < 1e-8 * scale, name
+    # work of friction and stop is integrated along: energy is what is left of it
+    assert np.abs(one.data.energy_residual.to_numpy()).max() < 1e-9
+    for name, found in one.motion.changes.items():
+        assert found.count == 8
+        assert other.motion.changes[name].time == pytest.approx(found.time, abs=1e-9)
+
+
+def test_tangents_outlive_an_exchange_of_coordinates(cranks):
+    one, other = (march(c, [0.2], tangents=2, tangent_atol=1e-10)[0] for c in cranks)
+    start = System(cranks[1])
+    into = tangent_map(start, one.layout.free, 0.0, start.state, ())
+    assert other.layout.free == one.layout.free
+    assert other.tangents == pytest.approx(one.tangents @ into, abs=1e-7)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
 from linkages.kernel.switches import Switches
@@ -66,10 +67,13 @@ class Volumes:
         """Whether mass matrix and loads say all of it.
 
         Where a mode changes at a place, volumes stay; where it changes at a speed, where rates jump
-        and where the motion remembers a number, they may change at once.
+        and where the motion remembers a number, they may change at once. Damping that a mode turns
+        on and off, as in a contact, has no mean that a few samples could tell.
         """
         switches = self._switches
         if any(switch.jump for switch in switches.switches) or switches.memories:
+            return False
+        if Evaluator(self._damping).switched:
             return False
         rates = [self._model.inputs.rate(i) for i in range(self._size)]
         bends = derivative(switches.functions, rates)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,6 @@ class Contact:
             "there, and move otherwise from then on."
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
-
 
 def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:
     """Check a clearance force, shape (samples,), in newtons at times in seconds.
@@ -65,15 +63,25 @@ def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:
     t, f = np.asarray(time, dtype=float), np.asarray(force, dtype=float)
     if t.shape != f.shape or t.ndim != 1 or t.size < 2:
         raise ValueError("time and force need equally many samples, at least two")
-    lost = f < 0
-    share, first = _lost_time(t, f), None
-    if lost.any():
-        index = int(np.argmax(lost))
-        first = float(t[0])
-        if index:
-            part = f[index - 1] / (f[index - 1] - f[index])
-            first = float(t[index - 1] + part * (t[index] - t[index - 1]))
+    spans = lost_spans(t, f)
+    share = sum(end - begin for begin, end in spans) / float(t[-1] - t[0])
+    first = spans[0][0] if spans else None
     return Contact(clearance, share, first, float(f.min()), float(f.max()))
+
+
+def lost_spans(time: Floats, force: Floats) -> list[tuple[float, float]]:
+    """Beginning and end of each span of negative force, with zeros between samples by line."""
+    lost = force < 0
+    edges = np.flatnonzero(np.diff(lost.astype(np.int8)))
+    marks = [_zero(time, force, int(edge)) for edge in edges]
+    marks = [float(time[0])] * bool(lost[0]) + marks + [float(time[-1])] * bool(lost[-1])
+    return list(zip(marks[::2], marks[1::2], strict=True))
+
+
+def _zero(time: Floats, force: Floats, index: int) -> float:
+    before, after = force[index], force[index + 1]
+    share = before / (before - after) if np.isfinite(before - after) else 0.5
+    return float(time[index] + share * (time[index + 1] - time[index]))
 
 
 def contact_of(data: xr.Dataset) -> tuple[Contact, ...]:
@@ -85,12 +93,3 @@ def contact_of(data: xr.Dataset) -> tuple[Contact, ...]:
         contact_check(str(name), time, data["clearance_force"].sel(clearance=name).to_numpy())
         for name in data["clearance"].to_numpy()
     )
-
-
-def _lost_time(t: np.ndarray, f: np.ndarray) -> float:
-    """Part of the time with a negative force, linear between samples."""
-    spans, before, after = np.diff(t), f[:-1], f[1:]
-    lower, upper = np.minimum(before, after), np.maximum(before, after)
-    steep = np.where(upper > lower, upper - lower, 1.0)
-    share = np.where(upper <= 0, lower < 0, np.clip(-lower / steep, 0.0, 1.0))
-    return float((share * spans).sum() / spans.sum())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -137,7 +137,7 @@ class ChaosReport:
             "horizon": None
             if self.horizon is None
             else {"time": self.horizon.time, "whole": self.horizon.whole},
-            "contact": [contact.to_dict() for contact in self.contact],
+            "contact": [asdict(contact) for contact in self.contact],
             "tighter": self.tighter,
             "run": self.run,
             "notes": list(self.notes),

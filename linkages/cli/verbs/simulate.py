@@ -72,10 +72,14 @@ def run(request: Request, outputs: str | None, verify: bool | None) -> int:
         solution.save(place.folder)
         if request.figures:
             from linkages.plots.figures import save_figures
+            from linkages.plots.motion.clearance_orbit import SHOWN
             from linkages.plots.motion.time_figures import QUANTITIES
             from linkages.solution.resolved import resolved
 
-            dense = resolved(solution, [name for name in QUANTITIES if name in solution.data])
+            over_time, also = (
+                [name for name in group if name in solution.data] for group in (QUANTITIES, SHOWN)
+            )
+            dense = resolved(solution, over_time, also)
             save_figures(
                 solution.data, solution.mechanism, place.folder, request.format, dense=dense
             )

@@ -74,8 +74,8 @@ def rated(function: Function) -> bool:
 
 
 _EVERYWHERE = (
-    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "where", "select", "sin",
-    "cos", "atan", "tanh",
+    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "stick", "where", "select",
+    "sin", "cos", "atan", "tanh",
 )  # fmt: skip
 
 

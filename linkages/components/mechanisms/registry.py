@@ -9,6 +9,7 @@ from typing import Any
 
 from linkages.components.contributed.component import Component, Section
 from linkages.discovery import modules_of, plugged
+from linkages.spec.annotations import fields
 
 GROUP = "linkages.components"
 """Entry points that name components, and the folder of those of this package."""
@@ -52,10 +53,16 @@ class Known:
         self.for_sliders = next((model for model in models if model.names_slider), None)
 
     def choose(self, entry: object) -> type[Component]:
-        """The component that describes an entry: the first of which it has the key."""
-        keys = entry if isinstance(entry, dict) else ()
-        told = (model for model in self.models if model.told_by and model.told_by in keys)
-        return next(told, self.models[0])
+        """The component that describes an entry.
+
+        Of those whose key it has, the one that has all its keys, or else the first.
+        """
+        keys = entry if isinstance(entry, dict) else {}
+        told: list[Any] = [
+            model for model in self.models if model.told_by and model.told_by in keys
+        ]
+        fitting = (model for model in told if keys.keys() <= fields(model).keys())
+        return next(fitting, told[0] if told else self.models[0])
 
 
 class _Sections(Mapping[str, Known]):

@@ -1,8 +1,8 @@
 """Rigid contact: impacts change rates at once, and resting contact is a constraint.
 
-While contact is closed the normal force is what keeps the indentation at zero. Errors of steps move
-it to either side, so a pin that is all but at rest across the wall counts as touching a little above
-the wall: round-off does not open a contact, the force does.
+While contact is closed the normal force is what keeps the indentation at zero. Errors of steps
+move it to either side, so a pin that is all but at rest across the wall counts as touching a little
+above it: round-off does not open a contact, the force does.
 """
 
 from __future__ import annotations
@@ -41,8 +41,9 @@ class RigidNodes(ContactNodes):
         """J⁻¹Nᵀ, and the mass 1/(N J⁻¹Nᵀ) that resists along the indentation."""
         along = [self.rate(partial) for partial in self.model.partials]
         moved = solve_symmetric(self.model.mass_matrix, along)
-        pairs = zip(along, moved, strict=True)
-        return moved, 1.0 / self.graph.total(a * b for a, b in pairs)
+        inverse = self.graph.total(a * b for a, b in zip(along, moved, strict=True))
+        # concentric, the offset has no direction: any mass will do where nothing touches
+        return moved, 1.0 / self.graph.select(-inverse, self.graph.one, inverse)
 
     @property
     def rates_behind(self) -> list[Scalar]:

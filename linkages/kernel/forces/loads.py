@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function, Measured
+from linkages.components.contributed.functions import Function, Measured, Operation
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
 from linkages.components.contributed.state_laws import everywhere, measured_in, rated
@@ -110,7 +110,8 @@ class LoadNodes(Acting):
     def mode(self, part: Function, node: Scalar) -> Scalar:
         """On which side of zero the motion is of what makes a part of the law jump or turn."""
         name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
-        return self.model.switches.add(name, node)
+        stick = isinstance(part, Operation) and part.name == "stick"
+        return self.model.switches.add(name, node, stick=stick)
 
     def sensed(self, found: Measured) -> Scalar:
         """The value or rate of a measure: its own, or another one."""

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from linkages.chaos.sections.contact import lost_spans
 from linkages.plots.motion.curves import draw_curve
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import BLACK, PALETTE, TOP, fitted, panels, styled, title
@@ -66,24 +67,3 @@ def draw(ax: Axes, force: xr.DataArray, heading: str = "") -> Axes:
     ax.set_title(text, loc="right", fontsize=8, color="0.35")
     ax.set_title(fitted(heading, ax.bbox.width / ax.figure.dpi - 2.6))
     return ax
-
-
-def lost_spans(time: Array, force: Array) -> list[tuple[float, float]]:
-    """Beginning and end of each span of negative force, with zeros between samples by line."""
-    lost = force < 0
-    spans: list[tuple[float, float]] = []
-    edges = np.flatnonzero(np.diff(lost.astype(np.int8)))
-    crossings = [_zero(time, force, int(edge)) for edge in edges]
-    starts = ([float(time[0])] if len(lost) and lost[0] else []) + [
-        at for at, edge in zip(crossings, edges, strict=True) if not lost[edge]
-    ]
-    ends = [at for at, edge in zip(crossings, edges, strict=True) if lost[edge]]
-    ends += [float(time[-1])] if len(lost) and lost[-1] else []
-    spans.extend(zip(starts, ends, strict=True))
-    return spans
-
-
-def _zero(time: Array, force: Array, index: int) -> float:
-    before, after = force[index], force[index + 1]
-    share = before / (before - after) if np.isfinite(before - after) else 0.5
-    return float(time[index] + share * (time[index + 1] - time[index]))

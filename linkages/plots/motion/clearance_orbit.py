@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+SHOWN = ("clearance_offset", "clearance_indentation", "clearance_state")
+"""What figures need of the data."""
+
 STATES = ("free flight", "impact", "following contact")
 """By the values of ``clearance_state``."""
 

@@ -30,6 +30,7 @@ from linkages.solution.moving.switching import (
     passes,
     tangent_map,
 )
+from linkages.solution.remarks.forgotten_units import longest
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
 from linkages.solvers.changes import Changes
 from linkages.solvers.events import Crossings
@@ -199,14 +200,17 @@ class March:
     def _atol(self) -> Floats:
         """Absolute tolerances, of everything that is integrated.
 
-        Unless they are given, lengths of an offset are measured in sizes of its clearance.
+        Unless they are given, lengths are measured in sizes where clearances open, and angles by
+        what they move: a touch makes errors larger by far.
         """
-        given = self.run.atol
+        given, mechanism = self.run.atol, self.system.mechanism
         found = np.full(2 * self.layout.size, self.run.rtol if given is None else given)
-        if given is None:
-            for contact in self.system.mechanism.contacts:
-                rows = [self.layout.coordinates.index(axis) for axis in contact.axes]
-                found[[*rows, *(self.layout.size + row for row in rows)]] *= contact.size.value
+        if given is None and mechanism.contacts:
+            length = min(contact.size.value for contact in mechanism.contacts)
+            turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
+            names = self.layout.coordinates
+            scales = [turned if mechanism.bodies[name].rotates else length for name in names]
+            found[self.layout.motion_rows] *= [*scales, *scales]
         found[self.layout.tangent_rows] = self._tangent_atol
         return found
 

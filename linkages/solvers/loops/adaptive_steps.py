@@ -102,8 +102,10 @@ def adaptive_steps(
         changing = False
         if accepted and switching.look != 0:
             part = call_hook(switching.look, switching.context, t, h, t_end)
-            changing = part <= 1.0
-            if part < 1.0:
+            if part < 0.0:
+                accepted, factor = False, SHRINK_TURNING
+            changing = 0.0 <= part <= 1.0
+            if 0.0 <= part < 1.0:
                 h *= part
                 t_end = t + h
                 next_carry = (t_end - t) - (h - carry)

@@ -70,8 +70,8 @@ def fixed_steps(
             changing = False
             if switching.look != 0:
                 part = call_hook(switching.look, switching.context, t, made, reached)
-                changing = part <= 1.0
-                if part < 1.0:
+                changing = 0.0 <= part <= 1.0
+                if 0.0 <= part < 1.0:
                     made *= part
                     reached = t + made
             if made != 0.0:

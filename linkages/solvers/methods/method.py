@@ -91,7 +91,7 @@ class RungeKutta(Method):
             table,
             record,
             hooks.hook(store, events, system, table, record),
-            hooks.switching(store, job, events, system, table, record),
+            hooks.switching(store, job, events, system, table, record, tableau.c),
             job.start,
             job.end,
         )

@@ -140,6 +140,9 @@ class Switches(NamedTuple):
     values_of_events: int  # see `Events.values`
     pending: int  # (2,) of int64: the switch that changes next; changes in a row
     kind: int  # see `Switching`
+    halved: int  # (1,) of int64: how often a step has been halved to see what functions do
+    rows: int  # of int64: stages at which functions are compared with cubics
+    compared: int  # their number
     since: int  # (1,) of float64: time of the first of them
     capacity: int  # of the record of changes
     found: int  # (m,) of int64: changes of each switch
@@ -181,10 +184,10 @@ class Switching(NamedTuple):
     """Compiled functions that find and make the changes of modes; 0 if there are none.
 
     ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
-    changes, with the workspace holding the step up to there, or more than 1; `guess` about the
-    same for a rejected step. Then ``change`` of the same arguments makes the change at the state in
-    row 0 and returns an `Outcome`. `context` is the address of a `System`, `Table`, `Record` and
-    `Switches` in a row.
+    changes, with the workspace holding the step up to there, or more than 1, or less than 0 where
+    the step is to be halved; `guess` about the same for a rejected step. Then ``change`` of the
+    same arguments makes the change at the state in row 0 and returns an `Outcome`. `context` is the
+    address of a `System`, `Table`, `Record` and `Switches` in a row.
     """
 
     look: int

@@ -1,0 +1,121 @@
+"""Make the figure and the table of docs/contact_published.md.
+
+python docs/figures_contact_published.py    # about a minute
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from figures import STATIC
+from figures_stability import write
+from matplotlib.figure import Figure
+
+import linkages
+from linkages.plots.figures import write_figure
+from linkages.plots.style import BLACK, line_style, panels, styled
+
+PAGE = Path(__file__).with_name("contact_published.md")
+PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
+SIZES = ("0.5 mm", "0.2 mm", "0.1 mm", "0.05 mm")
+LAWS = {
+    "Lankarani–Nikravesh, 0.9": {},
+    "constant dissipation, 0.5 s/m": {
+        "contact": "hunt-crossley-constant",
+        "dissipation": 0.5,
+        "restitution": None,
+        "least_rate": None,
+    },
+}
+
+
+def mechanism(size: str, law: dict[str, object]) -> linkages.Mechanism:
+    """The one of the page with another clearance."""
+    match = re.search(
+        r"```yaml\n(# slider-crank-contact.*?)```", PAGE.read_text("utf-8"), re.DOTALL
+    )
+    assert match is not None
+    found = linkages.loads(match[1])
+    gap = {**found.definition.content["clearances"]["gap"], **law, "size": size}
+    kept = {key: value for key, value in gap.items() if value is not None}
+    return found.with_values({"clearances.gap": kept})
+
+
+def row(name: str, size: str, law: dict[str, object]) -> str:
+    """Means behind the transient, and the largest exponent."""
+    found = mechanism(size, law)
+    times = np.linspace(TRANSIENT, TRANSIENT + REVOLUTIONS, 200 * REVOLUTIONS + 1) * PERIOD
+    solution = linkages.simulate(
+        found,
+        times=np.concatenate([[0.0], times]),
+        rtol=1e-9,
+        events={"gap.indentation=0": "up"},
+        outputs=["clearance_indentation", "clearance_indentation_rate", "clearance_force"],
+    )
+    data = solution.data.isel(time=slice(1, None))
+    touches = solution.events["gap.indentation=0"]
+    rates = touches.clearance_indentation_rate[touches.time > TRANSIENT * PERIOD, 0].to_numpy()
+    free = float((data.clearance_indentation < 0).mean())
+    exponents = linkages.lyapunov(found, periods=REVOLUTIONS, skip=TRANSIENT, count=1)
+    exponent = float(exponents.exponent.max()) * PERIOD
+    rate = f"{rates.mean():.2f} m/s" if len(rates) else "–"
+    return (
+        f"| {size} | {name} | {len(rates) / REVOLUTIONS:.1f} | {free:.0%} | {rate} "
+        f"| {round(exponent, 1) + 0.0:+.1f} |"
+    )
+
+
+def table() -> str:
+    """One line for each clearance and law."""
+    lines = [
+        "| clearance | law | touches a revolution | in flight | mean rate of a touch | exponent |",
+        "|--:|---|--:|--:|--:|--:|",
+    ]
+    lines += [row(name, size, law) for name, law in LAWS.items() for size in SIZES]
+    return "\n".join([*lines, ""])
+
+
+@styled
+def figure() -> Figure:
+    """Two revolutions beside the ideal mechanism, and the way of the pin in its hole."""
+    found = mechanism("0.5 mm", {})
+    data = linkages.simulate(
+        found,
+        end=2 * PERIOD,
+        samples=8001,
+        rtol=1e-11,
+        outputs=["slider_acceleration", "drive_effort", "clearance_offset"],
+    ).data
+    drawn, axes = panels(1, 3, 2.6)
+    time = 1e3 * data.time
+    for panel, values, label in (
+        (axes[0], 1e-3 * data.slider_acceleration[:, 0], "acceleration of the slider [km/s²]"),
+        (axes[1], data.drive_effort[:, 0], "torque on the crank [N m]"),
+    ):
+        panel.plot(time, values, linewidth=0.6, **_colour(0))
+        panel.set_xlabel("time [ms]")
+        panel.set_ylabel(label)
+    orbit = 1e3 * data.clearance_offset[:, 0]
+    axes[2].plot(orbit[:, 0], orbit[:, 1], linewidth=0.5, **_colour(1))
+    around = np.linspace(0, 2 * np.pi, 181)
+    axes[2].plot(0.5 * np.cos(around), 0.5 * np.sin(around), color=BLACK, linewidth=0.8)
+    axes[2].set_aspect("equal")
+    axes[2].set_xlabel("offset x [mm]")
+    axes[2].set_ylabel("offset y [mm]")
+    return drawn
+
+
+def _colour(index: int) -> dict:
+    return {"color": line_style(index)["color"]}
+
+
+def main() -> None:
+    """Write both."""
+    write_figure(figure(), STATIC / "contact-published.svg")
+    write("contact-published.md", table())
+
+
+if __name__ == "__main__":
+    main()

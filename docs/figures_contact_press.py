@@ -103,7 +103,7 @@ def shares() -> Figure:
     return figure
 
 
-def _mark(ax, x: NDArray, y: NDArray, found: NDArray, levels: NDArray) -> None:  # noqa: ANN001
+def _mark(ax, x: NDArray, y: NDArray, found: NDArray, levels: NDArray) -> None:
     lines = ax.contour(x, y, found, levels=levels, colors=BLACK, linewidths=0.6)
     ax.clabel(lines, fmt="%g %%", fontsize=7)
 

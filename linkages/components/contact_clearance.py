@@ -14,6 +14,7 @@ from linkages.components.contributed.contacts import (
     ContactLaw,
     GapFriction,
     offset_names,
+    stiffness_of_spheres,
 )
 from linkages.components.contributed.functions import Number, V, applied
 from linkages.components.contributed.references import References
@@ -41,6 +42,7 @@ from linkages.spec.quantities import (
 )
 
 Dissipation = Annotated[float, Quantity(Dimension("dissipation", "s/m", "s/m"), Bound.NON_NEGATIVE)]
+Modulus = Annotated[float, Quantity(Dimension("modulus", "Pa", "pascals"), Bound.POSITIVE)]
 Ratio = Annotated[float, Quantity(dimensions.NUMBER, Bound.NON_NEGATIVE)]
 
 USUAL_RATE = 1e-3
@@ -72,6 +74,9 @@ class ContactClearance(Component):
         Law of the force between pin and hole.
     stiffness
         K of the force K·dⁿ at an indentation d, in N/mⁿ.
+    modulus, poisson
+        Young's modulus in Pa and Poisson's ratio of pin and hole, in the place of the stiffness:
+        that of a sphere of the radius of the pin in one of the hole's.
     exponent
         n; 1.5 if not given.
     dissipation
@@ -104,6 +109,8 @@ class ContactClearance(Component):
     size: PositiveLength
     contact: ContactName
     stiffness: ContactStiffness | None = None
+    modulus: Modulus | None = None
+    poisson: Ratio = 0.3
     exponent: PositiveNumber | None = None
     dissipation: Dissipation | None = None
     restitution: PositiveNumber | None = None
@@ -139,8 +146,12 @@ class ContactClearance(Component):
 
     def _of_the_law(self) -> Iterator[tuple[str, str]]:
         law = self.law
+        if self.modulus is not None:
+            yield from self._of_the_material()
         for key in _KEYS:
             given = getattr(self, key) is not None
+            if key == "stiffness" and self.modulus is not None:
+                continue
             if key in law.needs and not given:
                 yield "contact", f"missing key {key!r}, which {law.name} needs"
             elif given and key not in (*law.needs, *law.takes):
@@ -153,6 +164,17 @@ class ContactClearance(Component):
                 f"expected a stiffness in {stiffness_unit(expected)}, for the exponent is "
                 f"{expected:g}; found {stiffness_unit(written)}",
             )
+
+    def _of_the_material(self) -> Iterator[tuple[str, str]]:
+        if self.stiffness is not None:
+            yield "modulus", "the stiffness is given as well; expected one of the two"
+        elif self.stiffness_exponent != 1.5 or "stiffness" not in self.law.needs:
+            yield "modulus", f"{self.law.name} here is no law of spheres; expected a stiffness"
+        if self.pin_radius is None:
+            yield "modulus", "missing key 'pin_radius': the stiffness follows from both radii"
+
+        if self.poisson > 0.5:
+            yield "poisson", f"expected a ratio of at most 0.5, found {self.poisson:g}"
 
     def _of_friction(self) -> Iterator[tuple[str, str]]:
         if not self.friction:
@@ -234,6 +256,9 @@ class ContactClearance(Component):
         """
         values = {key: getattr(self, key) for key in _KEYS}
         values["exponent"] = self.stiffness_exponent
+        if self.modulus is not None and self.pin_radius is not None and self.poisson <= 0.5:
+            radii = (self.pin_radius + self.size, self.pin_radius)
+            values["stiffness"] = stiffness_of_spheres(self.modulus, self.poisson, *radii)
         values["least_rate"] = USUAL_RATE if self.least_rate is None else self.least_rate
         factor = self.law.restitution
         if factor is not None and self.restitution is not None and self._reachable:

@@ -31,6 +31,16 @@ def test_same_from_yaml_and_python():
     assert millimetres.stiffness == pytest.approx(2e9 * 1000**1.5, rel=1e-15)
 
 
+def test_stiffness_follows_from_material_and_radii():
+    text = engine("contact: hertz, modulus: 207 GPa, poisson: 0.3, pin_radius: 9.5 mm")
+    steel = component(text.replace("0.1 mm", "0.5 mm"), "clearances", "gap")
+    *_, contact = steel.terms()
+    stiffness, exponent = contact.normal.numbers
+    # of a steel pin as in the literature, 6.61e10 N/m^1.5
+    assert stiffness.value == pytest.approx(6.6102e10, rel=1e-5)
+    assert exponent.value == 1.5
+
+
 def test_frozen_and_keyword_only():
     assert_frozen_and_keyword_only(BARE)
 
@@ -82,6 +92,10 @@ def test_every_law_says_what_it_lacks(law):
         ("contact: hertz, stiffness: 1, offset: [1, 0]", "1 m from the pin, far outside the hole"),
         ("contact: hertz, stiffness: 1, carries: holes", "did you mean 'hole'?"),
         ("contact: hertz, stiffness: 1, angle: 0", "unknown key 'angle'"),
+        ("contact: hertz, modulus: 207 GPa", "missing key 'pin_radius': the stiffness follows"),
+        ("contact: hertz, modulus: 1, stiffness: 1, pin_radius: 1", "expected one of the two"),
+        ("contact: hertz, modulus: 1, pin_radius: 1, exponent: 2", "is no law of spheres"),
+        ("contact: hertz, modulus: 1, pin_radius: 1, poisson: 1", "at most 0.5, found 1"),
     ],
 )
 def test_bad_entries(keys, expected):

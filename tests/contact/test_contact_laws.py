@@ -5,7 +5,11 @@ import math
 import pytest
 
 from linkages.components.contributed.contact_laws import contact_laws
-from linkages.components.contributed.contacts import factor_for, restitution_reached
+from linkages.components.contributed.contacts import (
+    factor_for,
+    restitution_reached,
+    stiffness_of_spheres,
+)
 
 # χ over the wanted restitution, and what one impact reaches with it (Lambert's W, 14 digits).
 # Of one impact of 0.25 kg at 0.1 m/s against K = 1e9 N/m^1.5; computed in quadruple precision.
@@ -68,6 +72,11 @@ def test_the_exact_factor_is_the_limit_of_small_losses():
         assert factor_for(wanted) == pytest.approx(0.75 * (1 - wanted**2), rel=2 * loss)
     assert factor_for(1.0) == 0.0
     assert restitution_reached(0.0) == 1.0
+
+
+def test_stiffness_of_a_steel_pin_of_the_literature():
+    """207 GPa, 0.3, radii of 10 and 9.5 mm: 6.61e10 N/m^1.5 in papers, 6.6102e10 by hand."""
+    assert stiffness_of_spheres(207e9, 0.3, 0.01, 0.0095) == pytest.approx(6.6102e10, rel=1e-5)
 
 
 def test_lambert_s_function_solves_the_same_equation():

@@ -18,8 +18,11 @@ from linkages.kernel.graph.symmetric import solve_symmetric
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
 
-NEAR, RESTING = 1e-5, 0.1
+NEAR, RESTING = 1e-7, 0.1
 """Distance from the wall over size, and rate over the least one that bounces, of a pin at rest."""
+
+LEAST = 1e-9
+"""Acceleration (m/s²) that smaller ones count as, so that roots have derivatives."""
 
 REST = 1e-9
 """Rate behind an impact that closes a contact, over that before."""
@@ -49,11 +52,13 @@ class RigidNodes(ContactNodes):
     def rates_behind(self) -> list[Scalar]:
         """Rates of the free coordinates behind an impact; a slow one closes the contact."""
         inputs, (moved, mass) = self.model.inputs, self._moved
-        rebound = inputs.parameter(self.law.restitution) * self.speed
+        # nothing pulls a pin that comes to rest near the wall while it leaves
+        speed = self.graph.select(self.speed, self.speed, self.graph.zero)
+        rebound = inputs.parameter(self.law.restitution) * speed
         slow = inputs.parameter(self.law.least_rate)
         # a rate of 0 might be one of −1e-20, which is thrown back
-        rebound = self.graph.select(rebound - slow, rebound, self.speed * -REST)
-        impulse = (self.speed + rebound) * mass
+        rebound = self.graph.select(rebound - slow, rebound, speed * -REST)
+        impulse = (speed + rebound) * mass
         return [inputs.rate(i) - part * impulse for i, part in enumerate(moved)]
 
     @property
@@ -80,9 +85,10 @@ class RigidNodes(ContactNodes):
         It lets the indentation settle as fast as a massless link would swing.
         """
         touching, pressed = self.touching, self._pressed
-        slowest = self.graph.select(pressed, pressed, self.graph.zero)
-        square = self.model.switches.memory(self.touch, slowest / self.size)
-        settling = 2.0 * self.graph.sqrt(square) * self.speed + square * self.indentation
+        least = self.graph.lift(LEAST)
+        held = self.graph.select(pressed - least, pressed, least)
+        swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.size))
+        settling = swing * (2.0 * self.speed + swing * self.indentation)
         return self._moved[1] * self.graph.select(touching, pressed + settling, pressed)
 
     @cached_property

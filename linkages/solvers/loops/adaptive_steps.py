@@ -18,6 +18,7 @@ from linkages.solvers.loops.commit import (
     outcome_of,
 )
 from linkages.solvers.loops.step_size import (
+    CAUTIOUS,
     SHRINK_BLOCKED,
     SHRINK_FRESH,
     SHRINK_TURNING,
@@ -137,8 +138,8 @@ def adaptive_steps(
                     h = first_step(system, t, end - t, order, rtol, atol, zeros)
                     kind = integers(switching.kind)[0]
                     last = floats(switching.first_steps)[kind]
-                    if last > 0.0 and abs(h) > 2.0 * last:
-                        h = math.copysign(2.0 * last, h)
+                    most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
+                    h = math.copysign(min(abs(h), most), h)
                     before, fresh = 1.0, True
         else:
             counters[REJECTED] += 1

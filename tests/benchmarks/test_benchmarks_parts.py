@@ -110,7 +110,7 @@ def test_a_driven_mechanism_from_start_to_end(timed):
     assert timed(lambda: simulate(ideal)).completed
 
 
-# The nine-bar's drives turn, its loads are constant, its clearance stays closed: no figures of these.
+# The nine-bar's drives turn, its loads are constant, its clearance is closed: no figures of these.
 MISSING = ("drive_force", "load_force", "load_torque", "clearance_orbit", "clearance_state")
 
 

@@ -125,7 +125,7 @@ def _coordinates(equations: Equations) -> Iterator[Line]:
         for unknown in block.unknowns:
             yield Line((unknown,), f"dependent, from the {what} closed at {_listed(places)}")
     for definition in equations.followers:
-        yield Line((definition.symbol, definition.value), "by a weld or gear")
+        yield Line((definition.symbol, definition.value), "by a relation")
     for number, table in enumerate(equations.symbols.tables, 1):
         what = f"{_JOINED[table.interpolation]}{', periodic,' if table.periodic else ''}"
         of = "(t)" if table.over == TIME else ""

@@ -132,7 +132,7 @@ def test_drives_are_functions_of_time(law_text):
     )
 
 
-PERIODIC = "periodic: true"
+ROUND = "{table: {over: crank.angle, values: [0, 1, 0], periodic: true, at: [0, 1, %s]}}"
 
 
 @pytest.mark.parametrize(
@@ -146,18 +146,9 @@ PERIODIC = "periodic: true"
         ("sin(crank.angle - 2*t) + tan(angle(crank, rod))", []),
         ("crank.speed + distance(A, B)", []),
         ("where(sin(crank.angle) > 0, 1, 2)", []),
-        (
-            f"{{table: {{over: crank.angle, at: [0, 1, 360 deg], values: [0, 1, 0], {PERIODIC}}}}}",
-            [],
-        ),
-        (
-            f"{{table: {{over: crank.angle, at: [0, 1, 120 deg], values: [0, 1, 0], {PERIODIC}}}}}",
-            [],
-        ),
-        (
-            f"{{table: {{over: crank.angle, at: [0, 1, 720 deg], values: [0, 1, 0], {PERIODIC}}}}}",
-            ["crank"],
-        ),
+        (ROUND % "360 deg", []),
+        (ROUND % "120 deg", []),
+        (ROUND % "720 deg", ["crank"]),
         ("{table: {over: crank.angle, at: [0, 1, 360 deg], values: [0, 1, 0]}}", ["crank"]),
     ],
 )
@@ -199,8 +190,18 @@ def test_common_period():
     assert common_period(both) == pytest.approx(2 * turn)
     mixed = loaded("sin(rod.angle - 15*t)", moved=DRIVEN)
     assert common_period(mixed) == pytest.approx(2 * turn)
-    with pytest.raises(NoPeriodError, match="feels whole turns of 'crank', which turns on and on"):
+    four_stroke = loaded(ROUND % "720 deg", moved=DRIVEN)
+    assert common_period(four_stroke) == pytest.approx(2 * turn)
+    assert common_period(loaded("cos(0.2*crank.angle)", moved=DRIVEN)) == pytest.approx(5 * turn)
+    with pytest.raises(NoPeriodError, match="the law of a load does not repeat"):
         common_period(loaded("0.1*crank.angle", moved=DRIVEN))
+    wheels = "bars:\n  wheel: {joints: [G, W], length: 0.1, mass: 1}\n"
+    driven = (
+        f"{ENGINE.replace('bars:' + chr(10), wheels)}gears: [{{bars: [crank, wheel], ratio: 3}}]"
+    )
+    geared = mechanism(f"{driven}\n{DRIVEN}loads: [{{slider: piston, force: wheel.angle}}]")
+    with pytest.raises(NoPeriodError, match="feels whole turns of 'wheel', which turns on and on"):
+        common_period(geared)
     with pytest.raises(NoPeriodError, match="nothing depends on time"):
         common_period(loaded("crank.angle"))
 

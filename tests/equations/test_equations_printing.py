@@ -118,7 +118,7 @@ EVERYTHING_LINES = """\
   q_1 = θ_crank = p_crank,1 + sin(p_crank,2·t)³   (driven)
   q̇_1 = 3·p_crank,2·sin(p_crank,2·t)²·cos(p_crank,2·t)
   θ_lever   (dependent, from the loop closed at the axis of block)
-  θ_arm = θ_lever + π/2   (by a weld or gear)
+  θ_arm = θ_lever + π/2   (by a relation)
   f_1(t)   (monotone cubics (pchip) through 3 points: loads[2].force.table)
   L_crank∠θ_crank = x_C + y_C∠90° + s_block∠(φ_block + θ_lever)   (at the axis of block)
   X_T = x_C + y_C∠90° + L_lever∠θ_lever + L_arm∠(θ_lever + 90°)

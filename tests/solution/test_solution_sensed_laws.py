@@ -107,6 +107,15 @@ def test_a_sweep_binds_numbers_of_a_law_with_modes():
         assert bound.evaluate(nodes[0]) == pytest.approx(built.evaluate(nodes[1]), rel=1e-14)
 
 
+def test_a_sweep_checks_units_of_formulas():
+    """Structure alone does not tell a force from a stiffness."""
+    varying = Varying(engine("-20 N*s/m*piston.velocity"))
+    known = varying.at({"loads[0].force": "-30 N*s/m*piston.velocity"})
+    assert 30.0 in known.numbers  # and its sign is structure
+    with pytest.raises(linkages.InputError, match="it is a power"):
+        varying.at({"loads[0].force": "-30 N*piston.velocity"})
+
+
 def test_formulas_with_other_numbers_share_their_kernel():
     one, other = (
         System(engine(f"{k}*(piston.position - {x})*cos(crank.angle)"))

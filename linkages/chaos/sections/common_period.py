@@ -9,8 +9,20 @@ from fractions import Fraction
 
 import numpy as np
 
-from linkages.components.contributed.functions import Function, Operation, Table, Time
-from linkages.components.contributed.state_laws import variables
+from linkages.components.contributed.functions import (
+    Function,
+    Measured,
+    Operation,
+    Table,
+    Time,
+)
+from linkages.components.contributed.measures import Load, Slide, Turn
+from linkages.components.contributed.state_laws import (
+    exchanged,
+    time_functions,
+    variables,
+    winding,
+)
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
 from linkages.operations import ELEMENTARY
@@ -82,10 +94,11 @@ def common_period(mechanism: Mechanism) -> float:
     turning = _turning(mechanism, rates)
     periods += [2 * math.pi / abs(rate) for rate in turning.values()]
     for load in mechanism.loads:
-        felt = (body for turn in load.wound if turn in load.sensed for body in turn.bodies)
-        if on := [body for body in felt if body in turning]:
+        law = _driven(load, mechanism)
+        felt = (m.measure for m in winding(law) if isinstance(m.measure, Turn))
+        if on := [body for turn in felt for body in turn.bodies if body in turning]:
             raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
-        for function in load.laws:
+        for function in load.laws if load.given else time_functions(law):
             course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")
@@ -93,6 +106,18 @@ def common_period(mechanism: Mechanism) -> float:
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
     return _common(periods)
+
+
+def _driven(load: Load, mechanism: Mechanism) -> Function:
+    """The force of a load, in which coordinates that drives prescribe are their laws of time."""
+
+    def prescribed(found: Measured) -> Function:
+        match found:
+            case Measured(0, Turn(body, None) | Slide(body)) if body in mechanism.prescribed:
+                return mechanism.prescribed[body].law
+        return found
+
+    return exchanged(load.force, prescribed)
 
 
 def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:

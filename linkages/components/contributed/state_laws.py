@@ -43,8 +43,8 @@ def leaves(function: Function) -> Iterator[Function]:
             yield function
 
 
-def exchanged(function: Function, other: Callable[[Measured], Measured]) -> Function:
-    """The same function of other measures."""
+def exchanged(function: Function, other: Callable[[Measured], Function]) -> Function:
+    """The same function with something else in the place of what it senses."""
     match function:
         case Measured():
             return other(function)

@@ -38,6 +38,18 @@ def formula_findings(components: Collection[Component], declared: Declared) -> I
             yield from _inside(value, (*component.path, key), fields(model)[key], declared)
 
 
+def formulas_in(value: Any) -> Iterator[Formula]:
+    """All formulas of a component."""
+    if isinstance(value, Formula):
+        yield value
+    elif isinstance(value, tuple):
+        for entry in value[:_MANY]:
+            yield from formulas_in(entry)
+    else:
+        for entry in (written_fields(value) or {}).values():
+            yield from formulas_in(entry)
+
+
 def _inside(value: Any, path: Path, annotation: Any, declared: Declared) -> Iterator[Finding]:
     match value:
         case Formula():

@@ -9,6 +9,7 @@ from typing import Any
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.listed import ListedComponent
 from linkages.components.contributed.terms import Path
+from linkages.components.mechanisms.formulas import formulas_in
 from linkages.components.mechanisms.gathered import read_section
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
@@ -34,8 +35,8 @@ def reread(
 
     Returns
     -------
-    The new component; None if it cannot be read by itself: what is wrong with it, or what else
-    must change with it, is for `Mechanism.with_values` to say.
+    The new component; None if it cannot be read by itself: what is wrong with it, or with the units
+    of its formulas, or what else must change with it, is for `Mechanism.with_values` to say.
     """
     definition, where = mechanism.definition, component.path
     entry = definition.value(where)
@@ -58,6 +59,9 @@ def reread(
     if len(found) != 1 or type(found[0]) is not type(component):
         return None
     (made,) = found
+    before = list(formulas_in(component))
+    if any(formula.has_units and formula not in before for formula in formulas_in(made)):
+        return None
     if listed:
         changed: Any = made
         return changed if where[1] == 0 else replace(changed, index=where[1])

@@ -58,6 +58,11 @@ def test_reactions_are_the_forces_of_the_contact(solution):
     assert np.abs(friction).max() > 1.0
 
 
+def test_a_start_within_the_wall_is_told():
+    found = linkages.simulate(engine(f"{CONTACT}, offset: [0.11 mm, 0]"), end=1e-4)
+    assert any("gap starts pressed in by 1e-05 m" in note for note in found.notes)
+
+
 def test_energy_is_balanced(solution):
     energy = solution.data.kinetic_energy + solution.data.potential_energy
     # errors of 50 steps at the default tolerance of 1e-10

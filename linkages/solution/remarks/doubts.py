@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+from linkages.components.contact_clearance import ContactClearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.solution.remarks.forgotten_units import forgotten_units, longest
 from linkages.solution.remarks.law_ranges import law_notes
@@ -15,6 +18,7 @@ def doubts(mechanism: Mechanism) -> list[str]:
     """A sentence for each clearance, number, name and law that hardly is what was meant."""
     return [
         *_large_clearances(mechanism),
+        *_pressed_starts(mechanism),
         *forgotten_units(mechanism),
         *_capitals(mechanism),
         *law_notes(mechanism),
@@ -31,6 +35,19 @@ def _large_clearances(mechanism: Mechanism) -> list[str]:
             found.append(
                 f"clearance {clearance.name} of {size:g} m is large beside {bar.name} of "
                 f"{length:g} m; numbers without a unit are metres"
+            )
+    return found
+
+
+def _pressed_starts(mechanism: Mechanism) -> list[str]:
+    """Pins that start within the wall of their hole."""
+    found = []
+    for own in mechanism.clearances:
+        if isinstance(own, ContactClearance) and math.hypot(*own.offset) > own.size:
+            depth = math.hypot(*own.offset) - own.size
+            found.append(
+                f"clearance {own.name} starts pressed in by {depth:.3g} m: its offset is larger "
+                f"than its size of {own.size:g} m"
             )
     return found
 

@@ -1,8 +1,7 @@
-"""Tangents across touches, leaves and impacts, against differences of motions of their own."""
+"""Tangents across touches and leaves, against differences of motions of their own."""
 
 import numpy as np
 import pytest
-from contact_references import Reference
 from random_contact import ENDS, definition, kind
 
 import linkages
@@ -45,11 +44,6 @@ def check(text, end, size):
 def test_random_mechanisms(case):
     seed = RANDOM[case]
     check(definition(seed), ENDS[kind(seed)] / 2, 2e-4)
-
-
-def test_rigid_impacts():
-    """Three of them; rates jump by the law of restitution."""
-    check(Reference("7-rigid-pin-in-hole").definition, 0.012, 2e-4)
 
 
 def test_cases_are_what_they_say():

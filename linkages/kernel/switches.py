@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -131,9 +131,9 @@ class Switches:
         jump
             New rates of the free coordinates where the function rises through zero.
         stick
-            Whether the motion may stay where the function is zero (Filippov's sliding, Coulomb's
-            sticking). Accelerations must be affine in the mode there, as those of ``force·mode``
-            are; `select` on it is not.
+            That the motion may stay where the function is zero (Filippov's sliding, Coulomb's
+            sticking), for accelerations are affine in the mode there. Where they are so everywhere,
+            as those of ``force·mode``, this is found without; `select` on a mode is not.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
@@ -210,6 +210,27 @@ class Switches:
         mode = self._model.inputs.mode(number)
         return 0.5 - mode * mode
 
+    def _sticky(self, free: list[Scalar]) -> list[int]:
+        """Switches on whose zeros motions may stay: those whose rates are affine in the mode."""
+        inputs, zero = self._model.inputs, self._model.graph.zero
+        speeds = [inputs.rate(i) for i in range(len(free))]
+        slopes = derivative(self.functions, speeds)
+        moved = [
+            number
+            for number, switch in enumerate(self.switches)
+            if not switch.jump and any(slope is not zero for slope in slopes[number])
+        ]
+        modes, found = [inputs.mode(number) for number in moved], []
+        for number, mode in zip(moved, modes, strict=True):
+            effects = [effect for (effect,) in derivative(free, [mode])]
+            bends = derivative(effects, modes)
+            affine = all(bend is zero for row in bends for bend in row)
+            pairs = zip(slopes[number], effects, strict=True)
+            felt = any(slope is not zero and effect is not zero for slope, effect in pairs)
+            if self.switches[number].stick or (affine and felt):
+                found.append(number)
+        return found
+
     def sticking(self, free: list[Scalar]) -> list[Scalar]:
         """Accelerations of the free coordinates with the values that modes of 0 stand for.
 
@@ -226,9 +247,10 @@ class Switches:
         .. [1] A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, Kluwer
                1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
         """
-        sticky = [number for number, switch in enumerate(self.switches) if switch.stick]
+        sticky = self._sticky(free)
         if not sticky:
             return free
+        self.switches = [replace(s, stick=k in sticky) for k, s in enumerate(self.switches)]
         graph, inputs = self._model.graph, self._model.inputs
         modes = [inputs.mode(number) for number in sticky]
         functions = [self.switches[number].function for number in sticky]

@@ -64,7 +64,8 @@ class Outcome(IntEnum):
         9,
         "A mode has no value: on both sides of the zero of its function the motion is pushed back "
         "onto it, as friction that jumps holds a body at rest.",
-        "Take a law without a jump there, such as tanh(v/v0) for friction.",
+        "Take a force times sign(…), on whose zero the motion may stay, or a law without a jump, "
+        "such as tanh(v/v0) for friction.",
     )
     CHATTER = (
         10,

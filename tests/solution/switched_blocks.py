@@ -95,9 +95,16 @@ def rubbing(load, stiffness=100.0, friction=0.5):
     return -stiffness * load.displacement - friction * sign
 
 
+def choosing(load, stiffness=100.0, friction=0.5):
+    """The same as a choice between two forces, which says nothing of what lies between."""
+    sign = load.model.switches.add("block: sign(speed)", load.measured(1))
+    chosen = load.graph.select(sign, load.graph.number(-friction), load.graph.number(friction))
+    return chosen - stiffness * load.displacement
+
+
 def sticking(load, stiffness=100.0, friction=0.5):
-    """A spring, friction that holds as well as it brakes, and a force from outside."""
-    sign = load.model.switches.add("block: sign(speed)", load.measured(1), stick=True)
+    """A spring, friction, and a force from outside."""
+    sign = load.model.switches.add("block: sign(speed)", load.measured(1))
     return load.outside - stiffness * load.displacement - friction * sign
 
 

@@ -9,6 +9,7 @@ from switched_blocks import (
     belted,
     block,
     bounced,
+    choosing,
     damped_floor,
     floor,
     forces_by_nodes,
@@ -110,7 +111,7 @@ def test_impacts_without_end_are_named():
 
 def test_sliding_is_named():
     # the spring of 100 N/m pulls with less than the friction of 0.5 N within 5 mm
-    _, motion = march(block(rubbing, 0.023, 0.0), [3.0])
+    _, motion = march(block(choosing, 0.023, 0.0), [3.0])
     assert "block: sign(speed): A mode has no value" in motion.failure
     assert motion.stop_time == pytest.approx(2 * math.pi / 10, abs=1e-10)
 

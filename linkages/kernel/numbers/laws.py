@@ -19,7 +19,7 @@ from linkages.components.contributed.functions import (
 )
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.evaluator import Evaluator
-from linkages.kernel.graph.scalars import Scalar, ScalarGraph
+from linkages.kernel.graph.scalars import Level, Scalar, ScalarGraph
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.parameters import numbers_in, table_numbers
 from linkages.operations import COMPOSITE
@@ -85,12 +85,22 @@ def value_of(
             def apply(name: str, *operands: Scalar | float) -> Scalar:
                 if name != "select":
                     return graph.apply(name, *operands)
-                condition, *both = map(graph.lift, operands)
-                return graph.select(mode(function, condition), *both)
+                condition, first, second = map(graph.lift, operands)
+                side = mode(function, condition)
+                if _is_mode(side) and max(first.level, second.level) <= Level.PARAMETERS:
+                    # affine, for where a motion sticks a mode stands for what lies between
+                    return 0.5 * (first + second) + 0.5 * (first - second) * side
+                return graph.select(side, first, second)
 
             return graph.lift(COMPOSITE[name].expanded(apply, *values))
         case _:
             assert_never(function)
+
+
+def _is_mode(node: Scalar) -> bool:
+    return (node.operation == "input" and node.arguments[0] == "mode") or (
+        node.operation == "neg" and _is_mode(node.operands[0])
+    )
 
 
 def _of_table(table: Table, over: Scalar, inputs: Inputs) -> Scalar:

@@ -1,0 +1,118 @@
+"""Make the figure and the tables of docs/contact_press.md.
+
+python docs/figures_contact_press.py    # about five minutes
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from figures import STATIC
+from figures_stability import write
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+import linkages
+from linkages.plots.figures import write_figure
+from linkages.plots.style import BLACK, panels, styled
+
+ANGLE = math.radians(-36.7)
+"""Where the pin touches its hole at the start, in both models."""
+
+CONTACT = {
+    "contact": "hunt-crossley-constant",
+    "stiffness": "1e11 N/m^1.5",
+    "dissipation": "1 s/m",
+}
+SIZE = 0.15e-3
+SIZES = np.geomspace(0.02e-3, 1e-3, 10)
+FACTORS = np.geomspace(0.5, 16, 11)
+TURNS = (1, 3)
+"""Of the cranks: the first is left out, the others are judged."""
+
+LINK, OPEN = "massless link", "contact"
+
+
+def mechanism(kind: str, size: float, factor: float) -> linkages.Mechanism:
+    """The press at a multiple of the speeds of the paper."""
+    start = (
+        {"angle": ANGLE}
+        if kind == LINK
+        else {**CONTACT, "offset": [size * math.cos(ANGLE), size * math.sin(ANGLE)]}
+    )
+    gap = {"joint": "C", "bar": "link3", "size": size, **start}
+    speeds = {"drives.crank1.speed": -math.pi * factor, "drives.crank4.speed": math.pi * factor}
+    return linkages.load("ninebar").with_values({"clearances.r1": gap, **speeds})
+
+
+def solved(kind: str, size: float, factor: float, samples: int = 20_000) -> linkages.Solution:
+    """Two turns of the cranks behind a first one."""
+    times = np.linspace(*(2.0 * turns / factor for turns in TURNS), samples)
+    names = ["slider_position_error", "drive_effort", "clearance_force"]
+    found = mechanism(kind, size, factor)
+    return linkages.simulate(
+        found,
+        times=np.concatenate([[0.0], times]),
+        outputs=names if kind == LINK else [*names, "clearance_indentation"],
+    )
+
+
+def apart(kind: str, solution: linkages.Solution) -> float:
+    """Share of the time in which a pin would not press: the link pulls, or the pin flies."""
+    data = solution.data.isel(time=slice(1, None))
+    values = data.clearance_force if kind == LINK else data.clearance_indentation
+    return float((values < 0).mean())
+
+
+def comparison() -> str:
+    """Both models at several speeds, one beside the other."""
+    lines = [
+        "| speed | | not pressed | largest error of the slider | torque, crank 1 | force in r1 |",
+        "|--:|---|--:|--:|--:|--:|",
+    ]
+    for factor in (0.5, 1, 2, 4, 8):
+        for kind in (LINK, OPEN):
+            solution = solved(kind, SIZE, factor)
+            data = abs(solution.data.isel(time=slice(1, None)))
+            lines.append(
+                f"| {factor:g} × | {kind} | {apart(kind, solution):.1%} "
+                f"| {1e3 * float(data.slider_position_error.max()):.3f} mm "
+                f"| {float(data.drive_effort.sel(drive='crank1').max()):.0f} N m "
+                f"| {float(data.clearance_force.max()):.0f} N |"
+            )
+    return "\n".join([*lines, ""])
+
+
+@styled
+def shares() -> Figure:
+    """Where over size and speed contact is lost, in both models."""
+    figure, axes = panels(1, 2, 2.3)
+    levels = np.array([0.5, 2, 10, 30, 60])
+    for ax, kind in zip(axes, (LINK, OPEN), strict=True):
+        found = np.array(
+            [[100 * apart(kind, solved(kind, s, f, 4000)) for f in FACTORS] for s in SIZES]
+        )
+        mesh = ax.pcolormesh(FACTORS, 1e3 * SIZES, found, cmap="Oranges", vmin=0, vmax=100)
+        _mark(ax, FACTORS, 1e3 * SIZES, found, levels)
+        ax.set(xscale="log", yscale="log", xlabel="speed over that of the paper")
+        ax.set_title({LINK: "massless link: it would pull", OPEN: "contact: free flight"}[kind])
+        ax.plot(1.0, 1e3 * SIZE, "o", color=BLACK, markersize=4)
+    axes[0].set_ylabel("clearance [mm]")
+    figure.colorbar(mesh, ax=axes, label="share of the time [%]")
+    return figure
+
+
+def _mark(ax, x: NDArray, y: NDArray, found: NDArray, levels: NDArray) -> None:  # noqa: ANN001
+    lines = ax.contour(x, y, found, levels=levels, colors=BLACK, linewidths=0.6)
+    ax.clabel(lines, fmt="%g %%", fontsize=7)
+
+
+def main() -> None:
+    """Write all files."""
+    write("contact-press.md", comparison())
+    write_figure(shares(), STATIC / "contact-press.svg")
+
+
+if __name__ == "__main__":
+    main()

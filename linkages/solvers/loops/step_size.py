@@ -25,9 +25,9 @@ WILD = 1e4
 # Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
 # powers of the step there, whatever the order.
 SHRINK_FRESH = 0.1
-# An estimate of such an error is small by accident now and then, so no step that is far too long must
-# be tried: the first of its kind is so much shorter than smooth equations would allow, and later ones
-# are at most twice as long as the last.
+# An estimate of such an error is small by accident now and then, so no step that is far too long
+# must be tried: the first of its kind is so much shorter than smooth equations would allow, and
+# later ones are at most twice as long as the last.
 CAUTIOUS = 3e-4
 OVERFLOW = 1e150
 # Steps that were much better than asked for say nothing about how the error develops.

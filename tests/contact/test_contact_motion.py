@@ -63,6 +63,19 @@ def test_a_start_within_the_wall_is_told():
     assert any("gap starts pressed in by 1e-05 m" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [("lankarani-nikravesh, restitution: 0.9", True), ("hertz", False)],
+    ids=["with memory", "without"],
+)
+def test_a_start_in_contact_says_that_no_state_remembers_the_touch(law, told):
+    contact = f", contact: {law}, stiffness: 2e9 N/m^1.5, offset: [0.11 mm, 0]"
+    found = linkages.simulate(engine(contact), end=1e-4)
+    assert any("no state says how fast it was touched" in note for note in found.notes) == told
+    away = linkages.simulate(engine(contact.replace("0.11", "0.09")), end=1e-3)
+    assert not any("no state says" in note for note in away.notes)
+
+
 def test_energy_is_balanced(solution):
     energy = solution.data.kinetic_energy + solution.data.potential_energy
     # errors of 50 steps at the default tolerance of 1e-10

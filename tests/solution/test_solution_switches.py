@@ -350,3 +350,36 @@ def test_tangents_outlive_an_exchange_of_coordinates(cranks):
     into = tangent_map(start, one.layout.free, 0.0, start.state, ())
     assert other.layout.free == one.layout.free
     assert other.tangents == pytest.approx(one.tangents @ into, abs=1e-7)
+
+
+LOADER = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], H: [0.35, -0.35]}
+bars:
+  boom: {points: {O: [0, 0], M: [0.8, 0.15], A: [1.6, 0]}, mass: 120, center: [0.8, 0.05],
+    inertia: 30}
+  bucket: {points: {A: [0, 0], T: [0.6, 0]}, mass: 60, center: [0.3, -0.1], inertia: 4}
+free: {boom: {angle: 10 deg, speed: 0}, bucket: {angle: -20 deg, speed: 0}}
+cylinders:
+  lift: {between: [H, M], bore: 60 mm, rod: 35 mm, pressure: "12e5*(1 - exp(-3*t))", damping: 9e3}
+stops:
+  - {bars: [boom, bucket], lower: -60 deg, upper: 30 deg, stiffness: 2e5, damping: 300}
+  - {between: [H, M], lower: 0.6, upper: 1.1, stiffness: 5e6, damping: 5e4}
+friction: [{joint: A, torque: 40}]
+loads: [{joint: T, on: bucket, force: [-100, 0]}]
+"""
+
+
+def test_two_modes_that_change_at_the_start_of_one_step_follow_each_other():
+    """A taut stop and a bucket that comes to rest: each came before the other, without end."""
+    ends = {}
+    for method in ("dop853", "vern9", "tsit5"):
+        solution = linkages.simulate(
+            linkages.loads(LOADER), end=2.0, samples=201, method=method, rtol=1e-9,
+            outputs=["bar_angle", "bar_speed"],
+        )  # fmt: skip
+        assert solution.completed
+        ends[method] = solution.data.bar_angle.isel(time=-1).to_numpy()
+        assert sum(found.count for found in solution.motion.changes.values()) > 10
+    for end in ends.values():
+        assert end == pytest.approx(ends["dop853"], abs=1e-6)

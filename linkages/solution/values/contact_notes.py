@@ -39,9 +39,15 @@ def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
             f"the size; laws of contact are made for less than {DEEPEST:.0%}"
         )
+    remembers = not nodes.contact.rigid and normal.least_rate is not None
+    if remembers and np.isnan(found.rate[:1]).any():
+        yield (
+            f"clearance {name} touches from the start, and no state says how fast it was touched: "
+            "the damping is that of the present rate"
+        )
     lasting = found.lasting[-1:] > LASTING * abs(motion.stop_time - motion.time[0])
     follows = len(found.end) and found.end[-1] == motion.stop_time and not found.impact[-1]
-    if not nodes.contact.rigid and normal.least_rate is not None and follows and lasting.all():
+    if remembers and follows and lasting.all():
         yield (
             f"clearance {name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
             "damping is what the rate of that touch has made it, so that other starts end on "

@@ -89,6 +89,7 @@ def adaptive_steps(
         t_end = t + moved
         next_carry = (t_end - t) - moved
         remaining = (end - t) + carry
+        finest = SMALLEST_STEP * max(abs(t), first)
         if 1.01 * abs(h) >= abs(remaining):
             h, t_end, next_carry = remaining, end, 0.0
         counters[EVALUATIONS] += table.end
@@ -103,7 +104,7 @@ def adaptive_steps(
         changing = False
         if accepted and switching.look != 0:
             part = call_hook(switching.look, switching.context, t, h, t_end)
-            if part < 0.0:
+            if part < 0.0 and abs(h) > finest:
                 accepted, factor = False, SHRINK_TURNING
             changing = 0.0 <= part <= 1.0
             if 0.0 <= part < 1.0:
@@ -139,7 +140,7 @@ def adaptive_steps(
                     kind = integers(switching.kind)[0]
                     last = floats(switching.first_steps)[kind]
                     most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
-                    h = math.copysign(min(abs(h), most), h)
+                    h = math.copysign(min(abs(h), max(most, finest)), h)
                     before, fresh = 1.0, True
         else:
             counters[REJECTED] += 1
@@ -152,6 +153,6 @@ def adaptive_steps(
                     factor = min(factor, part)
             rejected = True
             h *= factor
-            if abs(h) < SMALLEST_STEP * max(abs(t), first):
+            if abs(h) < finest:
                 return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
     return outcome

@@ -239,7 +239,7 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
             before = evaluations[EVALUATIONS]
             found = crossing(system, table, record, switches.modes, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
-            if found <= (part if last < 0 else (1.0 - EXACT) * part):
+            if found <= part if last < 0 else found < (1.0 - EXACT) * part:
                 part, last, switch = found, switch, 0
                 continue
             if evaluations[EVALUATIONS] != before:

@@ -13,8 +13,8 @@ STARTS = (0.0, 0.2, -0.2, 0.4)
 """Offsets at the start in sizes: the spread of what they give is our standard error."""
 SCATTER = 1.5
 """Means of 40 starts scatter by so much more than the errors of the reference say of them: its
-revolutions are correlated. (Over 16,000 revolutions at 0.5 mm with constant dissipation we find 4.434 ±
-0.021 touches at 0.830 ± 0.003 m/s, and free flight for 6.89 ± 0.04 % of the time.)"""
+revolutions are correlated. (Over 16,000 revolutions at 0.5 mm with constant dissipation we find
+4.434 ± 0.021 touches at 0.830 ± 0.003 m/s, and free flight for 6.89 ± 0.04 % of the time.)"""
 # The reference has three starts of 1500 revolutions each in its exponents.
 LONG, BEHIND = 720, 3 * 1500
 

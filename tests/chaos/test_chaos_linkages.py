@@ -435,3 +435,19 @@ def test_map_of_a_mechanism_with_two_clearances():
     assert list(data.coordinate.to_numpy()) == ["a", "b"]
     assert data.rotation.shape == (2, 3, 2)
     assert (data.rotation != "").all()
+
+
+def test_a_tangent_that_is_all_but_lost_does_not_hold_steps_up():
+    """One that has shrunk by e³³ beside the others is round-off, and fits no accelerations.
+
+    With those of before, two steps of five were rejected; now it is one of ten.
+    """
+    mechanism = linkages.load("double-pendulum").with_values(
+        {"dampers": [{"joint": "P", "damping": 5}]}
+    )
+    tangents = LinkageTangents(System(mechanism), 4, RunOptions(rtol=1e-9, method="dop853"))
+    for growth in tangents.grow(40, 0.5):
+        lengths = 0.5 * growth.rates[:, -1]
+    assert lengths.max() < -25
+    cost = tangents._march.cost
+    assert cost["rejected"] < 0.2 * cost["steps"]

@@ -150,7 +150,7 @@ def adaptive_steps(
                 elif not rejected:
                     # beyond a change forces may bend: errors there say nothing of those before
                     part = call_hook(switching.guess, switching.context, t, h, t_end)
-                    factor = min(factor, part)
+                    factor = min(factor, max(part, SHRINK_FRESH))
             rejected = True
             h *= factor
             if abs(h) < finest:

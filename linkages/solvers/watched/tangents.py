@@ -15,10 +15,15 @@ from __future__ import annotations
 import math
 
 from linkages.solvers.steps.compiled import callback, compiled, floats, integers, tuple_at
-from linkages.solvers.steps.views import SAMPLES, WORD, Record, System, Tangents
+from linkages.solvers.steps.stages import evaluate, set_clock
+from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Tangents
 
 system_at, record_at, tangents_at = tuple_at(System), tuple_at(Record), tuple_at(Tangents)
 SYSTEM_WORDS, RECORD_WORDS = len(System._fields), len(Record._fields)
+
+# What is left of a tangent that has shrunk this far beside others is their round-off to so many
+# digits. Accelerations would keep the round-off of theirs, which fits no step: they are new then.
+MOST_LOST = 1e-8
 
 
 @compiled
@@ -50,11 +55,12 @@ def scale(n: int, parts: int, size: int, factor: float, one: int) -> None:
 
 
 @compiled
-def renormalise(system: System, record: Record, tangents: Tangents, sample: int, row: int) -> None:
+def renormalise(system: System, record: Record, tangents: Tangents, sample: int, row: int) -> float:
     """Renormalise tangents at a sample; those at later samples and in row 0 follow.
 
-    Writes the logarithms of their lengths into a row of the record.
+    Writes the logarithms of their lengths into a row of the record; returns the least length.
     """
+    least = math.inf
     n, size = system.n, tangents.size
     begin = WORD * (n - tangents.columns * size)
     state = record.state + WORD * sample * 2 * n + begin
@@ -85,6 +91,8 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
             for r in range(memories):
                 moved[column * memories + r] /= length
         lengths[row * tangents.columns + column] = math.log(total)
+        least = min(least, total)
+    return least
 
 
 @callback
@@ -98,6 +106,10 @@ def watch_tangents(context: int, t: float, h: float, t_end: float) -> float:  # 
         number = seen[0] + tangents.offset + 1
         if number % tangents.every == 0:
             row = number // tangents.every - 1
-            renormalise(system, record, tangents, seen[0], row)
+            least = renormalise(system, record, tangents, seen[0], row)
+            if least < MOST_LOST:
+                integers(record.counters)[EVALUATIONS] += 1
+                set_clock(system, t_end)
+                evaluate(system, 0)
         seen[0] += 1
     return 0.0

@@ -1,12 +1,16 @@
 """Machine code against the evaluation of the same graph with NumPy."""
 
+import ctypes
+import platform
+
 import numpy as np
 import pytest
 from kernel_motion import call
 from linkage_models import program, system
 
+from linkages.kernel.code import machine
 from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder
-from linkages.kernel.code.compiled import bind_kernel
+from linkages.kernel.code.compiled import CompiledKernel, bind_kernel
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -109,3 +113,29 @@ def test_the_second_block_has_its_own_number():
         lacking = np.flatnonzero(~(radicands >= 0))
         assert compiled.clock_status == (lacking[0] + 1 if lacking.size else 0)
     assert 1 not in statuses
+
+
+@pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="names a processor of this family"
+)
+def test_bits_do_not_depend_on_the_instruction_set(monkeypatch):
+    """Also where the processor has no fused multiply-add, and the C library computes it."""
+    of = system("ninebar")
+    written, found = program(of), []
+    for features in (machine._host(), (machine._host()[0], "x86-64", "")):
+        monkeypatch.setattr(machine, "_host", lambda features=features: features)
+        code = machine.MachineCode(written.assembly)
+        values = np.zeros(sum(written.parameters))
+        values[: written.parameters[0]] = of.parameters
+        ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(code.address("prepare"))(
+            values.ctypes.data
+        )
+        kernel = CompiledKernel(code, values, written.timed)
+        random = np.random.default_rng(8)
+        found.append(
+            [
+                call(kernel, random.uniform(0, 2), of.state + 0.01 * random.normal(size=2), 1)[2]
+                for _ in range(100)
+            ]
+        )
+    np.testing.assert_array_equal(*found)

@@ -22,6 +22,13 @@ Cores = Annotated[
     int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
 ]
 
+Measures = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="MEASURE", help="A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable."
+    ),
+]
+
 
 @computes(SimulationOptions)
 def simulate(
@@ -38,6 +45,7 @@ def simulate(
             "default: for adaptive methods of high order."
         ),
     ] = None,
+    measure: Measures = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 

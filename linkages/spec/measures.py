@@ -246,7 +246,9 @@ def _bare(node: Node) -> bool:
 
 def _unit_text(found: Powers) -> str:
     """A unit in the words of outputs: that of a known dimension, or a product."""
+    if not found:
+        return ""
     for known in KNOWN:
         if known.unit and powers(unit(known.unit)) == found:
             return known.unit.replace("**", "^").replace("*", " ")
-    return described(found).removeprefix("a quantity in ") if found else ""
+    return described(found).removeprefix("a quantity in ")

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.followed import Followed
 from linkages.solution.measuring.reduced import reduced
 from linkages.solution.solution import Solution
+from linkages.solution.values.requests import requested
 from linkages.solution.values.series import TIME, Series, find_series, system_series
 from linkages.spec.grammar import NumberError
 from linkages.spec.measures import Measure, read_measure
@@ -89,6 +91,39 @@ def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> s
         return found.units(lambda name: _unit(system, series[name]))
     except NumberError as error:
         raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
+
+
+def unit_of(solution: Solution, text: str) -> str:
+    """The unit of a measure of a solution, in SI; empty for a pure number."""
+    found = read_measure(text)
+    return measure_unit(solution.system, found, measured_series(solution.system, found))
+
+
+def with_measured(
+    mechanism: Mechanism, outputs: Sequence[str] | None, texts: Iterable[str]
+) -> Sequence[str]:
+    """Outputs with those that measures need besides; checks the texts.
+
+    Parameters
+    ----------
+    mechanism
+        What is measured.
+    outputs
+        What was asked for, as `linkages.simulate` takes it.
+    texts
+        Measures.
+
+    Raises
+    ------
+    ValueError
+        If a text is no measure of the mechanism.
+    """
+    system = System(mechanism)
+    found = [read_measure(text) for text in texts]
+    for one in found:
+        measure_unit(system, one, measured_series(system, one))
+    needed = [name for name in needed_outputs(system, found) if VARIABLES[name].whole]
+    return list(dict.fromkeys([*requested(system, outputs), *needed]))
 
 
 def needed_outputs(system: System, measures: Iterable[Measure]) -> list[str]:

@@ -16,8 +16,6 @@ from linkages.chaos.sections.common_period import NoPeriodError
 from linkages.chaos.sections.section import require_section
 from linkages.chaos.sweeps.continuation import End, crossing_points, stroboscopic_points
 from linkages.chaos.sweeps.diagram import Value, diagram
-from linkages.chaos.sweeps.sweep import Executor, Outcome, Progress, per_period, sweep
-from linkages.chaos.sweeps.varied import Axis, Vary, axis_of, coordinates, first_possible
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted
 from linkages.kernel.system import System
@@ -27,6 +25,8 @@ from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
+from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible
+from linkages.sweeps.running import Executor, Outcome, Progress, per_period, sweep
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
 from linkages.chaos.sections.free_states import PAIRS, free_names
 from linkages.chaos.sweeps.continuation import Visited
-from linkages.chaos.sweeps.sweep import INTERRUPTED, Outcome, reason_of
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
+from linkages.sweeps.running import INTERRUPTED, Outcome, reason_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact import Contact
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
-from linkages.chaos.sweeps.sweep import Swept
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
+from linkages.sweeps.running import Swept
 
 if TYPE_CHECKING:
     import xarray as xr

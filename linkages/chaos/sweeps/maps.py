@@ -17,15 +17,6 @@ from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
 from linkages.chaos.sweeps.map_data import MapPoint, map_data
-from linkages.chaos.sweeps.sweep import Executor, Progress, per_period, sweep
-from linkages.chaos.sweeps.varied import (
-    Axis,
-    Vary,
-    axis_of,
-    coordinates,
-    first_possible,
-    require_different,
-)
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -34,6 +25,15 @@ from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
+from linkages.sweeps.axes import (
+    Axis,
+    Vary,
+    axis_of,
+    coordinates,
+    first_possible,
+    require_different,
+)
+from linkages.sweeps.running import Executor, Progress, per_period, sweep
 
 if TYPE_CHECKING:
     import xarray as xr

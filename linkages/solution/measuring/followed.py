@@ -6,20 +6,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
 from linkages.solution.crossings import accelerated
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Piece, compute_motion
+from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.resolved import MOST_EVALUATIONS, MOST_SAMPLES
-from linkages.solution.solution import Solution
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -40,37 +43,48 @@ class Followed:
 
     Parameters
     ----------
-    solution
-        What is measured.
+    system, motion, settings
+        What is measured, and how it was computed.
     series
         Name → series that measures name.
+    data
+        Outputs that need more than the motion at one time, at its samples.
     """
 
     count = 1
 
-    def __init__(self, solution: Solution, series: Mapping[str, Series]) -> None:
-        self._solution, self._series = solution, series
-        self._motion = resolved_motion(solution)
+    def __init__(
+        self,
+        system: System,
+        motion: Motion,
+        settings: Settings,
+        series: Mapping[str, Series],
+        data: xr.Dataset | None = None,
+    ) -> None:
+        self._model, self._series, self._data = system.model, series, data
+        self._given = motion.time
+        self._motion = resolved_motion(system, motion, settings)
         self.time: Floats = self._motion.time
         self._sampled: dict[str, Floats] = {}
 
     def sampled(self, series: str) -> Floats:
         """The series at the samples, shape (1, samples)."""
         if series not in self._sampled:
-            found, data = self._series[series], self._solution.data
+            found = self._series[series]
             if found.variable == TIME:
                 values = self.time
-            elif _evaluable(found):
+            elif evaluable(found):
                 values = found.picked(self._evaluated(self._motion, [found]), self._model)
             else:
-                values = self._between_samples(found.of(data).to_numpy().astype(float), found)
+                assert self._data is not None
+                values = self._between_samples(found.of(self._data).to_numpy(), found)
             self._sampled[series] = np.asarray(values, dtype=float)[None]
         return self._sampled[series]
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
         """The series at places, shape (places,) each."""
         found = [self._interpolated(name, places) for name in series]
-        followed = [k for k, name in enumerate(series) if _evaluable(self._series[name])]
+        followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
         if followed:
             chosen = [self._series[series[k]] for k in followed]
             for interval, piece in self._within(places):
@@ -78,10 +92,6 @@ class Followed:
                 for k, each in zip(followed, chosen, strict=True):
                     found[k][interval] = each.picked(values, self._model)
         return found
-
-    @property
-    def _model(self) -> Model:
-        return self._solution.system.model
 
     def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
@@ -98,7 +108,7 @@ class Followed:
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
-        given = self._solution.data["time"].to_numpy()
+        given = self._given
         if len(given) == len(self.time):
             return values
         order = 1 if given[-1] >= given[0] else -1
@@ -132,12 +142,12 @@ class Followed:
         return found
 
 
-def resolved_motion(solution: Solution) -> Motion:
-    """The motion of a solution, with samples that are closer than steps; computed again if need be.
+def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motion:
+    """A motion with samples that are closer than its steps; computed again if need be.
 
     An adaptive method takes several steps per swing, so that nothing happens between such samples.
     """
-    motion, settings, time = solution.motion, solution.settings, solution.data["time"].to_numpy()
+    time = motion.time
     steps, count = motion.cost.get("steps", 0), len(time) - 1
     factor = ceil(_PER_STEP * steps / count) if count > 0 else 1
     dear = motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
@@ -145,9 +155,7 @@ def resolved_motion(solution: Solution) -> Motion:
         return motion
     places = np.arange(count * factor + 1) / factor
     times = np.interp(places, np.arange(count + 1), time)
-    return compute_motion(
-        solution.system, replace(settings, times=times, work=False, watch=None, events=())
-    )
+    return compute_motion(system, replace(settings, times=times, work=False, events=()))
 
 
 def _smooth(series: Series) -> bool:
@@ -167,7 +175,7 @@ def _through(values: Floats, places: Floats, smooth: bool) -> Floats:
     return found
 
 
-def _evaluable(series: Series) -> bool:
+def evaluable(series: Series) -> bool:
     """Whether it can be computed from the motion at one time."""
     return series.variable == REACTION or (
         series.variable in VARIABLES and not VARIABLES[series.variable].whole

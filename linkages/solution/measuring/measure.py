@@ -9,7 +9,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.followed import Followed
-from linkages.solution.measuring.reduced import reduced
+from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.solution import Solution
 from linkages.solution.values.requests import requested
 from linkages.solution.values.series import TIME, Series, find_series, system_series
@@ -54,12 +54,18 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, found, series)
-    value = reduced(found, Followed(solution, series))
+    how = solution.motion, solution.settings, series, solution.data
+    return single(found, Followed(solution.system, *how))
+
+
+def single(found: Measure, source: Source) -> float:
+    """A measure of the one motion of a source; raises ComputationError as `measure` does."""
+    value = reduced(found, source)
     if value.divided[0]:
-        raise ComputationError(f"measure {text!r} divides by zero", time=None)
+        raise ComputationError(f"measure {found.text!r} divides by zero", time=None)
     number = float(value.values[0])
     if number != number:
-        raise ComputationError(f"measure {text!r} has no finite value", time=None)
+        raise ComputationError(f"measure {found.text!r} has no finite value", time=None)
     return number
 
 

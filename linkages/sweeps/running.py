@@ -14,9 +14,9 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
-from linkages.chaos.sweeps.cores import available_cores
 from linkages.errors import InputError, LinkagesError
 from linkages.options.run import RunOptions
+from linkages.sweeps.cores import available_cores
 
 POLL = 0.1
 INTERRUPTED = "not computed: interrupted"

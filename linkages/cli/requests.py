@@ -103,7 +103,7 @@ class Request:
     @contextmanager
     def computing(
         self, label: str, what: str = "of simulated time"
-    ) -> Iterator[Callable[[float], None]]:
+    ) -> Iterator[Callable[..., None]]:
         """Show the progress of a computation; turn what it raises into what the program says.
 
         Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from typing import Any
 
@@ -89,8 +89,15 @@ class Answer:
 class Question(ABC):
     """What is asked at every point of a sweep; can be sent to other processes."""
 
-    together: int = 1
-    """Points that are best computed together."""
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Without what was computed from its fields."""
+        own: Any = self
+        return type(self), tuple(getattr(self, each.name) for each in fields(own))
+
+    @property
+    def together(self) -> int:
+        """How many points are best computed together."""
+        return 1
 
     @property
     @abstractmethod

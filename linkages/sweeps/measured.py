@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.errors import ComputationError, InputError, LinkagesError
+from linkages.errors import ComputationError, InputError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
@@ -26,21 +26,19 @@ from linkages.solution.measuring.reduced import reduced
 from linkages.solution.moving.motion import Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia, simulate
-from linkages.solution.solution import IncompleteError
 from linkages.solution.values.series import TIME, Series
 from linkages.spec.measures import Measure
+from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
 from linkages.sweeps.driven import DrivenMotions, serves, undisturbed
 from linkages.sweeps.points import Points
+from linkages.sweeps.pointwise import answered, evaluations, first_system, stop_code
 from linkages.sweeps.running import stopping
 
 Floats = NDArray[np.float64]
 
 TOGETHER = 512
 """Driven mechanisms that are evaluated together."""
-
-BUDGET = "max_steps"
-"""Stands in what is said of a motion that used up its steps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +69,7 @@ class Measured(Question):
         return self.points.count
 
     @property
-    def together(self) -> int:  # type: ignore[override]
+    def together(self) -> int:
         """Many where drives determine the motion, else few: a motion takes long."""
         return TOGETHER if self._driven else 1
 
@@ -103,7 +101,7 @@ class Measured(Question):
         InputError, ValueError
             If there is none, or a measure is none of the mechanism.
         """
-        system = _first(self.varying, self.points)
+        system = first_system(self.varying, self.points)
         for each in self.measures.values():
             measure_unit(system, each, measured_series(system, each))
         return system
@@ -119,6 +117,17 @@ class Measured(Question):
         own = any(path.split(".")[0] == "simulate" for path in self.points.paths)
         return not own and serves(self.first, self._series)
 
+    @cached_property
+    def _plain(self) -> bool:
+        """Whether numbers in SI are read as texts with units are, which takes longer."""
+        try:
+            text, si = (self.points.overrides(0, 1, si=si)[0] for si in (False, True))
+            one, other = (self.varying.at(overrides) for overrides in (text, si))
+        except (InputError, UnitError):
+            return False
+        same = one.structure.key == other.structure.key
+        return same and np.array_equal(one.numbers, other.numbers)
+
     def units(self) -> dict[str, str]:
         """Unit of each measure."""
         return {
@@ -128,9 +137,9 @@ class Measured(Question):
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The measures at some points."""
-        along = self.varying.along(self.points.overrides(first, last))
+        along = self.varying.along(self.points.overrides(first, last, si=self._plain))
         found: dict[int, Answer] = self._at_once(along) if self._driven else {}
-        return [found[k] if k in found else self._alone(along, k) for k in range(len(along))]
+        return [found[k] if k in found else answered(along, k, self._of) for k in range(len(along))]
 
     def _at_once(self, along: Along) -> dict[int, Answer]:
         """Answers at points whose motion goes to its end without any doubt."""
@@ -156,33 +165,6 @@ class Measured(Question):
             found[place] = _answer(self.measures, numbers, missing, divided)
         return found
 
-    def _alone(self, along: Along, place: int) -> Answer:
-        """The answer at a point by itself."""
-        if stopping():
-            raise KeyboardInterrupt
-        try:
-            system = along.system(place)
-        except InputError as error:
-            return Answer.of(error, self._refused(along, place))
-        try:
-            return self._of(system)
-        except OverTimeError as error:
-            return Answer({}, Code.OVER_TIME, str(error))
-        except InputError as error:
-            return Answer.of(error, Code.INVALID)
-        except IncompleteError as error:
-            return Answer.of(error, stop_code(error), _evaluations(error.solution.motion))
-        except (LinkagesError, ValueError) as error:
-            return Answer.of(error, stop_code(error))
-
-    def _refused(self, along: Along, place: int) -> Code:
-        """Whether values cannot be used, or the mechanism that they make cannot be assembled."""
-        try:
-            self.varying.mechanism_at(along.points[place])
-        except InputError:
-            return Code.INVALID
-        return Code.NOT_ASSEMBLED
-
     def _of(self, system: System) -> Answer:
         mechanism, watch = system.mechanism, self._watch()
         whole = [
@@ -204,7 +186,7 @@ class Measured(Question):
                 raise KeyboardInterrupt
             if motion.failure is not None:
                 stopped = ComputationError(motion.failure, time=motion.stop_time)
-                return Answer.of(stopped, stop_code(stopped), _evaluations(motion))
+                return Answer.of(stopped, stop_code(stopped), evaluations(motion))
         source = Followed(system, motion, settings, self._series, data)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
@@ -213,7 +195,7 @@ class Measured(Question):
             except ComputationError as error:
                 reasons.append(str(error))
         code = Code.UNDEFINED if reasons else Code.COMPUTED
-        return Answer(numbers, code, "; ".join(reasons), None, _evaluations(motion))
+        return Answer(numbers, code, "; ".join(reasons), None, evaluations(motion))
 
     def _watch(self) -> Any:
         """Called now and then: ends a point that takes too long, or when the sweep ends."""
@@ -227,10 +209,6 @@ class Measured(Question):
                 raise OverTimeError(f"took more than {self.seconds:g} s; {done} were computed")
 
         return look
-
-
-def _evaluations(motion: Any) -> int:
-    return int(motion.cost.get("evaluations", 0))
 
 
 def _answer(
@@ -247,22 +225,3 @@ def _answer(
         for name in missing
     ]
     return Answer(numbers, Code.UNDEFINED, "; ".join(reasons))
-
-
-def stop_code(error: Exception) -> Code:
-    """What became of a motion that stopped."""
-    return Code.OVER_BUDGET if BUDGET in str(error) else Code.STOPPED
-
-
-def _first(varying: Varying, points: Points) -> System:
-    """The first system along the points that can be built, or as the definition has it."""
-    refusal: Exception | None = None
-    block = 64
-    for first in range(0, points.count, block):
-        for overrides in points.overrides(first, min(first + block, points.count)):
-            try:
-                return varying.at(overrides)
-            except InputError as error:
-                refusal = refusal or error
-    assert refusal is not None
-    raise refusal

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.spec.units import unit
 from linkages.sweeps.axes import Axis, axis, coordinates, require_different
 from linkages.sweeps.distributions import (
     SEQUENCES,
@@ -98,14 +99,22 @@ class Points:
             rows.append(self.draw_values[:, places[-1]])
         return np.concatenate(rows).T
 
-    def overrides(self, first: int, last: int) -> list[dict[str, object]]:
-        """Overrides of some points."""
+    def overrides(self, first: int, last: int, si: bool = False) -> list[dict[str, object]]:
+        """Overrides of some points: texts with their units, or numbers in SI."""
+        numbers = self.matrix(first, last)
+        if si:
+            kinds = [unit(text) if text else None for text in self.units]
+            rows = [
+                [found if kind is None else kind.convert(found) for found, kind in row]
+                for row in (zip(row, kinds, strict=True) for row in numbers.tolist())
+            ]
+            return [dict(zip(self.paths, row, strict=True)) for row in rows]
         return [
             {
-                path: f"{number!r} {unit}" if unit else number
-                for path, unit, number in zip(self.paths, self.units, row, strict=True)
+                path: f"{number!r} {unit_}" if unit_ else number
+                for path, unit_, number in zip(self.paths, self.units, row, strict=True)
             }
-            for row in self.matrix(first, last).tolist()
+            for row in numbers.tolist()
         ]
 
     @property

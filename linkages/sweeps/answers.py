@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.sweeps.running import reason_of
+from linkages.sweeps.running import INTERRUPTED, reason_of
 
 Arrays = dict[str, NDArray[Any]]
 """Name → values, the first axis counts points."""
@@ -33,6 +33,13 @@ class Code(IntEnum):
     def words(self) -> str:
         """As files and reports have it."""
         return self.name.lower()
+
+
+CODES = {
+    "flag_values": np.array([*Code], dtype=np.int8),
+    "flag_meanings": " ".join(code.words for code in Code),
+}
+"""What codes mean, as attributes of a dataset."""
 
 
 class OverTimeError(Exception):
@@ -147,3 +154,18 @@ def stacked(fields: Mapping[str, Field], answers: Sequence[Answer]) -> Arrays:
         nothing = each.nothing(1)[0]
         found[name] = each.stacked([answer.values.get(name, nothing) for answer in answers])
     return found
+
+
+def reasons(found: Arrays) -> NDArray[Any]:
+    """Why there are no values, as datasets have it; empty where there are some."""
+    texts = found["reason"].astype(object)
+    texts[found["outcome"] == Code.MISSING] = INTERRUPTED
+    return texts
+
+
+def inserted(array: NDArray[Any], place: int, value: Any) -> NDArray[Any]:
+    """An array with another entry; texts become as long as they need."""
+    if array.dtype.kind == "U" and np.asarray(value).dtype.itemsize > array.dtype.itemsize:
+        array = array.astype(np.asarray(value).dtype)
+    array[place] = value
+    return array

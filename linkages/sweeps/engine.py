@@ -100,7 +100,7 @@ def computed(
     spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
     parts: dict[Span, Arrays] = {} if store is None else dict(store.read(spans))
     left = [span for span in spans if span not in parts]
-    ledger = _Ledger(question.count, watch)
+    ledger = Ledger(question.count, watch)
     for span, part in parts.items():
         ledger.add(span, part, new=False)
     interrupted = False
@@ -133,7 +133,7 @@ def _chunks(
         yield span, lost
 
 
-class _Ledger:
+class Ledger:
     """Counts what was done, and tells of it."""
 
     def __init__(self, total: int, watch: Watch | None) -> None:
@@ -143,6 +143,7 @@ class _Ledger:
         self._done = self._new = 0
 
     def add(self, span: Span, part: Arrays, new: bool = True) -> None:
+        """Count a chunk; `new` if it was computed in this run."""
         size = span[1] - span[0]
         self._done += size
         self._new += size * new
@@ -152,6 +153,7 @@ class _Ledger:
                 self._failed[Code(code).words] += int(count)
 
     def tell(self) -> None:
+        """Call the watch."""
         if self._watch is None:
             return
         elapsed = time.monotonic() - self._begun

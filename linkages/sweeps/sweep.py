@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-import numpy as np
-
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.varying import Varying
@@ -15,7 +13,7 @@ from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
 from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
-from linkages.sweeps.answers import Code
+from linkages.sweeps.answers import CODES, reasons
 from linkages.sweeps.engine import Computed, Watch, computed
 from linkages.sweeps.measured import Measured
 from linkages.sweeps.points import points_of
@@ -131,15 +129,11 @@ def _dataset(
     for name, each in question.measures.items():
         attrs = {"units": units[name], "long_name": each.text}
         variables[name] = (dims, found.arrays[name].reshape(shape), attrs)
-    codes = {
-        "flag_values": np.array([*Code], dtype=np.int8),
-        "flag_meanings": " ".join(code.words for code in Code),
-    }
     stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     cost = {"long_name": "evaluations of the equations of motion"}
     arrays = {name: array.reshape(shape) for name, array in found.arrays.items()}
-    variables["outcome"] = (dims, arrays["outcome"], codes)
-    variables["reason"] = (dims, arrays["reason"].astype(object))
+    variables["outcome"] = (dims, arrays["outcome"], CODES)
+    variables["reason"] = (dims, reasons(arrays))
     variables["stop_time"] = (dims, arrays["stop_time"], stopped)
     variables["evaluations"] = (dims, arrays["evaluations"], cost)
     about: dict[str, Any] = {"name": mechanism.name, "source": mechanism.source}

@@ -23,7 +23,7 @@ from linkages.solution.solution import labelled
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION, requested
 from linkages.solvers.flow import Companion, Flow
-from linkages.solvers.steps.many import evaluate_states
+from linkages.solvers.steps.loaded import EVALUATE_STATES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -141,7 +141,7 @@ class Equations:
         first = work.ctypes.data
         state = first + 16
         found = state + 8 * size
-        status = evaluate_states(
+        status = EVALUATE_STATES(
             self._flow.clock, self._flow.rates, self._numbers, found + 8 * written,
             first, state, found, 1, size, written, first + 8,
         )  # fmt: skip
@@ -332,7 +332,7 @@ class Equations:
         found, refused = np.empty((len(rows), written)), np.zeros(1, dtype=np.int64)
         timed = np.empty(max(1, kernel.timed_size))
         addresses = (parameters, timed, time, rows, found)
-        status = evaluate_states(
+        status = EVALUATE_STATES(
             kernel.clock, kernel.rates, *(array.ctypes.data for array in addresses),
             len(rows), rows.shape[1], written, refused.ctypes.data,
         )  # fmt: skip

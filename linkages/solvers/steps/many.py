@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_clock, call_rates, entry, floats, integers
+from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
 
 
-@entry
+@compiled
 def evaluate_states(
     clock: int, rates: int, parameters: int, timed: int, times: int, states: int, found: int,
     count: int, size: int, written: int, refused: int,
@@ -39,3 +39,15 @@ def evaluate_states(
             integers(refused)[0] = k
             return status
     return 0
+
+
+@compiled
+def repeat(
+    clock: int, rates: int, state: int, parameters: int, timed: int, out: int, count: int
+) -> int:
+    """Evaluate many times at times 1 µs apart."""
+    status = 0
+    for i in range(count):
+        status |= call_clock(clock, 1e-6 * i, parameters, timed)
+        status |= call_rates(rates, state, parameters, timed, out)
+    return status

@@ -17,6 +17,7 @@ from linkages.kernel.code.cache import digest_of, kept
 
 LOGGER = logging.getLogger(__name__)
 
+_FORMAT = "2"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double) @(\w+)\((.*)\) {$", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
@@ -48,7 +49,7 @@ class MachineCode:
 
     def __init__(self, text: str, write: Callable[[], str] | None = None) -> None:
         begin = time.perf_counter()
-        key = "\n".join([*_host(), text])
+        key = "\n".join([_FORMAT, *_host(), text])
         content, known = kept(key, ".o", lambda: _compiled(text if write is None else write()))
         defined, needed, image = content.split(b"\n", 2)
         library = _llvm().JITLibraryBuilder().add_object_img(image)

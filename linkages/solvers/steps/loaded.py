@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module, metadata
+from itertools import chain
 from pathlib import Path
 from threading import RLock
 from typing import Any
@@ -27,21 +28,30 @@ class Loaded:
     def __init__(self, module: str, name: str) -> None:
         self._module, self._name = module, name
 
+    @cached_property
+    def _code(self) -> MachineCode:
+        def written() -> str:
+            from linkages.solvers.steps.compiled import exported
+
+            return exported(getattr(import_module(self._module), self._name))
+
+        with _LOADING:
+            return MachineCode(f"{version()} {self._module} {self._name}", written)
+
     @property
     def address(self) -> int:
         """Where its machine code is."""
-        return _code(self._module, self._name)[0].address(self._name)
+        return self._code.address(self._name)
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """It, with as many integers in place of a named tuple; other threads run meanwhile."""
+        return self._code.function(self._name)
 
     def __call__(self, *arguments: Any) -> int:
-        """Call it, with named tuples spread; other threads run meanwhile."""
-        _, function = _code(self._module, self._name)
-        flat: list[Any] = []
-        for argument in arguments:
-            if isinstance(argument, tuple):
-                flat += argument
-            else:
-                flat.append(argument)
-        return int(function(*flat))
+        """Call it, with named tuples."""
+        spread = (part if isinstance(part, tuple) else (part,) for part in arguments)
+        return int(self.function(*chain.from_iterable(spread)))
 
 
 @cache
@@ -53,21 +63,6 @@ def version() -> str:
     return digest.hexdigest()
 
 
-def _code(module: str, name: str) -> tuple[MachineCode, Callable[..., Any]]:
-    with _LOADING:
-        return _loaded(module, name)
-
-
-@cache
-def _loaded(module: str, name: str) -> tuple[MachineCode, Callable[..., Any]]:
-    def written() -> str:
-        from linkages.solvers.steps.compiled import exported
-
-        return exported(getattr(import_module(module), name))
-
-    code = MachineCode(f"{version()} {module} {name}", written)
-    return code, code.function(name)
-
-
+EVALUATE_STATE = Loaded("linkages.solvers.steps.many", "evaluate_state")
 EVALUATE_STATES = Loaded("linkages.solvers.steps.many", "evaluate_states")
 REPEAT = Loaded("linkages.solvers.steps.many", "repeat")

@@ -6,6 +6,28 @@ from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, fl
 
 
 @compiled
+def evaluate_state(kernel: int, work: int) -> int:
+    """Evaluate a kernel once; returns its status.
+
+    Parameters
+    ----------
+    kernel
+        Address of the addresses of `clock`, `rates` and the parameters, the number of entries of a
+        state, and of what the kernel writes.
+    work
+        Address of the time in seconds, the state, and room for what `rates` and `clock` write.
+    """
+    words = integers(kernel)
+    state = work + 8
+    out = state + 8 * words[3]
+    timed = out + 8 * words[4]
+    status = call_clock(words[0], floats(work)[0], words[2], timed)
+    if status == 0:
+        status = call_rates(words[1], state, words[2], timed, out)
+    return status
+
+
+@compiled
 def evaluate_states(
     clock: int, rates: int, parameters: int, timed: int, times: int, states: int, found: int,
     count: int, size: int, written: int, refused: int,

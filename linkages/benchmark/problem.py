@@ -17,7 +17,7 @@ from linkages.solution.moving.plan import build_flow
 from linkages.solution.remarks.stops import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate
-from linkages.solvers.steps.loaded import EVALUATE_STATES, REPEAT
+from linkages.solvers.steps.loaded import EVALUATE_STATE, REPEAT
 
 REFERENCE = "gauss8"
 
@@ -92,26 +92,27 @@ class Problem:
 
 
 class _Arrays:
-    """Memory for the right-hand side of a flow."""
+    """Memory for the right-hand side of a flow: time, state, what is written, in one array."""
 
     def __init__(self, flow: Flow) -> None:
-        self.state = np.zeros(2 * flow.coordinates)
-        self.timed = np.zeros(max(1, flow.timed_size))
-        self.out = np.zeros(flow.written)
-        self.parameters, self.time = flow.parameters, np.zeros(1)
-        self._kernel, self._refused = (flow.clock, flow.rates), np.zeros(1, dtype=np.int64)
+        size, written = 2 * flow.coordinates, flow.written
+        self._work = np.zeros(1 + size + written + max(1, flow.timed_size))
+        self.time, self.state, self.out, self._timed = np.split(
+            self._work, [1, 1 + size, 1 + size + written]
+        )
+        self._parameters = flow.parameters
+        numbers = flow.parameters.ctypes.data
+        self._kernel = np.array([flow.clock, flow.rates, numbers, size, written])
+        self._addresses = self._kernel.ctypes.data, self._work.ctypes.data
 
     def evaluate(self) -> int:
         """Evaluate at a time and a state; returns the status."""
-        used = (self.parameters, self.timed, self.time, self.state, self.out)
-        sizes = (1, len(self.state), len(self.out))
-        places = (array.ctypes.data for array in used)
-        return EVALUATE_STATES(*self._kernel, *places, *sizes, self._refused.ctypes.data)
+        return EVALUATE_STATE.function(*self._addresses)
 
     def repeat(self, count: int) -> None:
         """Evaluate at the state and many times."""
-        used = (self.state, self.parameters, self.timed, self.out)
-        REPEAT(*self._kernel, *(array.ctypes.data for array in used), count)
+        used = (self.state, self._parameters, self._timed, self.out)
+        REPEAT(*self._kernel[:2].tolist(), *(array.ctypes.data for array in used), count)
 
 
 def derivative(flow: Flow) -> Callable[[float, NDArray[np.float64]], NDArray[np.float64]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -62,6 +62,10 @@ class Measured(Question):
     measures: Mapping[str, Measure]
     given: Mapping[str, Any]
     seconds: float | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Without what belongs to this process."""
+        return type(self), tuple(getattr(self, each.name) for each in fields(self))
 
     @property
     def count(self) -> int:
@@ -137,6 +141,7 @@ class Measured(Question):
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The measures at some points."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last, si=self._plain))
         found: dict[int, Answer] = self._at_once(along) if self._driven else {}
         return [found[k] if k in found else answered(along, k, self._of) for k in range(len(along))]

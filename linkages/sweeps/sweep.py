@@ -14,10 +14,11 @@ from linkages.options.signature import takes
 from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
+from linkages.sweeps.cluster import Cluster
 from linkages.sweeps.engine import Computed, Watch, computed
 from linkages.sweeps.measured import Measured
 from linkages.sweeps.points import points_of
-from linkages.sweeps.running import Executor, Threads
+from linkages.sweeps.running import Threads
 from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def sweep(
     sequence: str = "random",
     store: str | Path | None = None,
     cores: int | None = None,
-    executor: Executor | None = None,
+    scheduler: str | None = None,
     time_per_point: float | None = None,
     watch: Watch | None = None,
     **options: Unpack[SimulationKeywords],
@@ -62,8 +63,8 @@ def sweep(
         Folder in which results are kept as they come; the same call goes on there.
     cores
         Computations at the same time; those that this process may use if not given.
-    executor
-        Where points are computed instead.
+    scheduler
+        Address of a Dask scheduler, on whose workers points are computed instead.
     time_per_point
         Seconds after which a point is given up.
     watch
@@ -90,14 +91,15 @@ def sweep(
     options_of(SimulationOptions, mechanism, options)
     if time_per_point is not None and not time_per_point > 0:
         raise ValueError(f"time_per_point must be seconds > 0, found {time_per_point!r}")
-    if cores is not None and executor is not None:
-        raise ValueError("cores do not go with an executor, which says where to compute")
+    if cores is not None and scheduler is not None:
+        raise ValueError("cores do not go with a scheduler, whose workers have their own")
+    executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
     question = Measured(Varying(mechanism), points, measures, given, time_per_point)
     units = question.units()  # what is wrong everywhere shows here
     with stored(store, mechanism, question) as place:
-        found = computed(question, executor=executor or Threads(cores), store=place, watch=watch)
+        found = computed(question, executor=executor, store=place, watch=watch)
         data = _dataset(mechanism, question, found, units)
         if place is not None and not found.interrupted:
             place.finish(data)

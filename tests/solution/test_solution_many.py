@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
 from linkages.solution.moving.many import march_many

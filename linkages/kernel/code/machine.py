@@ -17,7 +17,7 @@ from linkages.kernel.code.cache import digest_of, kept
 LOGGER = logging.getLogger(__name__)
 
 _NUMBERS = itertools.count()  # of libraries: no two have one name
-_DEFINED = re.compile(r"^define i64 @(\w+)\(", re.MULTILINE)
+_DEFINED = re.compile(r"^define (?:i64|void) @(\w+)\(", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
 _NEEDED = ("fma", "floor", "rint", "fmod")  # by intrinsics where the processor has no instruction
 

@@ -12,6 +12,7 @@ from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
+from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ACTIVE,
     END,
@@ -27,6 +28,10 @@ from linkages.solvers.steps.views import (
     Table,
     Tangents,
 )
+
+BEGIN_MOTION = Loaded("linkages.solvers.loops.adaptive_steps", "begin_motion")
+CONCLUDE_STEP = Loaded("linkages.solvers.loops.adaptive_steps", "conclude_step")
+WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
 
 
 class Memory:
@@ -111,13 +116,11 @@ def system(
 
 def control(memory: Memory, job: Job, tableau: Tableau, gain: float) -> Control:
     """What an adaptive loop needs beside the rest."""
-    from linkages.solvers.loops.adaptive_steps import begin_motion, conclude_step
-
     code = compiled_step(tableau, Shape.of(job.flow), gain)
     return Control(
         advance=code.address("advance"),
-        begin=begin_motion.address,
-        conclude=conclude_step.address,
+        begin=BEGIN_MOTION.address,
+        conclude=CONCLUDE_STEP.address,
         atol=memory.floats(job.atol),
         zeros=memory.floats(np.zeros(len(job.state))),
         order=tableau.error_order,
@@ -195,9 +198,6 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     )
     if job.tangents is None:
         return found
-    # Compiled by the first run that has tangents.
-    from linkages.solvers.watched.tangents import watch_tangents
-
     own = job.flow.switching
     tangents = Tangents(
         size=job.tangents.size,
@@ -211,4 +211,4 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )
     context = memory.integers([*system, *found, *tangents])
-    return found._replace(observer=watch_tangents.address, observed=context)
+    return found._replace(observer=WATCH_TANGENTS.address, observed=context)

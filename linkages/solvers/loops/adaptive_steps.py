@@ -26,9 +26,8 @@ from linkages.solvers.printed.control import SHRINK_TURNING
 from linkages.solvers.steps.compiled import (
     call_advance,
     call_hook,
-    callback,
+    call_step,
     compiled,
-    entry,
     floats,
     integers,
     tuple_at,
@@ -103,8 +102,8 @@ def first_length(system: System, control: Control, span: float) -> float:
     return first_step(system, pace[T], span, control.order, pace[RTOL], control.atol, control.zeros)
 
 
-@callback
-def begin_motion(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
+@compiled
+def begin_motion(context: int) -> int:
     """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
     system, record = system_at(context), record_at(context + RECORD)
     control, pace = control_at(context + CONTROL), floats(system.pace)
@@ -198,12 +197,9 @@ def reject(
     return DONE
 
 
-@callback
-def conclude_step(context: int, t: float, h: float, t_end: float) -> float:
-    """Finish the trial in the workspace; returns an `Outcome`.
-
-    The arguments behind the context mean nothing: all of it stands in the pace.
-    """
+@compiled
+def conclude_step(context: int) -> int:
+    """Finish the trial in the workspace; returns an `Outcome`."""
     system, table, record = (
         system_at(context),
         table_at(context + TABLE),
@@ -262,10 +258,10 @@ def go_on(context: int) -> int:
     note_steps(system, table, record)
     if flagged == 0:
         return DONE
-    return int(call_hook(control.conclude, context, 0.0, 0.0, 0.0))
+    return call_step(control.conclude, context)
 
 
-@entry
+@compiled
 def adaptive_steps(context: int) -> int:
     """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
 
@@ -273,7 +269,7 @@ def adaptive_steps(context: int) -> int:
     a row. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
     """
     control, pace = control_at(context + CONTROL), floats(system_at(context).pace)
-    outcome = int(call_hook(control.begin, context, 0.0, 0.0, 0.0))
+    outcome = call_step(control.begin, context)
     while outcome == DONE and pace[T] != pace[END]:
         outcome = go_on(context)
     return outcome

@@ -116,9 +116,9 @@ def fold(
             values = list(body(entry, values))
         return values
     loop = Loop(code, [("i64", "0"), *((code.number, start) for start in starts)])
-    entry, *before = loop.values
-    found = list(body(entry, before))
-    following = code.give(f"add i64 {entry}, 1")
+    place, *before = loop.values
+    found = list(body(place, before))
+    following = code.give(f"add i64 {place}, 1")
     loop.repeat(code.give(f"icmp ult i64 {following}, {count}"), [following, *found])
     return found
 

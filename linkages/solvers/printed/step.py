@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+import hashlib
+from functools import cache, lru_cache, partial
+from pathlib import Path
 
+import numpy as np
+
+from linkages.kernel.code import instructions
 from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
@@ -55,4 +60,23 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
 @lru_cache(maxsize=256)
 def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
     """The functions of a step as machine code; see `write_step`."""
-    return MachineCode(write_step(tableau, shape, gain, lanes))
+    key = f"{_version()} {_coefficients(tableau)} {shape} {gain} {lanes}"
+    return MachineCode(key, partial(write_step, tableau, shape, gain, lanes))
+
+
+@cache
+def _version() -> str:
+    """What texts depend on beside what is asked for: all that takes part in writing them."""
+    digest = hashlib.sha256()
+    solvers, kernel = Path(__file__).parents[1], Path(instructions.__file__).parent
+    for folder in (solvers / "printed", solvers / "steps", kernel):
+        for path in sorted(folder.glob("*.py")):
+            digest.update(path.read_bytes())
+    return f"step {digest.hexdigest()}"
+
+
+def _coefficients(tableau: Tableau) -> str:
+    digest = hashlib.sha256()
+    for array in (tableau.extended_A, tableau.extended_c, tableau.error):
+        digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()

@@ -80,7 +80,11 @@ def integrate(
     ValueError
         For arguments that make no sense.
     """
-    asked = request(flow, state, times, **options)
+    return carry_out(request(flow, state, times, **options), watch)
+
+
+def carry_out(asked: Request, watch: Callable[[float], None] | None = None) -> Trajectory:
+    """Integrate what is asked for; see `integrate`."""
     job, clock = asked.job, time.perf_counter()
     loop = asked.method.prepare(job)
 

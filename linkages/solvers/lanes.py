@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeGuard
 
 import numpy as np
@@ -29,7 +29,11 @@ LINE = 64
 ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
 
 
-def integrate_many(requests: Sequence[Request], lanes: int = LANES) -> list[Trajectory]:
+def integrate_many(
+    requests: Sequence[Request],
+    lanes: int = LANES,
+    watch: Callable[[float], None] | None = None,
+) -> list[Trajectory]:
     """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
 
     Parameters
@@ -38,6 +42,8 @@ def integrate_many(requests: Sequence[Request], lanes: int = LANES) -> list[Traj
         From `linkages.solvers.integration.request`.
     lanes
         Number of motions side by side, of those with the same functions.
+    watch
+        Called about 20 times a second with the fraction of the motions that have ended.
 
     Returns
     -------
@@ -48,9 +54,16 @@ def integrate_many(requests: Sequence[Request], lanes: int = LANES) -> list[Traj
         alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
         groups.setdefault((asked.method.name, asked.job.flow.clock, *alone), []).append(index)
     outcomes = [Outcome.INTERRUPTED] * len(requests)
+    ended = 0
     for group in groups.values():
         method, jobs = requests[group[0]].method, [requests[index].job for index in group]
-        found, interrupted = _run(method, jobs, lanes)
+
+        def look(running: float, ended: int = ended) -> None:
+            if watch is not None:
+                watch((ended + running) / len(requests))
+
+        found, interrupted = _run(method, jobs, lanes, look)
+        ended += len(group)
         for index, outcome in zip(group, found, strict=True):
             outcomes[index] = outcome
         if interrupted:
@@ -63,11 +76,16 @@ def _is_wide(method: Method, job: Job) -> TypeGuard[RungeKutta]:
     return isinstance(method, RungeKutta) and job.step is None and job.flow.wide is not None
 
 
-def _run(method: Method, jobs: Sequence[Job], lanes: int) -> tuple[list[Outcome], bool]:
-    """Run jobs of the same functions; returns also whether Ctrl-C was pressed."""
+def _run(
+    method: Method, jobs: Sequence[Job], lanes: int, look: Callable[[float], None]
+) -> tuple[list[Outcome], bool]:
+    """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
+
+    `look` is called with the number of jobs that have ended, or the fraction of a single one.
+    """
     if len(jobs) == 1 or not isinstance(method, RungeKutta):
         job = jobs[0]
-        result, interrupted = supervise(method.prepare(job), job.stop, lambda: None)
+        result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
@@ -79,7 +97,7 @@ def _run(method: Method, jobs: Sequence[Job], lanes: int) -> tuple[list[Outcome]
     def stop() -> None:
         control[1] = 1.0
 
-    _, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: None)
+    _, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
     for job, motion in zip(jobs, motions, strict=True):
         np.copyto(job.state, motion.rows[0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted

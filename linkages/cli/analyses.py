@@ -199,6 +199,10 @@ def sweep(
         float | None,
         typer.Option(metavar="<time>", help="Seconds after which a point is given up."),
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
+    ] = None,
     status: Annotated[
         bool, typer.Option("--status", help="Say what the store FILE holds, and compute nothing.")
     ] = False,

@@ -18,7 +18,7 @@ from linkages.sweeps.cluster import Cluster
 from linkages.sweeps.engine import Computed, Watch, computed
 from linkages.sweeps.measured import Measured
 from linkages.sweeps.points import points_of
-from linkages.sweeps.running import Threads
+from linkages.sweeps.running import Executor, Threads
 from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ def sweep(
     store: str | Path | None = None,
     cores: int | None = None,
     scheduler: str | None = None,
+    executor: Executor | None = None,
     time_per_point: float | None = None,
     watch: Watch | None = None,
     **options: Unpack[SimulationKeywords],
@@ -65,6 +66,8 @@ def sweep(
         Computations at the same time; those that this process may use if not given.
     scheduler
         Address of a Dask scheduler, on whose workers points are computed instead.
+    executor
+        Where points are computed instead, as `linkages.bifurcation` takes it.
     time_per_point
         Seconds after which a point is given up.
     watch
@@ -91,9 +94,10 @@ def sweep(
     options_of(SimulationOptions, mechanism, options)
     if time_per_point is not None and not time_per_point > 0:
         raise ValueError(f"time_per_point must be seconds > 0, found {time_per_point!r}")
-    if cores is not None and scheduler is not None:
-        raise ValueError("cores do not go with a scheduler, whose workers have their own")
-    executor = Threads(cores) if scheduler is None else Cluster(scheduler)
+    if sum(where is not None for where in (cores, scheduler, executor)) > 1:
+        raise ValueError("cores, scheduler and executor say where to compute; expected one of them")
+    if executor is None:
+        executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
     question = Measured(Varying(mechanism), points, measures, given, time_per_point)

@@ -36,6 +36,7 @@ def run(
     sequence: Drawing,
     store: Path | None,
     time_per_point: float | None,
+    scheduler: str | None,
     status: bool,
     cores: int | None,
 ) -> int:
@@ -49,7 +50,7 @@ def run(
     over = _over(vary or (), sample or ())
     task = partial(
         sweep, request.mechanism, over, _named(measure), draws=draws, seed=seed,
-        sequence=str(sequence), store=store, cores=cores, time_per_point=time_per_point,
+        sequence=str(sequence), store=store, cores=cores, scheduler=scheduler, time_per_point=time_per_point,
         **request.given,
     )  # fmt: skip
     data = swept.result(request, "sweep", "point", task)

@@ -135,7 +135,7 @@ def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
         "definition": mechanism.to_yaml(),
         "count": question.count,
         "question": json.loads(json.dumps(question.described, default=str)),
-        "points": zlib.crc32(numbers.tobytes()),
+        "numbers of points (checksum)": zlib.crc32(numbers.tobytes()),
     }
     path = place / MANIFEST
     if path.exists():

@@ -104,7 +104,7 @@ def test_a_store_goes_on_and_says_what_it_holds(cli):
     refused = cli("sweep", "slider-crank", *EFFORT, "--vary", "bars.rod.length=20mm:151mm:5",
                   "--store", "study")  # fmt: skip
     assert refused.code == 2
-    assert "holds another sweep: points is" in refused.err
+    assert "holds another sweep: numbers of points (checksum) is" in refused.err
     assert cli("sweep", "--status", "slider-crank").code == 2
 
 

@@ -118,7 +118,7 @@ def test_chunks_that_are_not_whole_are_computed_again(tmp_path, spoil):
 @pytest.mark.parametrize(
     ("change", "entry"),
     [
-        ({"over": {ROD: np.linspace(0.03, 0.16, 60)}}, "points is"),
+        ({"over": {ROD: np.linspace(0.03, 0.16, 60)}}, "numbers of points (checksum) is"),
         ({"over": {ROD: np.linspace(0.03, 0.15, 50)}}, "count is '60' there and '50' here"),
         ({"over": {"bars.crank.length": OVER[ROD]}}, "paths is"),
         ({"measure": "min(crank.effort)"}, "measures: min(crank.effort) is 'None' there"),

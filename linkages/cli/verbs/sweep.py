@@ -50,8 +50,8 @@ def run(
     over = _over(vary or (), sample or ())
     task = partial(
         sweep, request.mechanism, over, _named(measure), draws=draws, seed=seed,
-        sequence=str(sequence), store=store, cores=cores, scheduler=scheduler, time_per_point=time_per_point,
-        **request.given,
+        sequence=str(sequence), store=store, cores=cores, scheduler=scheduler,
+        time_per_point=time_per_point, **request.given,
     )  # fmt: skip
     data = swept.result(request, "sweep", "point", task)
     content = _content(data)

@@ -13,6 +13,7 @@ from linkages.components.contributed.contacts import (
     Contact,
     ContactLaw,
     GapFriction,
+    PinInHole,
     offset_names,
     stiffness_of_spheres,
 )
@@ -233,17 +234,20 @@ class ContactClearance(Component):
         )
 
     def _contact(self, displaced: str) -> Contact:
-        return Contact(
-            name=self.name,
+        radius = self.pin_radius or 0.0
+        geometry = PinInHole(
+            clearance=self.name,
             joint=self.joint,
             displaced=displaced,
             body=self.bar,
             size=Parameter((*self.path, "size"), self.size),
-            normal=self.law.force(self._numbers),
             hole=self.carries == "hole",
-            pin_radius=Parameter(
-                (*self.path, "pin_radius"), self.pin_radius or 0.0, structural=True
-            ),
+            pin_radius=Parameter((*self.path, "pin_radius"), radius, structural=True),
+        )
+        return Contact(
+            name=self.name,
+            geometry=geometry,
+            normal=self.law.force(self._numbers),
             friction=self._friction,
             path=self.path,
         )

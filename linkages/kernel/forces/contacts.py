@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.contacts import Contact, NormalForce
+from linkages.components.contributed.contacts import (
+    Contact,
+    CornerAtWall,
+    Geometry,
+    NormalForce,
+    PinInHole,
+)
 from linkages.components.contributed.functions import Function, Measured
-from linkages.kernel.forces.gaps import gap_of
+from linkages.kernel.forces.corner_gaps import CornerGap
+from linkages.kernel.forces.gaps import Gap, PinGap
 from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.numbers.laws import value_of
@@ -18,6 +25,17 @@ if TYPE_CHECKING:
 
 LEAST = 1e-30
 """Indentation in metres that a smaller one counts as, so that roots and logarithms exist."""
+
+
+def gap_of(model: Model, geometry: Geometry) -> Gap:
+    """The gap of a contact."""
+    match geometry:
+        case PinInHole():
+            return PinGap(model, geometry)
+        case CornerAtWall():
+            return CornerGap(model, geometry)
+        case _:
+            assert_never(geometry)
 
 
 class ContactNodes(Acting):

@@ -113,7 +113,8 @@ class CornerGap(Gap):
         unit = self.model.positions.unit(self.geometry.play.slider)
         acting = unit.times(self._acting(force, friction))
         bearing, point = self._bearing
-        return [(self._block.name, next(iter(self._block.points)), acting), (bearing, point, -acting)]
+        block = self._block
+        return [(block.name, next(iter(block.points)), acting), (bearing, point, -acting)]
 
     def torques(self, force: Scalar, friction: Scalar) -> Torques:
         """Of both at the corner, about these points."""

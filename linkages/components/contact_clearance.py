@@ -12,11 +12,16 @@ from linkages.components.contributed.contact_laws import ContactName, contact_la
 from linkages.components.contributed.contacts import (
     Contact,
     ContactLaw,
-    GapFriction,
     offset_names,
     stiffness_of_spheres,
 )
-from linkages.components.contributed.functions import Number, V, applied
+from linkages.components.contributed.friction_laws import (
+    FRICTION_KEYS,
+    FrictionName,
+    friction_coefficient,
+    friction_problems,
+)
+from linkages.components.contributed.functions import Function
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
     ZERO,
@@ -93,8 +98,16 @@ class ContactClearance(Component):
         Radius of the pin in metres.
     friction
         Coulomb's coefficient of friction between pin and hole.
+    friction_law
+        How friction depends on the slip; ``tanh`` if not given.
     slip
         Velocity of slip over which friction rises, in m/s.
+    least_slip
+        Velocity of slip below which there is no friction, in m/s.
+    static
+        Coefficient at which friction is greatest, at least `friction`.
+    stribeck_speed
+        Velocity of slip over which it falls from there, in m/s.
     offset, rate
         From the pin to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
@@ -119,7 +132,11 @@ class ContactClearance(Component):
     carries: Literal["hole", "pin"] = "hole"
     pin_radius: PositiveLength | None = None
     friction: Ratio = 0.0
+    friction_law: FrictionName = "tanh"
     slip: PositiveSpeed | None = None
+    least_slip: PositiveSpeed | None = None
+    static: Ratio | None = None
+    stribeck_speed: PositiveSpeed | None = None
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
@@ -177,14 +194,16 @@ class ContactClearance(Component):
             yield "poisson", f"expected a ratio of at most 0.5, found {self.poisson:g}"
 
     def _of_friction(self) -> Iterator[tuple[str, str]]:
-        if not self.friction:
-            return
-        if "stiffness" not in self.law.needs:
+        if self.friction and "stiffness" not in self.law.needs:
             yield "friction", f"{self.law.name} has no friction; expected the law of a force"
             return
-        for key, words in (("pin_radius", "radius of the pin"), ("slip", "velocity of slip")):
-            if getattr(self, key) is None:
-                yield "friction", f"missing key {key!r}: friction needs the {words}"
+        if self.friction and self.pin_radius is None:
+            yield "friction", "missing key 'pin_radius': friction needs the radius of the pin"
+        yield from friction_problems(self.friction_law, self._of_slip)
+
+    @property
+    def _of_slip(self) -> dict[str, float | None]:
+        return {key: getattr(self, key) for key in FRICTION_KEYS}
 
     @property
     def stiffness_exponent(self) -> float:
@@ -269,9 +288,7 @@ class ContactClearance(Component):
         }
 
     @property
-    def _friction(self) -> GapFriction | None:
-        coefficient = self.number("friction")
-        if coefficient.absent:
+    def _friction(self) -> Function | None:
+        if self.number("friction").absent:
             return None
-        scale = Number(Parameter((*self.path, "slip"), self.slip or 1.0))
-        return GapFriction(applied("neg", Number(coefficient) * applied("tanh", V / scale)))
+        return friction_coefficient(self.friction_law, self._of_slip, self.path)

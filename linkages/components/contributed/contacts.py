@@ -164,19 +164,6 @@ def raised(exponent: Parameter) -> Function:
 
 
 @dataclass(frozen=True)
-class GapFriction:
-    """Coulomb's friction between pin and hole: −μ F g(vt/vs) for a slip velocity vt.
-
-    Parameters
-    ----------
-    coefficient
-        Force on the pin over the normal force, as a function of the slip velocity `V` (m/s).
-    """
-
-    coefficient: Function
-
-
-@dataclass(frozen=True)
 class Contact:
     """A pin that may leave its hole, fly, hit its wall and follow it.
 
@@ -197,7 +184,8 @@ class Contact:
     pin_radius
         In metres.
     friction
-        Of slip along the wall, if there is any.
+        Force on the pin along the slip over the normal force, as a function of the slip `V`; None
+        without any.
     path
         Where it stands in the definition file.
     """
@@ -210,7 +198,7 @@ class Contact:
     normal: NormalForce | RigidContact
     hole: bool
     pin_radius: Parameter
-    friction: GapFriction | None
+    friction: Function | None
     path: Path
 
     @property

@@ -85,18 +85,18 @@ class _Contact:
     ) -> None:
         self._symbols, self._places = symbols, places
         self.definitions: list[Definition] = []
-        normal, name = contact.normal, contact.name
+        normal, name, pin = contact.normal, contact.name, contact.geometry
         assert isinstance(normal, NormalForce)
-        x, y = (symbols.coordinates[axis] for axis in contact.axes)
+        x, y = (symbols.coordinates[axis] for axis in pin.axes)
         dx, dy = symbols.rates[x], symbols.rates[y]
-        size, radius = symbols.parameter(contact.size), symbols.parameter(contact.pin_radius)
+        size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
         touch = x**2 + y**2 - size**2
         apart = self._define("D", name, Select(touch, sp.sqrt(x**2 + y**2), size))
-        other = mechanism.carrier(contact.joint)
-        bodies = (other, contact.body) if contact.hole else (contact.body, other)
-        pin, hole = map(self._turning, bodies)
+        other = mechanism.carrier(pin.joint)
+        bodies = (other, pin.body) if pin.hole else (pin.body, other)
+        of_pin, of_hole = map(self._turning, bodies)
         self._deepening = (x * dx + y * dy) / apart
-        self._slip = (x * dy - y * dx) / apart + radius * pin - (radius + apart) * hole
+        self._slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
         measured = _picked(apart - size, self._define("v", name, self._deepening))
         force = law_of(normal.force, symbols, measured)
         if normal.pressing is not None:

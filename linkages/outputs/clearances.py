@@ -25,7 +25,7 @@ def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
         found, contacts = [], _contacts(model)
         for term in model.mechanism.displacements:
             if term.name in contacts:
-                own = contacts[term.name]
+                own = contacts[term.name].gap
                 vector = own.offset if field == "positions" else own.offset_rate(model.velocities)
             else:
                 points: dict[str, Vector] = getattr(model, field).joints
@@ -67,7 +67,7 @@ OUTPUTS = {
     ),
     "clearance_indentation": Variable(
         ("clearance",), "m", "indentation, negative where the gap is open",
-        _scalars(lambda contact: contact.indentation),
+        _scalars(lambda contact: contact.gap.indentation),
         default=True, opening=True, rate="clearance_indentation_rate",
     ),
     "clearance_indentation_rate": Variable(
@@ -80,7 +80,7 @@ OUTPUTS = {
     ),
     "clearance_slip": Variable(
         ("clearance",), "m/s", "velocity of slip of the pin in its hole",
-        _scalars(lambda contact: contact.slip(contact.model.velocities)),
+        _scalars(lambda contact: contact.gap.slip(contact.model.velocities)),
         default=True, opening=True, smooth=False,
     ),
     "clearance_normal_loss": Variable(

@@ -164,42 +164,71 @@ def raised(exponent: Parameter) -> Function:
 
 
 @dataclass(frozen=True)
-class Contact:
+class PinInHole:
     """A pin that may leave its hole, fly, hit its wall and follow it.
 
     Parameters
     ----------
-    name
-        Of the clearance.
+    clearance
+        Name of the clearance.
     joint, displaced
         The joint, and what the point of the displaced body is called.
     body
         The displaced body.
     size
         Radial clearance (m).
-    normal
-        The force that presses.
     hole
         Whether the displaced body has the hole; otherwise it has the pin.
     pin_radius
         In metres.
+    """
+
+    clearance: str
+    joint: str
+    displaced: str
+    body: str
+    size: Parameter
+    hole: bool
+    pin_radius: Parameter
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """The bodies whose displacements are the offset."""
+        return offset_names(self.clearance)
+
+
+Geometry = PinInHole
+"""What touches what."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two bodies that may touch at one place.
+
+    Parameters
+    ----------
+    name
+        What results call it.
+    geometry
+        What touches what.
+    normal
+        The force that presses.
     friction
-        Force on the pin along the slip over the normal force, as a function of the slip `V`; None
-        without any.
+        Force along the slip over the normal force, as a function of the slip `V`; None without any.
     path
         Where it stands in the definition file.
     """
 
     name: str
-    joint: str
-    displaced: str
-    body: str
-    size: Parameter
+    geometry: Geometry
     normal: NormalForce | RigidContact
-    hole: bool
-    pin_radius: Parameter
     friction: Function | None
     path: Path
+
+    @property
+    def size(self) -> Parameter:
+        """Length that indentations are compared with (m)."""
+        return self.geometry.size
 
     @property
     def rigid(self) -> bool:
@@ -213,11 +242,6 @@ class Contact:
         if isinstance(normal, RigidContact):
             return True
         return normal.force != normal.elastic or self.friction is not None
-
-    @property
-    def axes(self) -> tuple[str, str]:
-        """The bodies whose displacements are the offset."""
-        return offset_names(self.name)
 
 
 def offset_names(clearance: str) -> tuple[str, str]:

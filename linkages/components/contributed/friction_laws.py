@@ -91,10 +91,11 @@ def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[
     law, size = friction_laws()[name], given["friction"] or 0.0
     known = ("friction", *law.needs, *law.takes)
     there = {key: value for key, value in given.items() if value is not None}
-    for key in FRICTION_KEYS:
-        if key in law.needs and size and key not in there:
+    for key in law.needs:
+        if size and key not in there:
             yield "friction", f"missing key {key!r}: {law.name} needs the {_SPOKEN[key]}"
-        elif key in there and key not in known:
+    for key in there:
+        if key not in known:
             yield key, f"{law.name} has no {key!r}; it takes {', '.join(known)}"
     static = there.get("static")
     if static is not None and static < size:

@@ -105,7 +105,7 @@ class _Contact:
         self._friction: sp.Expr = sp.S.Zero
         if contact.friction is not None:
             slip = self._define("w", name, self._slip)
-            part = law_of(contact.friction.coefficient, symbols, _picked(slip, slip))
+            part = law_of(contact.friction, symbols, _picked(slip, slip))
             self._friction = self._define("F", name, self._force * part)
 
     def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:

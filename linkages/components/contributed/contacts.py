@@ -164,19 +164,6 @@ def raised(exponent: Parameter) -> Function:
 
 
 @dataclass(frozen=True)
-class GapFriction:
-    """Coulomb's friction between pin and hole: −μ F g(vt/vs) for a slip velocity vt.
-
-    Parameters
-    ----------
-    coefficient
-        Force on the pin over the normal force, as a function of the slip velocity `V` (m/s).
-    """
-
-    coefficient: Function
-
-
-@dataclass(frozen=True)
 class PinInHole:
     """A pin that may leave its hole, fly, hit its wall and follow it.
 
@@ -255,7 +242,7 @@ class Contact:
     normal
         The force that presses.
     friction
-        Of slip along the wall, if there is any.
+        Force along the slip over the normal force, as a function of the slip `V`; None without any.
     path
         Where it stands in the definition file.
     """
@@ -263,7 +250,7 @@ class Contact:
     name: str
     geometry: Geometry
     normal: NormalForce | RigidContact
-    friction: GapFriction | None
+    friction: Function | None
     path: Path
 
     @property

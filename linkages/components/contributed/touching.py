@@ -9,11 +9,16 @@ from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
 from linkages.components.contributed.contacts import (
     ContactLaw,
-    GapFriction,
     NormalForce,
     RigidContact,
 )
-from linkages.components.contributed.functions import Number, V, applied
+from linkages.components.contributed.friction_laws import (
+    FRICTION_KEYS,
+    FrictionName,
+    friction_coefficient,
+    friction_problems,
+)
+from linkages.components.contributed.functions import Function
 from linkages.components.contributed.terms import Parameter
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Bound, Dimension
@@ -62,8 +67,16 @@ class Touching(Component):
         D of the force D·d' in N·s/m.
     friction
         Coulomb's coefficient of friction.
+    friction_law
+        How friction depends on the slip; ``tanh`` if not given.
     slip
         Velocity of slip over which friction rises, in m/s.
+    least_slip
+        Velocity of slip below which there is no friction, in m/s.
+    static
+        Coefficient at which friction is greatest, at least `friction`.
+    stribeck_speed
+        Velocity of slip over which it falls from there, in m/s.
     """
 
     name: Name
@@ -76,7 +89,11 @@ class Touching(Component):
     least_rate: PositiveSpeed | None = None
     damping: Damping | None = None
     friction: Ratio = 0.0
+    friction_law: FrictionName = "tanh"
     slip: PositiveSpeed | None = None
+    least_slip: PositiveSpeed | None = None
+    static: Ratio | None = None
+    stribeck_speed: PositiveSpeed | None = None
 
     @property
     def law(self) -> ContactLaw:
@@ -110,18 +127,21 @@ class Touching(Component):
                 f"expected a stiffness in {stiffness_unit(expected)}, for the exponent is "
                 f"{expected:g}; found {stiffness_unit(written)}",
             )
-        if self.friction:
-            yield from self.friction_problems()
+        yield from self.friction_problems()
         if not self._reachable:
             message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
             yield "restitution", message
 
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""
-        if "stiffness" not in self.law.needs:
+        if self.friction and "stiffness" not in self.law.needs:
             yield "friction", f"{self.law.name} has no friction; expected the law of a force"
-        elif self.slip is None:
-            yield "friction", "missing key 'slip': friction needs the velocity of slip"
+        else:
+            yield from friction_problems(self.friction_law, self._of_slip)
+
+    @property
+    def _of_slip(self) -> dict[str, float | None]:
+        return {key: getattr(self, key) for key in FRICTION_KEYS}
 
     @property
     def _reachable(self) -> bool:
@@ -146,10 +166,8 @@ class Touching(Component):
         )
 
     @property
-    def rubbing(self) -> GapFriction | None:
-        """The friction, if there is any."""
-        coefficient = self.number("friction")
-        if coefficient.absent:
+    def rubbing(self) -> Function | None:
+        """Friction along the slip over the normal force, if there is any."""
+        if self.number("friction").absent:
             return None
-        scale = Number(Parameter((*self.path, "slip"), self.slip or 1.0))
-        return GapFriction(applied("neg", Number(coefficient) * applied("tanh", V / scale)))
+        return friction_coefficient(self.friction_law, self._of_slip, self.path)

@@ -17,6 +17,7 @@ from linkages.components.contributed.functions import Function, Measured
 from linkages.kernel.forces.corner_gaps import CornerGap
 from linkages.kernel.forces.gaps import Gap, PinGap
 from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
+from linkages.kernel.forces.slip import friction_force
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.numbers.laws import value_of
 
@@ -57,6 +58,11 @@ class ContactNodes(Acting):
 
     @property
     @abstractmethod
+    def pressing(self) -> Scalar:
+        """Mode: whether a force presses."""
+
+    @property
+    @abstractmethod
     def force(self) -> Scalar:
         """Normal force, positive where it presses."""
 
@@ -75,9 +81,10 @@ class ContactNodes(Acting):
         """Force of friction along the direction of slip."""
         if self.contact.friction is None:
             return self.graph.zero
-        slip = self.gap.slip(self.model.velocities)
-        law = self.contact.friction.coefficient
-        return self.force * value_of(law, self.model.inputs, lambda _: slip)
+        slip, law = self.gap.slip(self.model.velocities), self.contact.friction
+        return friction_force(
+            self.model, self.contact.name, law, normal=self.force, slip=slip, active=self.pressing
+        )
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power at some velocities: its generalised force if they are partial ones."""

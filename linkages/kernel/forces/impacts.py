@@ -89,12 +89,16 @@ class RigidNodes(ContactNodes):
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self._moved[1] * self.graph.select(touching, pressed + settling, pressed)
 
+    @property
+    def pressing(self) -> Scalar:
+        """Mode: whether a closed contact presses."""
+        touching, name = self.touching, f"{self.contact.name}: press"
+        return self.model.switches.add(name, self._holding, active=touching)
+
     @cached_property
     def force(self) -> Scalar:
         """Normal force of a closed contact."""
-        touching, holding = self.touching, self._holding
-        pressing = self.model.switches.add(f"{self.contact.name}: press", holding, active=touching)
-        return self.graph.select(pressing, holding, self.graph.zero)
+        return self.graph.select(self.pressing, self._holding, self.graph.zero)
 
     @property
     def potential(self) -> Scalar:

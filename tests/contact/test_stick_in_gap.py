@@ -161,3 +161,34 @@ def test_break_away_and_rest_against_scipy(falling):
         assert np.abs(noted.time - time).min() < 1e-7
     energy = data.kinetic_energy + data.potential_energy
     assert float(abs(data.energy_residual).max()) < 1e-9 * float(abs(energy).max())
+
+
+ENGINE = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap: {joint: A, bar: rod, size: 0.1 mm, contact: kelvin-voigt, stiffness: 2e7, damping: 1000,
+        pin_radius: 8 mm, friction_law: coulomb, friction: 0.05}
+  end: {joint: B, bar: rod, size: 0.05 mm, contact: flores, stiffness: 1e9, restitution: 0.5,
+        carries: pin, pin_radius: 6 mm, friction_law: coulomb, friction: 0.1, static: 0.15,
+        stribeck_speed: 10 mm/s, offset: [10 um, 0]}
+drives: {crank: {angle: 0, speed: 600 rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+"""
+
+
+def test_a_drive_works_against_friction_that_holds():
+    """Two contacts, one of them with memory and slack, in a driven mechanism."""
+    solution = linkages.simulate(linkages.loads(ENGINE), end=0.05, samples=201, outputs="all")
+    changes = {name: found.count for name, found in solution.motion.changes.items()}
+    assert changes["end: slip"] >= 10
+    assert changes["gap: press"] >= 2
+    data = solution.data
+    # errors of a thousand steps at a tolerance of 1e-10
+    balance = abs(data.energy_residual).max() / abs(data.kinetic_energy).max()
+    assert float(balance) < 1e-11

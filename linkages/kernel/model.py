@@ -249,7 +249,10 @@ class Model:
         Springs are left out: what they store is in the potential energy.
         """
         free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        return self._driven_power(self._accelerations(free)) + self.load_power
+        found = self._driven_power(self._accelerations(free)) + self.load_power
+        if not self.switches.equivalent:
+            return found
+        return found + self.switches.held(self.driven_power + self.load_power)
 
     @property
     def driven_power(self) -> Scalar:

@@ -9,7 +9,6 @@ many times, and of each the least time is taken: whatever else a machine does on
 from __future__ import annotations
 
 import argparse
-import ctypes
 import time
 from collections.abc import Callable, Sequence
 
@@ -67,10 +66,8 @@ def evaluation(of: System, program: Program, lanes: int) -> Callable[[int], floa
     status = np.zeros(lanes, dtype=np.int64)
     pointers = [array.ctypes.data for array in arrays.values()]
     prepare = [arrays["p"].ctypes.data, *([status.ctypes.data] if lanes > 1 else [])]
-    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(prepare))(code.address("prepare"))(*prepare)
-    repeat = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_void_p] * 5, ctypes.c_int64)(
-        code.address("repeat")
-    )
+    code.function("prepare")(*prepare)
+    repeat = code.function("repeat")
 
     def measure(count: int, _kept: object = (code, arrays)) -> float:
         begin = time.perf_counter()

@@ -85,26 +85,18 @@ class RungeKutta(Method):
 
         tableau, store = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
-        system = arrays.system(store, job, rows)
+        system = arrays.system(store, job, rows, tableau, self.memory)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
         events = hooks.events(store, job)
-        shared = (
-            system,
-            table,
-            record,
-            hooks.hook(store, events, system, table, record),
-            hooks.switching(store, job, events, system, table, record, tableau.c),
-            job.start,
-            job.end,
-        )
+        hook = hooks.hook(store, events, system, table, record)
+        switching = hooks.switching(store, job, events, system, table, record, tableau.c)
         if job.step is None:
-            atol, zeros = store.floats(job.atol), store.floats(np.zeros(len(job.state)))
-            order, budget = tableau.error_order, job.max_steps
-            loop = partial(
-                ADAPTIVE_STEPS, *shared, job.rtol, atol, zeros, order, self.memory, budget
-            )
+            control = arrays.control(store, job, tableau, self.memory)
+            motion = [*system, *table, *record, *hook, *switching, *control]
+            loop = partial(ADAPTIVE_STEPS, store.integers(motion))
         else:
+            shared = (system, table, record, hook, switching, job.start, job.end)
             loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
         return partial(run, loop, job, rows, store)
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact, NormalForce, RigidContact
+from linkages.components.contributed.contacts import Contact, Film, NormalForce, RigidContact
 from linkages.components.contributed.functions import FIRST, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
+from linkages.equations.films import FilmForces
 from linkages.equations.laws import Select, law_of
 from linkages.equations.loads import Forces
 from linkages.equations.places import Places
@@ -31,7 +32,7 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
         normal = contact.normal
         if isinstance(normal, RigidContact):
             why = "impacts change rates at once, by no force"
-        elif FIRST in leaves(normal.force):
+        elif isinstance(normal, NormalForce) and FIRST in leaves(normal.force):
             why = "the force depends on the rate at which each contact began"
         else:
             continue
@@ -65,7 +66,12 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     definitions: list[Definition] = []
     total: Forces = {}
     for contact in mechanism.contacts:
-        own = _Contact(contact, mechanism, symbols, places)
+        about = mechanism, symbols, places
+        own: _Contact | FilmForces
+        if isinstance(contact.normal, Film):
+            own = FilmForces(contact, contact.normal, *about)
+        else:
+            own = _Contact(contact, *about)
         definitions += own.definitions
         for q, rate in symbols.rates.items():
             total[q] = total.get(q, sp.S.Zero) + own.along(rate)
@@ -94,7 +100,7 @@ class _Contact:
         apart = self._define("D", name, Select(touch, sp.sqrt(x**2 + y**2), size))
         other = mechanism.carrier(pin.joint)
         bodies = (other, pin.body) if pin.hole else (pin.body, other)
-        of_pin, of_hole = map(self._turning, bodies)
+        of_pin, of_hole = map(places.turning, bodies)
         self._deepening = (x * dx + y * dy) / apart
         self._slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
         measured = _picked(apart - size, self._define("v", name, self._deepening))
@@ -112,13 +118,6 @@ class _Contact:
         symbol = self._symbols.define(letter, name)
         self.definitions.append(Definition(symbol, value))
         return symbol
-
-    def _turning(self, body: str | None) -> sp.Expr:
-        """Angular speed of a body (None: the ground)."""
-        if body is None:
-            return sp.S.Zero
-        angle = self._places.orientation(body)
-        return sp.Add(*(sp.diff(angle, q) * rate for q, rate in self._symbols.rates.items()))
 
     def along(self, rate: sp.Symbol) -> sp.Expr:
         """Work of both forces per unit of a coordinate with this rate."""

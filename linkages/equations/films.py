@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact, Film
+from linkages.components.contributed.contacts import Contact, Film, PinInHole
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
 from linkages.equations.places import Places
@@ -27,6 +27,7 @@ class FilmForces:
         self._symbols, self._name = symbols, contact.name
         self.definitions: list[Definition] = []
         pin = contact.geometry
+        assert isinstance(pin, PinInHole), "films are between pins and holes"
         size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
         width, viscosity = symbols.parameter(film.width), symbols.parameter(film.viscosity)
         x, y = (symbols.coordinates[axis] for axis in pin.axes)

@@ -22,16 +22,19 @@ def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
     """From the joint to the displaced point, or the rate of that."""
 
     def nodes(model: Model) -> list[Scalar]:
-        found, contacts = [], _contacts(model)
-        for term in model.mechanism.displacements:
-            if term.name in contacts:
-                own = contacts[term.name].gap
-                vector = own.offset if field == "positions" else own.offset_rate(model.velocities)
+        contacts = _contacts(model)
+        links = {term.name: term for term in model.mechanism.displacements}
+        found: list[Vector] = []
+        for name in labels(model, "clearance"):
+            if name in contacts:
+                own = contacts[name].gap
+                found.append(
+                    own.offset if field == "positions" else own.offset_rate(model.velocities)
+                )
             else:
                 points: dict[str, Vector] = getattr(model, field).joints
-                vector = points[term.renamed] - points[term.joint]
-            found += [vector.x, vector.y]
-        return found
+                found.append(points[links[name].renamed] - points[links[name].joint])
+        return [value for vector in found for value in (vector.x, vector.y)]
 
     return nodes
 
@@ -43,6 +46,15 @@ def _scalars(value: Callable[[GapNodes], Scalar]) -> Callable[[Model], list[Scal
         contacts = _contacts(model)
         names = labels(model, "clearance")
         return [value(contacts[n]) if n in contacts else model.graph.zero for n in names]
+
+    return nodes
+
+
+def _tilts(field: str) -> Callable[[Model], list[Scalar]]:
+    def nodes(model: Model) -> list[Scalar]:
+        if field == "positions":
+            return [model.positions.angle(name) for name in labels(model, "tilt")]
+        return [getattr(model, field).bodies[name] for name in labels(model, "tilt")]
 
     return nodes
 
@@ -100,4 +112,11 @@ OUTPUTS = {
         coordinate=True, rate="offset_rate",
     ),
     "offset_rate": Variable(("offset",), "m/s", "rate of an offset", _offsets("velocities")),
+    "tilt_angle": Variable(
+        ("tilt",), "rad", "angle of a block in its guide", _tilts("positions"),
+        coordinate=True, rate="tilt_speed",
+    ),
+    "tilt_speed": Variable(
+        ("tilt",), "rad/s", "angular speed of a block in its guide", _tilts("velocities"),
+    ),
 }  # fmt: skip

@@ -15,7 +15,7 @@ from linkages.components.contributed.functions import (
     X,
     applied,
 )
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, Play
 
 Numbers = Mapping[str, Parameter]
 """Keys of a clearance → their numbers."""
@@ -229,7 +229,35 @@ class PinInHole:
         return offset_names(self.clearance)
 
 
-Geometry = PinInHole
+CORNERS = ((-1, 1), (1, 1), (-1, -1), (1, -1))
+"""On which sides of the middle of a block its corners are, along the guide and across it."""
+
+
+@dataclass(frozen=True)
+class CornerAtWall:
+    """A corner of a block, and the wall of its guide on that side.
+
+    Parameters
+    ----------
+    play
+        What moves in the guide.
+    along, across
+        The sides on which the corner is: +1 or −1.
+    size
+        Distance of a block in the middle of its guide from each wall (m).
+    length, height
+        Of the block along the guide and across it (m).
+    """
+
+    play: Play
+    along: int
+    across: int
+    size: Parameter
+    length: Parameter
+    height: Parameter
+
+
+Geometry = PinInHole | CornerAtWall
 """What touches what."""
 
 

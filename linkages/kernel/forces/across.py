@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.contacts import Contact
-from linkages.kernel.forces.gaps import gap_of
+from linkages.components.contributed.contacts import Contact, CornerAtWall, Geometry, PinInHole
+from linkages.kernel.forces.corner_gaps import CornerGap
+from linkages.kernel.forces.gaps import Gap, PinGap
 from linkages.kernel.forces.loads import Acting
 from linkages.kernel.graph.scalars import Scalar
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
+
+
+def gap_of(model: Model, geometry: Geometry) -> Gap:
+    """The gap of a contact."""
+    match geometry:
+        case PinInHole():
+            return PinGap(model, geometry)
+        case CornerAtWall():
+            return CornerGap(model, geometry)
+        case _:
+            assert_never(geometry)
 
 
 class GapNodes(Acting):

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING
 
-from linkages.components.contributed.contacts import Geometry, PinInHole
+from linkages.components.contributed.contacts import PinInHole
 from linkages.kernel.forces.loads import Forces, Torques, Velocities
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
@@ -185,12 +185,3 @@ class PinGap(Gap):
         bodies = (self.other, self.geometry.body)
         pin, hole = bodies if self.geometry.hole else bodies[::-1]
         return [(pin, on_pin), (hole, on_hole)]
-
-
-def gap_of(model: Model, geometry: Geometry) -> Gap:
-    """The gap of a contact."""
-    match geometry:
-        case PinInHole():
-            return PinGap(model, geometry)
-        case _:
-            assert_never(geometry)

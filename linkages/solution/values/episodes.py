@@ -77,7 +77,7 @@ def states(motion: Motion) -> NDArray[np.int8]:
 
     Where pin and hole cannot part they follow each other.
     """
-    names = [term.name for term in motion.pieces[0].system.mechanism.displacements]
+    names = motion.pieces[0].system.mechanism.clearance_names
     found = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
     for contact in episodes(motion):
         found[:, names.index(contact.name)] = contact.state(motion.time)

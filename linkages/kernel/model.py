@@ -10,8 +10,8 @@ from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
-from linkages.kernel.forces.contacts import ContactNodes
-from linkages.kernel.forces.impacts import contact_nodes
+from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.across_gaps import gap_nodes
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
@@ -88,9 +88,9 @@ class Model:
         }
 
     @cached_property
-    def contacts(self) -> list[ContactNodes]:
+    def contacts(self) -> list[GapNodes]:
         """What presses in clearances that open."""
-        return [contact_nodes(self, contact) for contact in self.mechanism.contacts]
+        return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @property
     def acting(self) -> list[Acting]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
@@ -46,7 +45,7 @@ class Memory:
     def __init__(self) -> None:
         self.arrays: list[NDArray] = []
         self.copies: list[tuple[int, int]] = []
-        self.codes: list[MachineCode] = []
+        self.codes: list[object] = []
 
     def floats(self, values: object) -> int:
         """Address of numbers as float64."""
@@ -56,7 +55,7 @@ class Memory:
         """Address of numbers as int64."""
         return self._keep(np.ascontiguousarray(values, dtype=np.int64))
 
-    def keep(self, code: MachineCode) -> None:
+    def keep(self, code: object) -> None:
         """Keep functions alive as well."""
         self.codes.append(code)
 

@@ -32,7 +32,7 @@ from linkages.solvers.steps.compiled import (
     integers,
     tuple_at,
 )
-from linkages.solvers.steps.stages import status_of
+from linkages.solvers.steps.stages import LOWER, status_of
 from linkages.solvers.steps.views import (
     ACCEPTED,
     ALWAYS,
@@ -254,9 +254,9 @@ def go_on(context: int) -> int:
     left = control.budget - counters[STEPS] - counters[REJECTED]
     if left <= 0:
         return STEP_BUDGET
-    flagged = call_advance(control.advance, system.frame, min(left, TICKS))
+    found = call_advance(control.advance, system.frame, min(left, TICKS))
     note_steps(system, table, record)
-    if flagged == 0:
+    if found & LOWER == 0:
         return DONE
     return call_step(control.conclude, context)
 

@@ -71,7 +71,10 @@ class Advance:
         self._memory = Memory(code, shape)
 
     def write(self) -> None:
-        """Write a loop over at most ``%ticks`` trials; returned are the lanes with a flag."""
+        """Write a loop over at most ``%ticks`` trials.
+
+        Returned are bits of the lanes with a flag, and in the upper half the number of trials.
+        """
         code, memory = self._code, self._memory
         loop = Loop(code, [("i64", "0")])
         trial = self._begin()
@@ -95,7 +98,9 @@ class Advance:
         bits = flagged
         if code.lanes > 1:
             bits = code.give(f"bitcast {code.truth} {flagged} to i{code.lanes}")
-        code.say(f"ret i64 {code.give(f'zext i{code.lanes} {bits} to i64')}")
+        bits = code.give(f"zext i{code.lanes} {bits} to i64")
+        ticks = code.give(f"shl i64 {following}, 32")
+        code.say(f"ret i64 {code.give(f'or i64 {ticks}, {bits}')}")
 
     def _above(self, entry: int) -> str:
         """Whether an entry of the pace is above zero."""

@@ -24,8 +24,8 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     ``int64 attempt(frame)`` steps from row 0 to the end, over a time in the pace, and returns a
     status; ``int64 further(frame)`` computes the further rows of the dense output. Tableaus with an
     error estimate have ``int64 advance(frame, ticks)``, which goes on until a step needs more than
-    arithmetic. All arrays of several lanes consist of rows of W entries; these have the last of
-    the functions only, and return bits of lanes.
+    arithmetic, and returns the number of trials in the upper half, below a bit for each lane that
+    does. Several lanes have that alone, and all their arrays consist of rows of W entries.
 
     Parameters
     ----------

@@ -73,6 +73,30 @@ class Control(NamedTuple):
     budget: int  # number of steps
 
 
+class Lanes(NamedTuple):
+    """Motions that advance side by side, W at a time; all of them have the same sizes.
+
+    Arrays of the frame consist of rows of W entries, one of each lane.
+    """
+
+    lanes: int  # their number W
+    frame: int
+    parameters: int  # arrays of the frame
+    rows: int
+    pace: int
+    atol: int
+    scale: int
+    smallest: int
+    turns: int
+    size: int  # number of parameters
+    advance: int  # address of the printed function that makes steps
+    motions: int  # (number,) of int64: their contexts, see `adaptive_steps`
+    number: int  # of motions
+    outcomes: int  # (number,) of int64
+    places: int  # (W,) of int64: the motion in each lane, or -1
+    control: int  # (2,) of float64: number of motions that have ended, and whether to stop
+
+
 class Nodes(NamedTuple):
     """A collocation method with s stages, and what its iterations write.
 
@@ -221,6 +245,7 @@ NOW, STOP = range(2)
 FRAME = (
     "clock", "rates", "parameters", "timed", "rows", "pace", "atol", "scale", "smallest", "turns",
 )  # fmt: skip
+TURNS = FRAME.index("turns")
 # Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
 # long it is, and where it ends; what the time there is too large by.
 FROM, LENGTH, TO, NEXT_CARRY = range(4)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
-    from linkages.sweeps.engine import Progress
+    from linkages.sweeps.running import Progress
 
 INTERRUPTED = "interrupted: what was computed up to then is in"
 TOO_EARLY = "interrupted before anything was computed"

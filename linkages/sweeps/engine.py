@@ -4,49 +4,20 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from linkages.sweeps.answers import OWN, Arrays, Code, Question
-from linkages.sweeps.running import Executor, Threads
+from linkages.sweeps.running import Executor, Progress, Threads
 
 if TYPE_CHECKING:
     from linkages.sweeps.store import Store
 
 Span = tuple[int, int]
 """The first point of a chunk, and that behind its last."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a sweep is.
-
-    Parameters
-    ----------
-    done, total
-        Points.
-    elapsed, remaining
-        Seconds; `remaining` is estimated.
-    failures
-        What became of points that have no result → how many.
-    computed
-        Points of this run; others were in the store.
-    """
-
-    done: int
-    total: int
-    elapsed: float
-    remaining: float
-    failures: Mapping[str, int] = field(default_factory=dict)
-    computed: int = 0
-
-    @property
-    def rate(self) -> float:
-        """Points per second in this run."""
-        return self.computed / self.elapsed if self.elapsed else 0.0
 
 
 Watch = Callable[[Progress], None]
@@ -156,7 +127,5 @@ class Ledger:
         """Call the watch."""
         if self._watch is None:
             return
-        elapsed = time.monotonic() - self._begun
-        left = elapsed / self._new * (self._total - self._done)
-        failed: dict[str, Any] = dict(self._failed)
-        self._watch(Progress(self._done, self._total, elapsed, left, failed, self._new))
+        found = Progress.after(self._done, self._total, self._begun, self._new)
+        self._watch(replace(found, failures=dict(self._failed)))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.spec.units import unit
-from linkages.sweeps.axes import Axis, axis, coordinates, require_different
+from linkages.sweeps.axes import Axis, axis, coordinates, require_different, require_feasible
 from linkages.sweeps.distributions import (
     SEQUENCES,
     Distribution,
@@ -26,11 +26,6 @@ from linkages.sweeps.distributions import (
 Floats = NDArray[np.float64]
 
 DRAW = "draw"
-MOST_POINTS = 10_000_000
-"""More than this would take days, and memory that few have."""
-
-_QUICKEST = 1e-4
-"""Seconds that a point takes at least."""
 
 
 @dataclass(frozen=True)
@@ -180,22 +175,6 @@ def points_of(over: Mapping[Any, Any], draws: int | None, seed: int, sequence: s
     found = Points(tuple(axes), drawn, draws or 1, seed, sequence)  # type: ignore[arg-type]
     require_feasible(found.count, len(found.paths))
     return found
-
-
-def require_feasible(count: int, numbers: int = 1) -> None:
-    """Refuse sweeps that nobody can wait for.
-
-    Raises
-    ------
-    ValueError
-        With an estimate of time and size.
-    """
-    if count > MOST_POINTS:
-        hours, size = count * _QUICKEST / 3600, count * 8 * (numbers + 3) / 1e9
-        raise ValueError(
-            f"{count:.3g} points would take at least {hours:.3g} hours at 0.1 ms each, and "
-            f"{size:.3g} GB; expected at most {MOST_POINTS:.0e}"
-        )
 
 
 def _lockstep(paths: tuple[str, ...], rows: Any) -> dict[str, Sequence[Any]]:

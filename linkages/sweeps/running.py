@@ -10,9 +10,9 @@ import math
 import re
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
 from linkages.errors import InputError, LinkagesError
@@ -155,18 +155,29 @@ class Progress:
         Computations.
     elapsed, remaining
         Seconds; `remaining` is estimated.
+    computed
+        Computations of this run; others were in a store.
+    failures
+        What became of points that have no result → how many.
     """
 
     done: int
     total: int
     elapsed: float
     remaining: float
+    computed: int = 0
+    failures: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> float:
+        """Computations per second in this run."""
+        return self.computed / self.elapsed if self.elapsed else 0.0
 
     @classmethod
-    def after(cls, done: int, total: int, begun: float) -> Progress:
-        """Progress since a time of the monotonic clock."""
-        elapsed = time.monotonic() - begun
-        return cls(done, total, elapsed, elapsed / done * (total - done))
+    def after(cls, done: int, total: int, begun: float, computed: int | None = None) -> Progress:
+        """Progress since a time of the monotonic clock; all was computed if it is not said."""
+        elapsed, new = time.monotonic() - begun, done if computed is None else computed
+        return cls(done, total, elapsed, elapsed / new * (total - done), new)
 
 
 @dataclass(frozen=True)

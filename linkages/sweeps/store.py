@@ -165,7 +165,8 @@ def _difference(there: Any, here: Any, name: str = "") -> str:
     """The first entry that differs, as a clause; empty if none does."""
     if isinstance(there, Mapping) and isinstance(here, Mapping):
         for key in dict.fromkeys([*here, *there]):
-            found = _difference(there.get(key), here.get(key), str(key))
+            inner = f"{name}: {key}" if name and name != "question" else str(key)
+            found = _difference(there.get(key), here.get(key), inner)
             if found:
                 return found
         return ""

@@ -26,11 +26,10 @@ from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
-from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible
+from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
 from linkages.sweeps.engine import Computed, Ledger, Watch, computed
-from linkages.sweeps.points import require_feasible
 from linkages.sweeps.pointwise import refusal_code, stop_code
-from linkages.sweeps.running import Executor, per_period, stopping, sweep
+from linkages.sweeps.running import Executor, Threads, per_period, stopping
 from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
@@ -293,22 +292,19 @@ def _continued(question: _Request, executor: Executor | None, watch: Watch | Non
     ends: list[End | None] = [None] * starts
     whole = question.nothing(question.count)
     ledger = Ledger(question.count, watch)
-    for index in range(size) if forward else range(size - 1, -1, -1):
-        points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
-        swept = sweep(question.answer, points, executor=executor)
-        for row, outcome in enumerate(swept.outcomes):
-            if outcome is None:
-                continue
-            if outcome.value is None:
-                raise ComputationError(str(outcome.reason), time=outcome.stop_time)
-            answer, end = outcome.value
-            part = stacked(question.fields, [answer])
-            place = row * size + index
-            for name, array in part.items():
-                whole[name] = inserted(whole[name], place, array[0])
-            ends[row] = end or ends[row]
-            ledger.add((place, place + 1), part)
-            ledger.tell()
-        if swept.interrupted:
-            return Computed(whole, True)
+    try:
+        for index in range(size) if forward else range(size - 1, -1, -1):
+            points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
+            for outcome in (executor or Threads()).run(question.answer, points):
+                if outcome.value is None:
+                    raise ComputationError(str(outcome.reason), time=outcome.stop_time)
+                row, (answer, end) = outcome.index, outcome.value
+                part, place = stacked(question.fields, [answer]), row * size + index
+                for name, array in part.items():
+                    whole[name] = inserted(whole[name], place, array[0])
+                ends[row] = end or ends[row]
+                ledger.add((place, place + 1), part)
+                ledger.tell()
+    except KeyboardInterrupt:
+        return Computed(whole, True)
     return Computed(whole, False)

@@ -28,9 +28,9 @@ from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question
-from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different
+from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
 from linkages.sweeps.engine import Watch, computed
-from linkages.sweeps.points import Points, require_feasible
+from linkages.sweeps.points import Points
 from linkages.sweeps.pointwise import answered, first_system
 from linkages.sweeps.running import Executor, per_period
 from linkages.sweeps.store import stored

@@ -40,7 +40,7 @@ from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
 from linkages.sweeps.driven import DrivenMotions, serves, undisturbed
 from linkages.sweeps.points import Points
-from linkages.sweeps.pointwise import answered, evaluations, first_system, stop_code
+from linkages.sweeps.pointwise import SIDE_BY_SIDE, answered, evaluations, first_system, stop_code
 from linkages.sweeps.running import stopping
 
 if TYPE_CHECKING:
@@ -50,9 +50,6 @@ Floats = NDArray[np.float64]
 
 TOGETHER = 64, 512
 """Fewest and most driven mechanisms that are evaluated together."""
-
-SIDE_BY_SIDE = 8, 128
-"""Fewest and most motions that are integrated together."""
 
 
 @dataclass(frozen=True, eq=False)

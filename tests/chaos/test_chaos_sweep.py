@@ -105,19 +105,19 @@ def test_a_slow_point_is_left_out(run):
 
 def test_ctrl_c_in_a_map_raises_and_keeps_the_points():
     def interrupt(progress):
-        if progress.done == 3:
+        if progress.done == 8:  # those go side by side
             raise KeyboardInterrupt
 
-    x, y = {AMPLITUDE: [1.0, 1.1]}, {DAMPING: [0.5, 0.6]}
-    with pytest.raises(Interrupted, match="interrupted after 3 of 4 points") as caught:
+    x, y = {AMPLITUDE: [1.0, 1.1, 1.2]}, {DAMPING: [0.4, 0.5, 0.6]}
+    with pytest.raises(Interrupted, match="interrupted after 8 of 9 points") as caught:
         chaos_map(pendulum(), x, y, periods=5, executor=Threads(1), watch=interrupt)
     kept = caught.value.kept["map"]
     whole = chaos_map(pendulum(), x, y, periods=5)
     assert kept.attrs["interrupted"] == 1
     flat = kept.indicator.to_numpy().ravel()
-    assert (flat[:3] == whole.indicator.to_numpy().ravel()[:3]).all()
-    assert np.isnan(flat[3])
-    assert kept.reason[1, 1].item() == "not computed: interrupted"
+    assert (flat[:8] == whole.indicator.to_numpy().ravel()[:8]).all()
+    assert np.isnan(flat[8])
+    assert kept.reason[2, 2].item() == "not computed: interrupted"
 
 
 def test_axes_are_mappings_ranges_or_axes():

@@ -176,3 +176,19 @@ def test_too_few_points_are_said_at_their_value():
     assert few.any()
     assert few.tolist() == warned.to_numpy().tolist()
     assert alone.attrs["warning"] in data.warning[0].to_numpy()
+
+
+def test_values_side_by_side_are_sections_alone():
+    """In all bits: beside each other, and beside one that stops."""
+    mechanism = linkages.load("ninebar", set=FOLDING | {"simulate.rtol": 1e-8})
+    speeds = [0.0, 30.0, 100.0, 200.0]
+    given = {"periods": 3, "skip": 0}
+    data = linkages.bifurcation(mechanism, {"clearances.r1.speed": speeds}, **given)
+    assert (data.outcome == 3).all()
+    mechanism = linkages.load("ninebar", set={"simulate.rtol": 1e-8})
+    data = linkages.bifurcation(mechanism, {"clearances.r1.speed": speeds}, **given)
+    assert not data.outcome.any()
+    for column, speed in enumerate(speeds):
+        alone = linkages.poincare(mechanism.with_values({"clearances.r1.speed": speed}), **given)
+        for name in ("clearance_angle", "clearance_speed", "least_force"):
+            assert (data[name][0, column].to_numpy() == alone[name].to_numpy()).all()

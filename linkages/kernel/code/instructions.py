@@ -276,6 +276,16 @@ class Instructions:
         self._strides[place] = stride
         return place
 
+    def column(self, array: str, number: str, entries: int, width: int) -> str:
+        """Address of a column of an array in blocks of `width` columns, with so many rows each."""
+        block = self.give(f"udiv {INTEGER} {number}, {width}")
+        place = self.give(f"urem {INTEGER} {number}, {width}")
+        before = self.give(f"mul {INTEGER} {block}, {width * entries}")
+        place = self.give(f"add {INTEGER} {before}, {place}")
+        found = self.give(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
+        self._strides[found] = width
+        return found
+
     def load(self, array: str, offset: int | str) -> str:
         """An entry of an array."""
         place = self.address(array, offset)

@@ -38,9 +38,8 @@ class UnprintedError(LinkagesError):
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)
         super().__init__(
-            f"this mechanism needs {', '.join(names)}, which come from the C library and cannot "
-            "run on a graphics processor; expected laws of sums, products, quotients, roots, "
-            "sin, cos and tables, or a run on the processor"
+            f"kernels call {', '.join(names)} of the C library, which graphics processors do not "
+            "have; expected functions that linkages.kernel.code.functions writes"
         )
 
 

@@ -1,6 +1,5 @@
 """Runs kernels for one state or for several lanes, for the tests of this folder."""
 
-import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -65,12 +64,7 @@ def run_routines(
         arrays[name][: len(values)] = values
     status = np.zeros(count, dtype=np.int64)
     for routine in routines:
-        types = [ctypes.c_void_p] * (len(routine.arguments) + (lanes > 1))
-        if lanes == 1 and "t" in routine.arguments:
-            types[0] = ctypes.c_double
-        function = ctypes.CFUNCTYPE(ctypes.c_int64 if lanes == 1 else None, *types)(
-            code.address(routine.name)
-        )
+        function = code.function(routine.name)
         for first in range(0, count, lanes):
             columns = slice(first, first + lanes)
             blocks = {name: arrays[name][:, columns].copy() for name in routine.arguments}

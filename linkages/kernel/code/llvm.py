@@ -35,12 +35,17 @@ class Module:
     ----------
     lanes, strides
         As `Instructions` has them.
+
+    Attributes
+    ----------
+    declared
+        Signature of each function of the outside that is called.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
         self._form = lanes, strides
         self._texts: list[str] = []
-        self._declared: dict[str, str] = {}
+        self.declared: dict[str, str] = {}
 
     def instructions(self) -> Instructions:
         """A body for a function, to be filled and then defined."""
@@ -48,7 +53,7 @@ class Module:
 
     def define(self, signature: str, code: Instructions) -> None:
         """Add a function, such as ``internal double @square(double %x)``."""
-        self._declared |= code.declared
+        self.declared |= code.declared
         self._texts.append(f"define {signature} {{\n{code.text}}}\n")
 
     def add(self, routine: Routine, internal: bool = False) -> None:
@@ -66,7 +71,7 @@ class Module:
     @property
     def text(self) -> str:
         """All functions and declarations."""
-        texts, declared = list(self._texts), dict(self._declared)
+        texts, declared = list(self._texts), dict(self.declared)
         if any(f"@{SPLINE}(" in text for text in texts):
             code = self.instructions()
             texts.append(f"define internal {spline_function(code)} {{\n{code.text}}}\n")

@@ -37,14 +37,14 @@ _COSINE = (
 def cosine_and_sine(code: Instructions, angle: str) -> tuple[str, str]:
     """Write the cosine and the sine of an angle in radians; returns their names."""
     near = code.compare("ole", code.absolute(angle), code.constant(LARGEST))
-    x = code.select(near, angle, code.constant(0.0))
+    x = code.select(near, angle, code.constant(float("nan")))
     # rounded to an integer, which stands in the last bits
     shifted = code.add(code.multiply(x, code.constant(_QUARTERS)), code.constant(_SHIFT))
     rest, tail = _reduced(code, x, code.subtract(shifted, code.constant(_SHIFT)))
     square = code.multiply(rest, rest)
     sine = _sine(code, rest, tail, square)
     cosine = _cosine(code, rest, tail, square)
-    return _turned(code, angle, near, shifted, (cosine, sine))
+    return _turned(code, angle, shifted, (cosine, sine))
 
 
 def _reduced(code: Instructions, x: str, quarters: str) -> tuple[str, str]:
@@ -91,7 +91,7 @@ def _cosine(code: Instructions, x: str, tail: str, square: str) -> str:
 
 
 def _turned(
-    code: Instructions, angle: str, near: str, shifted: str, values: tuple[str, str]
+    code: Instructions, angle: str, shifted: str, values: tuple[str, str]
 ) -> tuple[str, str]:
     """Cosine and sine after a number of quarter turns, which stands in the last bits of a sum."""
     cosine, sine = values
@@ -105,7 +105,6 @@ def _turned(
         sign = code.on_integers("shl", half, code.whole(62))
         bits = code.give(f"bitcast {code.number} {size} to {code.integer}")
         turned = code.on_integers("xor", bits, sign)
-        turned = code.give(f"bitcast {code.integer} {turned} to {code.number}")
-        found.append(code.select(near, turned, code.constant(float("nan"))))
+        found.append(code.give(f"bitcast {code.integer} {turned} to {code.number}"))
     zero = code.compare("oeq", angle, code.constant(0.0))
     return found[0], code.select(zero, angle, found[1])  # the sine of −0 is −0

@@ -18,7 +18,8 @@ joints: {O: [0, 0], D: [0.12, 0.01]}
 bars:
   crank: {joints: [O, A], length: 0.05, mass: 0.4, center: 0.02}
   lever: {joints: [D, E], length: 0.3, mass: 0.5}
-sliders: {block: {joint: A, "on": lever, angle: 0.05, through: [0.01, 0.02], mass: 0.3, inertia: 1e-4}}
+sliders:
+  block: {joint: A, "on": lever, angle: 0.05, through: [0.01, 0.02], mass: 0.3, inertia: 1e-4}
 drives: {crank: {angle: 1.0, speed: 30}}
 assembly: {E: [-0.15, 0.1]}
 """

@@ -34,7 +34,8 @@ joints: {O: [0, 0], D: [0.12, 0.01]}
 bars:
   crank: {joints: [O, A], length: 0.05, mass: 0.4, center: 0.02}
   lever: {joints: [D, E], length: 0.3, mass: 0.5, inertia: 0.004}
-sliders: {block: {joint: A, on: lever, angle: 0.05, through: [0.01, 0.02], mass: 0.3, inertia: 1e-4}}
+sliders:
+  block: {joint: A, on: lever, angle: 0.05, through: [0.01, 0.02], mass: 0.3, inertia: 1e-4}
 clearances:
   play: {slider: block, size: 0.3 mm, length: 50 mm, height: 30 mm, contact: kelvin-voigt,
          stiffness: 1e7, damping: 100, friction: 0.1, slip: 10 mm/s}

@@ -1,4 +1,4 @@
-"""Random mechanisms with blocks in guides, on the ground and on bars, against absolute coordinates."""
+"""Random mechanisms with blocks in guides of ground and bars, against absolute coordinates."""
 
 import numpy as np
 import pytest

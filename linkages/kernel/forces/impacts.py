@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.contacts import Contact, RigidContact
-from linkages.kernel.forces.contacts import ContactNodes, PressingNodes
+from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.symmetric import solve_symmetric
 
@@ -109,10 +109,3 @@ class RigidNodes(ContactNodes):
     def normal_loss(self) -> Scalar:
         """Constraints lose nothing; impacts lose at once."""
         return self.graph.zero
-
-
-def contact_nodes(model: Model, contact: Contact) -> ContactNodes:
-    """The nodes of a contact."""
-    if isinstance(contact.normal, RigidContact):
-        return RigidNodes(model, contact, contact.normal)
-    return PressingNodes(model, contact, contact.normal)

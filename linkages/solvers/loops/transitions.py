@@ -214,9 +214,6 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
     rises = held[switch] < 0.0
     integers(switches.kind)[0] = 2 * switch + int(rises)
     jumped = integers(switches.jumps)[switch] if rises else -1
-    if jumped < 0 and forward * rate * held[switch] > 0.0:
-        # it changed at this very time, with another one: round-off from zero, it moves on rightly
-        return CHATTER if chatters(switches, t_end) else 0.0
     for i in range(3 * n):
         floats(switches.before)[i] = rows[i]
     integers(record.counters)[SWITCH] = switch

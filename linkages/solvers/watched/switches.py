@@ -161,8 +161,10 @@ def crossing(
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
     rise, fall = rise * h, fall * h
+    # where another change makes the step short, what began it is a round-off below zero
+    slack = max(ROUND_OFF * rise, -2.0 * start)
     if end < 0.0:
-        if start <= 0.0 and rise > 0.0 and -end < ROUND_OFF * fall:
+        if rise > 0.0 and fall > 0.0 and start < slack and -end < slack:
             return GO_ON
         return locate(system, table, record, modes, switch, t, h, part)
     if start > 0.0 and rise < 0.0 and fall > 0.0:
@@ -183,8 +185,7 @@ def crossing(
             else:
                 high, end, fall = theta, here, rate * h
         return GO_ON
-    # where another change makes the step short, one that began it is a round-off below zero
-    least = -BELOW * (abs(start) + end + (max(rise, 0.0) if start <= 0.0 else 0.0))
+    least = -max(slack, BELOW * (abs(start) + end))
     for row in range(1, table.end):
         here, _ = seen(system, modes, row, switch)
         if here < least:

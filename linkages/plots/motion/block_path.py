@@ -50,7 +50,7 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     ax
         Where to draw.
     data
-        `clearance_offset` and `clearance_angle`.
+        `clearance_offset`.
     contact
         One of the corners.
     corners
@@ -60,18 +60,18 @@ def draw_path(ax: Axes, data: xr.Dataset, contact: Contact, corners: Sequence[st
     -------
     Shape (time, 2): degrees, and offsets of the middle of the block.
     """
-    angle = np.asarray(data["clearance_angle"].sel(clearance=corners[0]), dtype=float)
-    across = data["clearance_offset"].sel(clearance=[corners[0], corners[3]], axis="y")
-    offset = np.asarray(across.mean("clearance"), dtype=float)  # of two that are opposite
-    size = contact.size.value
-    scale = scale_for(size, "m")
-    corner = contact.geometry
+    size, corner = contact.size.value, contact.geometry
     assert isinstance(corner, CornerAtWall)
+    across = data["clearance_offset"].sel(clearance=list(corners), axis="y")
+    rear, front, _, opposite = np.asarray(across.transpose("clearance", "time"), dtype=float)
+    angle, offset = np.arcsin((front - rear) / corner.length.value), 0.5 * (rear + opposite)
+    scale = scale_for(size, "m")
     widest = 2.0 * size / corner.length.value
     while free_offset(contact, np.array(widest)) > 0.0:
         widest *= 1.05
-    border = np.linspace(-widest, widest, 401)
-    limit = np.maximum(free_offset(contact, border), 0.0) * scale.factor
+    border = np.linspace(-widest, widest, 801)
+    border = border[free_offset(contact, border) >= 0.0]
+    limit = free_offset(contact, border) * scale.factor
     degrees = np.rad2deg(border)
     for sign in (-1.0, 1.0):
         ax.plot(degrees, sign * limit, color=BLACK, linewidth=1.0, zorder=3)

@@ -42,7 +42,7 @@ STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the leg
 @styled
 def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """A picture for each clearance whose contact may open; None if there is none."""
-    corners = corners_of(mechanism) if "clearance_angle" in data else {}
+    corners = corners_of(mechanism)
     at_blocks = {corner for found in corners.values() for corner in found}
     opened = opening(data)
     names = [name for name in opened if name not in at_blocks]
@@ -106,7 +106,7 @@ def draw_block_orbit(
     ax
         Where to draw.
     data
-        What `SHOWN` names, and ``clearance_angle``.
+        What `SHOWN` names.
     mechanism
         What it is of.
     corners

@@ -309,22 +309,6 @@ def offset_names(clearance: str) -> tuple[str, str]:
     return f"{clearance}.x", f"{clearance}.y"
 
 
-def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float) -> float:
-    """K = 4/(3 s) √(R_h R_p/(R_h − R_p)) in N/m^1.5, with s = 2 (1 − ν²)/E for equal materials.
-
-    It is what publications on pins in holes use most, although those touch along a line.
-
-    Parameters
-    ----------
-    modulus, poisson
-        E in Pa and ν, of both.
-    hole, pin
-        Radii in metres.
-    """
-    compliance = 2.0 * (1.0 - poisson**2) / modulus
-    return 4.0 / (3.0 * compliance) * math.sqrt(hole * pin / (hole - pin))
-
-
 def restitution_reached(factor: float) -> float:
     """What one impact of a free body reaches with K dⁿ (1 + χ d'/d'₀), for every K, n and mass.
 

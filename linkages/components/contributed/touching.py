@@ -106,8 +106,8 @@ class Touching(Component):
     @property
     def stiffness_exponent(self) -> float:
         """The exponent n of the force K·dⁿ."""
-        usual = 1.5 if "exponent" in self.law.takes else 1.0
-        return usual if self.exponent is None else self.exponent
+        usual, given = 1.5 if "exponent" in self.law.takes else 1.0, self.supplied["exponent"]
+        return usual if given is None else given
 
     @property
     def supplied(self) -> dict[str, float | None]:

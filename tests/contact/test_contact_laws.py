@@ -5,7 +5,7 @@ import math
 import pytest
 
 from linkages.components.contributed.contact_laws import contact_laws
-from linkages.components.contributed.contacts import factor_for, restitution_reached
+from linkages.components.contributed.restitutions import factor_for, restitution_reached
 from linkages.components.contributed.stiffnesses import stiffness_of_cylinders, stiffness_of_spheres
 
 # χ over the wanted restitution, and what one impact reaches with it (Lambert's W, 14 digits).

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
-from linkages.components.contributed.contacts import Across, ContactLaw
+from linkages.components.contributed.contacts import Across
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -15,6 +15,7 @@ from linkages.components.contributed.friction_laws import (
     friction_problems,
 )
 from linkages.components.contributed.functions import Function
+from linkages.components.contributed.normal_laws import ContactLaw
 from linkages.components.contributed.terms import Parameter
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Bound, Dimension

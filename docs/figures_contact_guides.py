@@ -17,10 +17,10 @@ def main() -> None:
     found = re.search(r"```yaml\n(# slider-crank-play\.yaml\n.*?)```", page, re.DOTALL)
     assert found is not None
     solution = linkages.simulate(linkages.loads(found[1]), samples=2001, outputs=list(SHOWN))
-    for name, figure in (("path", orbit_figure), ("state", state_figure)):
+    for name, figure in (("path.png", orbit_figure), ("state.svg", state_figure)):
         drawn = figure(solution.data, solution.mechanism)
         assert drawn is not None
-        write_figure(drawn, STATIC / f"contact-guides-{name}.svg")
+        write_figure(drawn, STATIC / f"contact-guides-{name}")
 
 
 if __name__ == "__main__":

@@ -111,11 +111,6 @@ def test_impacts_have_no_equations_in_closed_form():
         derive(build_topology(engine(RIGID)))
 
 
-def test_exponents_are_refused_with_the_reason():
-    with pytest.raises(InputError, match="a rigid contact that closes leaves none across the wall"):
-        linkages.lyapunov(engine(RIGID), periods=2)
-
-
 def test_a_crank_at_full_speed_chatters_to_rest_again_and_again():
     """Bounces of 0.1 nm between impacts at 3 m/s: all end, and none is lost in round-off."""
     text = """

@@ -67,8 +67,8 @@ def lyapunov(
     Dataset with `exponent` and `error` (index) in 1/s, the largest first, and their `history`
     (time, index). For the whole spectrum also what is known of it otherwise: `found`, `expected`
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
-    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents. With
-    clearances, `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over
+    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents, and ``lost``, the
+    number of those that are −∞, for rigid contacts that close take neighbours away. With clearances, `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over
     what is averaged.
 
     Raises
@@ -132,6 +132,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
             "warning": " ".join([*violations, *filter(None, [exponents.unsettled])]),
             "sum": total,
             "sum_error": total_error,
+            "lost": exponents.lost,
         },
     )
 

@@ -192,6 +192,7 @@ class LinkageTangents:
             states=self._states(ends),
             times=ends.time,
             tangents=renormalised.tangents,
+            closes=self._march.closes,
         )
 
     def _states(self, motion: Motion) -> Floats:

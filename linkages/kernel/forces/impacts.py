@@ -25,7 +25,7 @@ LEAST = 1e-9
 """Acceleration (m/s²) that smaller ones count as, so that roots have derivatives."""
 
 REST = 1e-9
-"""Rate behind an impact that closes a contact, over that before."""
+"""Rate behind an impact that closes a contact, over the least one that bounces."""
 
 
 class RigidNodes(ContactNodes):
@@ -56,10 +56,13 @@ class RigidNodes(ContactNodes):
         speed = self.graph.select(self.speed, self.speed, self.graph.zero)
         rebound = inputs.parameter(self.law.restitution) * speed
         slow = inputs.parameter(self.law.least_rate)
-        # a rate of 0 might be one of −1e-20, which is thrown back
-        rebound = self.graph.select(rebound - slow, rebound, speed * -REST)
+        # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
+        rebound = self.graph.select(rebound - slow, rebound, -self._least_of(speed, REST * slow))
         impulse = (speed + rebound) * mass
         return [inputs.rate(i) - part * impulse for i, part in enumerate(moved)]
+
+    def _least_of(self, one: Scalar, other: Scalar) -> Scalar:
+        return self.graph.select(other - one, one, other)
 
     @property
     def touching(self) -> Scalar:

@@ -44,18 +44,28 @@ def entry(function: Callable) -> Callable:
         return njit(_signature(function), **OPTIONS)(function)
 
 
-def compiled(function: Callable) -> Callable:
-    """Compile a function that only compiled functions call, without the costly way in."""
-    options = {"no_cpython_wrapper": True, **OPTIONS}
+def compiled(function: Callable, **options: Any) -> Callable:
+    """Compile a function that only compiled functions call, without the costly way in.
+
+    It is compiled, or its machine code loaded, when the first of them is compiled: theirs holds it.
+    """
     with _own_cache():
-        return njit(_signature(function), **options)(function)
+        dispatcher = njit(no_cpython_wrapper=True, **options, **OPTIONS)(function)
+    find = dispatcher.get_call_template
+
+    def compile_first(*arguments: Any) -> Any:
+        if not dispatcher.overloads:
+            dispatcher.compile(_signature(function))
+            dispatcher.disable_compile()
+        return find(*arguments)
+
+    dispatcher.get_call_template = compile_first
+    return dispatcher
 
 
 def inlined(function: Callable) -> Callable:
     """Compile a function into those that call it: a call would pass each word of its tuples."""
-    options = {"forceinline": True, "no_cpython_wrapper": True, **OPTIONS}
-    with _own_cache():
-        return njit(_signature(function), **options)(function)
+    return compiled(function, forceinline=True)
 
 
 def callback(function: Callable) -> Any:

@@ -223,6 +223,13 @@ class Model:
         return solve_symmetric(self.mass_matrix, forces)
 
     @cached_property
+    def unheld(self) -> Accelerations:
+        """The accelerations as if no rigid contact pressed."""
+        return self._accelerations(
+            dict(zip(self.topology.free, self.unheld_accelerations, strict=True))
+        )
+
+    @cached_property
     @section("accelerations of the free coordinates")
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""

@@ -15,7 +15,7 @@ from linkages.components.contributed.functions import (
     X,
     applied,
 )
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, Play
 
 Numbers = Mapping[str, Parameter]
 """Keys of a clearance → their numbers."""
@@ -164,54 +164,99 @@ def raised(exponent: Parameter) -> Function:
 
 
 @dataclass(frozen=True)
-class GapFriction:
-    """Coulomb's friction between pin and hole: −μ F g(vt/vs) for a slip velocity vt.
-
-    Parameters
-    ----------
-    coefficient
-        Force on the pin over the normal force, as a function of the slip velocity `V` (m/s).
-    """
-
-    coefficient: Function
-
-
-@dataclass(frozen=True)
-class Contact:
+class PinInHole:
     """A pin that may leave its hole, fly, hit its wall and follow it.
 
     Parameters
     ----------
-    name
-        Of the clearance.
+    clearance
+        Name of the clearance.
     joint, displaced
         The joint, and what the point of the displaced body is called.
     body
         The displaced body.
     size
         Radial clearance (m).
-    normal
-        The force that presses.
     hole
         Whether the displaced body has the hole; otherwise it has the pin.
     pin_radius
         In metres.
+    """
+
+    clearance: str
+    joint: str
+    displaced: str
+    body: str
+    size: Parameter
+    hole: bool
+    pin_radius: Parameter
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """The bodies whose displacements are the offset."""
+        return offset_names(self.clearance)
+
+
+CORNERS = ((-1, 1), (1, 1), (-1, -1), (1, -1))
+"""On which sides of the middle of a block its corners are, along the guide and across it."""
+
+
+@dataclass(frozen=True)
+class CornerAtWall:
+    """A corner of a block, and the wall of its guide on that side.
+
+    Parameters
+    ----------
+    play
+        What moves in the guide.
+    along, across
+        The sides on which the corner is: +1 or −1.
+    size
+        Distance of a block in the middle of its guide from each wall (m).
+    length, height
+        Of the block along the guide and across it (m).
+    """
+
+    play: Play
+    along: int
+    across: int
+    size: Parameter
+    length: Parameter
+    height: Parameter
+
+
+Geometry = PinInHole | CornerAtWall
+"""What touches what."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two bodies that may touch at one place.
+
+    Parameters
+    ----------
+    name
+        What results call it.
+    geometry
+        What touches what.
+    normal
+        The force that presses.
     friction
-        Of slip along the wall, if there is any.
+        Force along the slip over the normal force, as a function of the slip `V`; None without any.
     path
         Where it stands in the definition file.
     """
 
     name: str
-    joint: str
-    displaced: str
-    body: str
-    size: Parameter
+    geometry: Geometry
     normal: NormalForce | RigidContact
-    hole: bool
-    pin_radius: Parameter
-    friction: GapFriction | None
+    friction: Function | None
     path: Path
+
+    @property
+    def size(self) -> Parameter:
+        """Length that indentations are compared with (m)."""
+        return self.geometry.size
 
     @property
     def rigid(self) -> bool:
@@ -225,11 +270,6 @@ class Contact:
         if isinstance(normal, RigidContact):
             return True
         return normal.force != normal.elastic or self.friction is not None
-
-    @property
-    def axes(self) -> tuple[str, str]:
-        """The bodies whose displacements are the offset."""
-        return offset_names(self.name)
 
 
 def offset_names(clearance: str) -> tuple[str, str]:

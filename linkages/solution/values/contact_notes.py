@@ -31,7 +31,7 @@ def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str
     name, normal, size = found.name, nodes.contact.normal, nodes.contact.size.value
     yield f"clearance {name}: {_summary(motion, found)}"
     deepest = max(
-        float(evaluate_nodes(piece, [nodes.indentation]).max(initial=-np.inf))
+        float(evaluate_nodes(piece, [nodes.gap.indentation]).max(initial=-np.inf))
         for piece in motion.pieces
     )
     if deepest > DEEPEST * size:

@@ -11,10 +11,11 @@ from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.contacts import ContactNodes
-from linkages.kernel.forces.impacts import contact_nodes
+from linkages.kernel.forces.impacts import Unilateral, contact_nodes
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
+from linkages.kernel.forces.walls import Walls
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
@@ -91,6 +92,11 @@ class Model:
     def contacts(self) -> list[ContactNodes]:
         """What presses in clearances that open."""
         return [contact_nodes(self, contact) for contact in self.mechanism.contacts]
+
+    @cached_property
+    def walls(self) -> Walls:
+        """All rigid contacts."""
+        return Walls(self, [nodes for nodes in self.contacts if isinstance(nodes, Unilateral)])
 
     @property
     def acting(self) -> list[Acting]:
@@ -218,7 +224,7 @@ class Model:
     @cached_property
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
-        given = [*self.loads, *(nodes for nodes in self.contacts if not nodes.contact.rigid)]
+        given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
         forces = [-self._required(self.bias, partial, given) for partial in self.partials]
         return solve_symmetric(self.mass_matrix, forces)
 

@@ -7,7 +7,7 @@ value +1 or −1, and what a motion remembers from such a time is an input as we
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -154,6 +154,45 @@ class Switches:
             self.switches.append(Switch(self._unused(name), function, owner, tuple(jump), stick))
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
+
+    def jumps(self, mode: Scalar, rates: Sequence[Scalar]) -> None:
+        """Give a mode new rates of the free coordinates where its function rises through zero.
+
+        They may depend on modes that are added later than it.
+        """
+        if self._collecting:
+            number = self._number(mode)
+            self.switches[number] = replace(self.switches[number], jump=tuple(rates))
+
+    def together(
+        self,
+        names: Sequence[str],
+        active: Sequence[Scalar],
+        functions: Callable[[Sequence[Scalar]], Sequence[Scalar]],
+    ) -> list[Scalar]:
+        """Modes whose functions depend on each other's modes.
+
+        Parameters
+        ----------
+        names
+            What sentences and results call them.
+        active
+            As `add` takes them, one for each.
+        functions
+            Of the modes: the functions.
+        """
+        if not self._collecting:
+            _ = self._model.free_accelerations
+        if all(name in self._called for name in names):
+            return [self._model.inputs.mode(self._called[name]) for name in names]
+        first, zero = len(self.switches), self._model.graph.zero
+        for name, owner in zip(names, active, strict=True):
+            self._called[name] = len(self.switches)
+            self.switches.append(Switch(self._unused(name), zero, self._number(owner)))
+        modes = [self._model.inputs.mode(first + k) for k in range(len(names))]
+        for k, function in enumerate(functions(modes), first):
+            self.switches[k] = replace(self.switches[k], function=function)
+        return modes
 
     def memory(self, name: str, node: Scalar) -> Scalar:
         """The value that a node had when a switch rose last, or at the start.

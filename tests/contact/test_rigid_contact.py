@@ -92,10 +92,6 @@ free: {{pin: {{angle: 0, speed: 0}}}}
         (f"{RIGID}, friction: 0.1, pin_radius: 8 mm, slip: 1 mm/s", "restitution has no friction"),
         (f"{RIGID}, stiffness: 1e9", "restitution has no 'stiffness'"),
         ("contact: restitution", "missing key 'restitution', which restitution needs"),
-        (
-            f"{RIGID}}}\n  end: {{joint: B, bar: rod, size: 0.1 mm, {RIGID}",
-            "clearance 'gap' is rigid already; expected one rigid contact",
-        ),
     ],
 )
 def test_bad_entries(gap, expected):

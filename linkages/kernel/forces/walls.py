@@ -69,13 +69,15 @@ class Walls:
         return self.contacts.index(contact)
 
     @cached_property
+    def _closed(self) -> list[Scalar]:
+        return [self.model.switches.add(c.touch, c.nearness) for c in self.contacts]
+
+    @cached_property
     def touching(self) -> list[Scalar]:
         """Modes: which contacts are closed."""
-        switches = self.model.switches
-        modes = [switches.add(c.touch, c.nearness) for c in self.contacts]
-        for mode, contact in zip(modes, self.contacts, strict=True):
-            switches.jumps(mode, contact.rates_behind)
-        return modes
+        for mode, contact in zip(self._closed, self.contacts, strict=True):
+            self.model.switches.jumps(mode, contact.rates_behind)
+        return self._closed
 
     @cached_property
     def pressing(self) -> list[Scalar]:
@@ -96,9 +98,8 @@ class Walls:
         if len(self.contacts) == 1:
             (contact,) = self.contacts
             return [self.mass(0) * contact.needed]
-        forced = self.graph.one
         return [
-            self._solved([forced if k == own else mode for k, mode in enumerate(modes)])[own]
+            self._solved([*modes[:own], self.touching[own], *modes[own + 1 :]])[own]
             for own in range(len(modes))
         ]
 
@@ -141,7 +142,7 @@ class Walls:
         self, own: int, change: Scalar, pressing: tuple[int, ...]
     ) -> tuple[list[Scalar], Scalar]:
         """Impulses where these others press, and a number that is not negative if they can."""
-        graph, select, closed = self.graph, self.graph.select, self.touching
+        graph, select, closed = self.graph, self.graph.select, self._closed
         taking = (own, *pressing)
         falls = [change, *(self.contacts[k].speed for k in pressing)]
         rows = [[self.mobility(i, j) for j in taking[: n + 1]] for n, i in enumerate(taking)]

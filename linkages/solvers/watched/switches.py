@@ -116,7 +116,6 @@ def locate(
     if start <= 0.0 and rise <= 0.0:  # as a run begins that ended here
         try_part(system, table, record, t, h, 0.0)
         return 0.0
-    start = max(start, 0.0)  # round-off of a mode that has just changed
     width, theta, last = high - low, high, abs(end)
     for search in range(SEARCHES):
         theta = low + width * first_zero(start, width * rise, end, width * fall)
@@ -160,8 +159,6 @@ def crossing(
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
     if end < 0.0:
-        if start <= end and rise > 0.0:  # round-off of a mode that has just changed, on its way up
-            return GO_ON
         return locate(system, table, record, modes, switch, t, h, part)
     rise, fall = rise * h, fall * h
     if start > 0.0 and rise < 0.0 and fall > 0.0:

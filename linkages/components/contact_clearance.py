@@ -34,6 +34,7 @@ from linkages.spec.quantities import (
     Speed,
 )
 
+Viscosity = Annotated[float, Quantity(Dimension("viscosity", "Pa*s", "Pa·s"), Bound.POSITIVE)]
 Modulus = Annotated[float, Quantity(Dimension("modulus", "Pa", "pascals"), Bound.POSITIVE)]
 
 
@@ -60,6 +61,10 @@ class ContactClearance(Touching):
         What the bar has: the ``hole``, or the ``pin``.
     pin_radius
         Radius of the pin in metres.
+    viscosity
+        Dynamic viscosity of the oil in Pa·s, > 0.
+    width
+        Of pin and hole along their axis, in metres.
     offset, rate
         From the pin to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
@@ -74,6 +79,8 @@ class ContactClearance(Touching):
     poisson: Ratio = 0.3
     carries: Literal["hole", "pin"] = "hole"
     pin_radius: PositiveLength | None = None
+    viscosity: Viscosity | None = None
+    width: PositiveLength | None = None
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
@@ -82,16 +89,24 @@ class ContactClearance(Touching):
         found = [*self.contact_problems()]
         if self.modulus is not None:
             found += self._of_the_material()
-        apart = math.hypot(*self.offset)
-        if apart > 2.0 * self.size:
-            message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
-            found.append(("offset", f"{message}; expected at most the size, {self.size:g} m"))
+        found += self._of_the_start()
         return tuple(((*self.path, key), message) for key, message in found)
+
+    def _of_the_start(self) -> Iterator[tuple[str, str]]:
+        apart, film = math.hypot(*self.offset), "viscosity" in self.law.needs
+        if film and self.pin_radius is None:
+            yield "contact", f"missing key 'pin_radius', which {self.law.name} needs"
+        if film and apart >= self.size:
+            message = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
+            yield "offset", f"{message}; expected less than the size, {self.size:g} m"
+        elif apart > 2.0 * self.size:
+            message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
+            yield "offset", f"{message}; expected at most the size, {self.size:g} m"
 
     @property
     def supplied(self) -> dict[str, float | None]:
         """The numbers that laws may need; moduli stand for a stiffness."""
-        found = super().supplied
+        found = super().supplied | {"viscosity": self.viscosity, "width": self.width}
         if self.modulus is not None and "stiffness" in self.law.needs:
             found["stiffness"] = self._of_spheres
         return found

@@ -11,6 +11,7 @@ import sympy as sp
 from linkages.components.contributed.contacts import (
     Contact,
     CornerAtWall,
+    Film,
     NormalForce,
     PinInHole,
     RigidContact,
@@ -19,6 +20,7 @@ from linkages.components.contributed.functions import FIRST, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
+from linkages.equations.films import FilmForces
 from linkages.equations.laws import Select, law_of
 from linkages.equations.loads import Forces
 from linkages.equations.places import Places
@@ -38,7 +40,7 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
         normal = contact.normal
         if isinstance(normal, RigidContact):
             why = "impacts change rates at once, by no force"
-        elif FIRST in leaves(normal.force):
+        elif isinstance(normal, NormalForce) and FIRST in leaves(normal.force):
             why = "the force depends on the rate at which each contact began"
         else:
             continue
@@ -72,7 +74,12 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     definitions: list[Definition] = []
     total: Forces = {}
     for contact in mechanism.contacts:
-        own = _Contact(contact, mechanism, symbols, places)
+        about = mechanism, symbols, places
+        own: _Contact | FilmForces
+        if isinstance(contact.normal, Film):
+            own = FilmForces(contact, contact.normal, *about)
+        else:
+            own = _Contact(contact, *about)
         definitions += own.definitions
         for q, rate in symbols.rates.items():
             total[q] = total.get(q, sp.S.Zero) + own.along(rate)
@@ -131,7 +138,7 @@ class _Contact:
         touch = x**2 + y**2 - size**2
         apart = self._define("D", pin.clearance, Select(touch, sp.sqrt(x**2 + y**2), size))
         bodies = (other, pin.body) if pin.hole else (pin.body, other)
-        of_pin, of_hole = map(self._turning, bodies)
+        of_pin, of_hole = map(self._places.turning, bodies)
         slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
         return _Gap(touch, apart - size, (x * dx + y * dy) / apart, slip)
 
@@ -153,12 +160,6 @@ class _Contact:
         symbol = self._symbols.define(letter, name)
         self.definitions.append(Definition(symbol, value))
         return symbol
-
-    def _turning(self, body: str | None) -> sp.Expr:
-        """Angular speed of a body (None: the ground)."""
-        if body is None:
-            return sp.S.Zero
-        return self._rate(self._places.orientation(body))
 
     def _rate(self, value: sp.Expr) -> sp.Expr:
         """Rate of a function of the coordinates."""

@@ -10,8 +10,9 @@ from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
-from linkages.kernel.forces.contacts import ContactNodes
-from linkages.kernel.forces.impacts import Unilateral, contact_nodes
+from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.across_gaps import gap_nodes
+from linkages.kernel.forces.impacts import Unilateral
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
@@ -89,9 +90,9 @@ class Model:
         }
 
     @cached_property
-    def contacts(self) -> list[ContactNodes]:
+    def contacts(self) -> list[GapNodes]:
         """What presses in clearances that open."""
-        return [contact_nodes(self, contact) for contact in self.mechanism.contacts]
+        return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @cached_property
     def walls(self) -> Walls:
@@ -255,7 +256,10 @@ class Model:
         Springs are left out: what they store is in the potential energy.
         """
         free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        return self._driven_power(self._accelerations(free)) + self.load_power
+        found = self._driven_power(self._accelerations(free)) + self.load_power
+        if not self.switches.equivalent:
+            return found
+        return found + self.switches.held(self.driven_power + self.load_power)
 
     @property
     def driven_power(self) -> Scalar:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.forces.contacts import ContactNodes
+from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 
 
-def _contacts(model: Model) -> dict[str, ContactNodes]:
+def _contacts(model: Model) -> dict[str, GapNodes]:
     return {nodes.contact.name: nodes for nodes in model.contacts}
 
 
@@ -39,7 +39,7 @@ def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
     return nodes
 
 
-def _scalars(value: Callable[[ContactNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
+def _scalars(value: Callable[[GapNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
     """One value of each clearance that opens, and zero of the others."""
 
     def nodes(model: Model) -> list[Scalar]:

@@ -58,22 +58,30 @@ def test_all_laws_are_tested():
     assert set(FORMULAS) == set(friction_laws()) == {*CORNERS, "coulomb"}
 
 
-@pytest.mark.parametrize("law", CORNERS)
+@pytest.mark.parametrize("law", [law for law in CORNERS if law != "tanh"])
 def test_motion_against_absolute_coordinates(law):
     """Both integrate at 1e-12; the other one does not stop at corners, and touches amplify."""
     text = pendulum(law, "pin" if law == "threlfall" else "hole")
-    times = np.linspace(0.0, 0.04, 5)
+    times = np.linspace(0.0, 0.04, 401)
     model = AbsoluteContact(text)
-    own = motion(model, times[1:], rtol=1e-12)
-    solution = linkages.simulate(
-        linkages.loads(text), times=times, rtol=1e-12, outputs=["clearance_slip"]
-    )
-    slip = solution.data.clearance_slip.sel(clearance="gap").to_numpy()[1:]
+    own = motion(model, times[100::100], rtol=1e-12)
+    solution = linkages.simulate(linkages.loads(text), times=times, rtol=1e-12, outputs="all")
+    slip = solution.data.clearance_slip.sel(clearance="gap").to_numpy()[100::100]
     expected = np.array([model.wall(y, 0).slip for y in own.states])
     np.testing.assert_allclose(slip, expected, atol=1e-8 * np.abs(expected).max())
     assert len(corners(solution)) == CORNERS[law]
     if CORNERS[law]:  # it went through some of them
         assert sum(solution.motion.changes[name].count for name in corners(solution)) >= 2
+    balanced(solution.data)
+
+
+def balanced(data):
+    assert float(data.clearance_friction_loss.max()) > 1e-3  # W, of 0.5 N at some mm/s
+    # what sticks slips by round-off of velocities of 1 m/s, under some newtons
+    assert float(data.clearance_friction_loss.min()) >= -1e-12
+    energy = data.kinetic_energy + data.potential_energy
+    # errors of some hundred steps at a tolerance of 1e-10 and below
+    assert float(abs(data.energy_residual).max()) < 1e-8 * float(abs(energy).max())
 
 
 def corners(solution):
@@ -81,16 +89,13 @@ def corners(solution):
     return [name for name in names if "slip" in name]
 
 
-@pytest.mark.parametrize("law", FORMULAS)
-def test_energy_is_balanced(law):
-    solution = linkages.simulate(linkages.loads(pendulum(law)), end=0.05, outputs="all", rtol=1e-10)
-    data = solution.data
-    lost = float(data.clearance_friction_loss.max())
-    assert lost > 1e-3  # W, of friction of 0.5 N at some mm/s
-    assert float(data.clearance_friction_loss.min()) >= 0.0
-    energy = data.kinetic_energy + data.potential_energy
-    # errors of some hundred steps at a tolerance of 1e-10
-    assert float(abs(data.energy_residual).max()) < 1e-8 * float(abs(energy).max())
+def test_impacts_with_friction_that_sticks():
+    """Touches set the sense of the slip anew, and sticking ends with the contact at the latest."""
+    solution = linkages.simulate(linkages.loads(pendulum("coulomb")), end=0.05, outputs="all")
+    balanced(solution.data)
+    touches, slips = (solution.motion.changes[f"gap: {mode}"] for mode in ("touch", "slip"))
+    assert touches.rises.sum() >= 3
+    assert slips.count >= 3
 
 
 @pytest.mark.parametrize("law", FORMULAS)

@@ -70,6 +70,29 @@ class RigidContact:
 
 
 @dataclass(frozen=True)
+class Film:
+    """Oil that fills the gap between a pin and its hole, and keeps them apart.
+
+    Parameters
+    ----------
+    viscosity
+        Dynamic viscosity η in Pa·s.
+    width
+        Of the bearing along its axis (m).
+    whole
+        Whether the film bears tension, and reaches all around; otherwise it is where it presses.
+    """
+
+    viscosity: Parameter
+    width: Parameter
+    whole: bool
+
+
+Across = NormalForce | RigidContact | Film
+"""What acts across a gap."""
+
+
+@dataclass(frozen=True)
 class ContactLaw:
     """A law of contact as definition files name it.
 
@@ -80,14 +103,14 @@ class ContactLaw:
     needs, takes
         Keys of a clearance that it must have, and further ones that it may have.
     force
-        The force, from the numbers at these keys.
+        What acts, from the numbers at these keys.
     restitution
         Damping factor χ over wanted restitution, for a law that has one.
     """
 
     name: str
     needs: tuple[str, ...]
-    force: Callable[[Numbers], NormalForce | RigidContact]
+    force: Callable[[Numbers], Across]
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
 
@@ -134,6 +157,15 @@ def viscous_law(name: str) -> ContactLaw:
         return NormalForce(total, elastic, energy, own, total)
 
     return ContactLaw(name, ("stiffness", "damping"), force, ())
+
+
+def film_law(name: str, *, whole: bool) -> ContactLaw:
+    """The film of a short journal bearing."""
+
+    def force(numbers: Numbers) -> Film:
+        return Film(numbers["viscosity"], numbers["width"], whole)
+
+    return ContactLaw(name, ("viscosity", "width"), force, ())
 
 
 def elastic_part(numbers: Numbers) -> tuple[Function, Function, tuple[Parameter, Parameter]]:
@@ -249,7 +281,7 @@ class Contact:
 
     name: str
     geometry: Geometry
-    normal: NormalForce | RigidContact
+    normal: Across
     friction: Function | None
     path: Path
 
@@ -267,7 +299,7 @@ class Contact:
     def dissipates(self) -> bool:
         """Whether impacts or slip lose energy."""
         normal = self.normal
-        if isinstance(normal, RigidContact):
+        if not isinstance(normal, NormalForce):
             return True
         return normal.force != normal.elastic or self.friction is not None
 

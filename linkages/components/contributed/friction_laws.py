@@ -39,7 +39,7 @@ class FrictionLaw:
         Keys beside ``friction`` that it must have, and further ones that it may have.
     resists
         Friction against the slip over the normal force, as a function of the velocity `V` of slip
-        in m/s, from the numbers at these keys.
+        in m/s, from the numbers at these keys. Its corners are zeros of smooth functions.
     """
 
     name: str
@@ -111,6 +111,11 @@ def friction_problems(name: str, given: Mapping[str, float | None]) -> Iterator[
 def stribeck(sliding: Function, static: Function, speed: Function) -> Function:
     """F + (F_static − F)·exp(−(v/v_stribeck)²): friction that falls as it gets faster."""
     return sliding + (static - sliding) * applied("exp", applied("neg", (V / speed) ** 2))
+
+
+def beyond(speed: Function) -> Function:
+    """What is positive where the slip is faster, smooth where it changes its sense."""
+    return V**2 - speed**2
 
 
 def odd(magnitude: Callable[[Function], Function]) -> Function:

@@ -7,11 +7,7 @@ from typing import Annotated
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
-from linkages.components.contributed.contacts import (
-    ContactLaw,
-    NormalForce,
-    RigidContact,
-)
+from linkages.components.contributed.contacts import Across, ContactLaw
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -114,6 +110,8 @@ class Touching(Component):
     def contact_problems(self) -> Iterator[tuple[str, str]]:
         """Keys that the law has or lacks, and numbers out of its range."""
         law = self.law
+        if not set(law.needs) <= self.supplied.keys():
+            yield "contact", f"{law.name} is a law of pins in holes; expected another one"
         for key, value in self.supplied.items():
             if key in law.needs and value is None:
                 yield "contact", f"missing key {key!r}, which {law.name} needs"
@@ -148,13 +146,14 @@ class Touching(Component):
         return self.restitution is None or self.restitution <= 1.0
 
     @property
-    def normal(self) -> NormalForce | RigidContact:
+    def normal(self) -> Across:
         """The force that presses: the damping factor stands in the place of the restitution.
 
         What is missing or out of range, as `problems` says, is 1 here.
         """
         usual = USUAL_RATE if self.least_rate is None else self.least_rate
-        values = self.supplied | {"exponent": self.stiffness_exponent, "least_rate": usual}
+        values: dict[str, float | None] = dict.fromkeys(self.law.needs) | self.supplied
+        values |= {"exponent": self.stiffness_exponent, "least_rate": usual}
         factor = self.law.restitution
         if factor is not None and self.restitution is not None and self._reachable:
             values["restitution"] = factor(self.restitution)

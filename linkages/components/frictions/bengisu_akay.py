@@ -3,7 +3,7 @@
 It rises to μ_s at v0, where it has a corner, and falls to μ over the Stribeck speed.
 """
 
-from linkages.components.contributed.friction_laws import Coefficients, FrictionLaw, odd
+from linkages.components.contributed.friction_laws import Coefficients, FrictionLaw, beyond, odd
 from linkages.components.contributed.functions import Function, applied
 
 
@@ -11,10 +11,10 @@ def _resists(numbers: Coefficients) -> Function:
     sliding, static, peak = numbers["friction"], numbers["static"], numbers["slip"]
 
     def magnitude(slip: Function) -> Function:
-        part = slip / peak
-        beyond = applied("max", slip - peak, 0) / numbers["stribeck_speed"]
-        falling = sliding + (static - sliding) * applied("exp", applied("neg", beyond))
-        return applied("where", slip - peak, falling, static * part * applied("sub", 2, part))
+        part, fast = slip / peak, beyond(peak)
+        more = applied("where", fast, (slip - peak) / numbers["stribeck_speed"], 0)
+        falling = sliding + (static - sliding) * applied("exp", applied("neg", more))
+        return applied("where", fast, falling, static * part * applied("sub", 2, part))
 
     return odd(magnitude)
 

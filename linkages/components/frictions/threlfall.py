@@ -3,7 +3,7 @@
 Beyond, it stays what it is there, 1 − exp(−3) = 0.9502, which is printed as 0.95.
 """
 
-from linkages.components.contributed.friction_laws import Coefficients, FrictionLaw, odd
+from linkages.components.contributed.friction_laws import Coefficients, FrictionLaw, beyond, odd
 from linkages.components.contributed.functions import Function, applied
 
 
@@ -11,7 +11,7 @@ def _resists(numbers: Coefficients) -> Function:
     reached = numbers["slip"]
 
     def magnitude(slip: Function) -> Function:
-        part = applied("min", slip, reached) / reached
+        part = applied("where", beyond(reached), 1, slip / reached)
         return applied("sub", 1, applied("exp", applied("mul", -3, part)))
 
     return numbers["friction"] * odd(magnitude)

@@ -4,19 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING
 
-from linkages.components.contributed.contacts import (
-    Contact,
-    CornerAtWall,
-    Geometry,
-    NormalForce,
-    PinInHole,
-)
+from linkages.components.contributed.contacts import Contact, NormalForce
 from linkages.components.contributed.functions import Function, Measured
-from linkages.kernel.forces.corner_gaps import CornerGap
-from linkages.kernel.forces.gaps import Gap, PinGap
-from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
+from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.loads import Forces, Torques, Velocities
 from linkages.kernel.forces.slip import friction_force
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.numbers.laws import value_of
@@ -28,53 +21,13 @@ LEAST = 1e-30
 """Indentation in metres that a smaller one counts as, so that roots and logarithms exist."""
 
 
-def gap_of(model: Model, geometry: Geometry) -> Gap:
-    """The gap of a contact."""
-    match geometry:
-        case PinInHole():
-            return PinGap(model, geometry)
-        case CornerAtWall():
-            return CornerGap(model, geometry)
-        case _:
-            assert_never(geometry)
-
-
-class ContactNodes(Acting):
-    """A contact: its gap, the forces that it causes, and what they store and dissipate."""
-
-    def __init__(self, model: Model, contact: Contact) -> None:
-        self.model, self.graph, self.contact = model, model.graph, contact
-        self.gap = gap_of(model, contact.geometry)
-
-    @property
-    def touch(self) -> str:
-        """Name of the mode of touching."""
-        return f"{self.contact.name}: touch"
-
-    @property
-    @abstractmethod
-    def touching(self) -> Scalar:
-        """Mode: whether they touch."""
+class ContactNodes(GapNodes):
+    """A contact: a normal force, and friction under it."""
 
     @property
     @abstractmethod
     def pressing(self) -> Scalar:
         """Mode: whether a force presses."""
-
-    @property
-    @abstractmethod
-    def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
-
-    @property
-    @abstractmethod
-    def normal_loss(self) -> Scalar:
-        """Power lost across the wall."""
-
-    @cached_property
-    def speed(self) -> Scalar:
-        """The actual rate of the indentation."""
-        return self.gap.rate(self.model.velocities)
 
     @cached_property
     def friction(self) -> Scalar:
@@ -97,11 +50,6 @@ class ContactNodes(Acting):
     def friction_loss(self) -> Scalar:
         """Power lost along the wall."""
         return -(self.friction * self.gap.slip(self.model.velocities))
-
-    @property
-    def working(self) -> Scalar:
-        """Power of all but the elastic part, at the actual velocities."""
-        return -(self.normal_loss + self.friction_loss)
 
     def forces(self) -> Forces:
         """On both bodies."""

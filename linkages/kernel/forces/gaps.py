@@ -145,12 +145,12 @@ class PinGap(Gap):
 
     def slip(self, velocities: Velocities) -> Scalar:
         """Slip of the pin in the hole."""
-        body, other = self._turning(velocities)
+        body, other = self.turning(velocities)
         pin, hole = (other, body) if self.geometry.hole else (body, other)
         along = self.normal.turned.dot(self.offset_rate(velocities))
         return along + self.radius * pin - (self.radius + self.distance) * hole
 
-    def _turning(self, velocities: Velocities) -> tuple[Scalar, Scalar]:
+    def turning(self, velocities: Velocities) -> tuple[Scalar, Scalar]:
         """Angular speeds of the displaced body and of the other one."""
         other = self.graph.zero if self.other is None else velocities.turning(self.other)
         return velocities.turning(self.geometry.body), other
@@ -168,8 +168,11 @@ class PinGap(Gap):
 
     def forces(self, force: Scalar, friction: Scalar) -> Forces:
         """On the displaced body through its offset, and the opposite at the joint."""
+        return self.between(self.normal.turned * friction - self.normal * force)
+
+    def between(self, acting: Vector) -> Forces:
+        """A force on the displaced body through its offset, and the opposite at the joint."""
         geometry = self.geometry
-        acting = self.normal.turned * friction - self.normal * force
         return [
             (geometry.axes[1], geometry.displaced, acting),
             (self.other, geometry.joint, -acting),

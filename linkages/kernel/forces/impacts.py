@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 from linkages.components.contributed.contacts import Contact, RigidContact
-from linkages.kernel.forces.contacts import ContactNodes, PressingNodes
+from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.forces.loads import Acting, Velocities
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph
 
@@ -159,10 +159,3 @@ class RigidNodes(Unilateral, ContactNodes):
     def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
         super().__init__(model, contact)
         self.law, self.name = law, contact.name
-
-
-def contact_nodes(model: Model, contact: Contact) -> ContactNodes:
-    """The nodes of a contact."""
-    if isinstance(contact.normal, RigidContact):
-        return RigidNodes(model, contact, contact.normal)
-    return PressingNodes(model, contact, contact.normal)

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import RigidContact
-from linkages.kernel.forces.contacts import ContactNodes
+from linkages.components.contributed.contacts import NormalForce
+from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.impacts import RigidNodes
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.evaluation import evaluate_nodes
@@ -84,7 +84,7 @@ def states(motion: Motion) -> NDArray[np.int8]:
     return found
 
 
-def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
+def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
@@ -108,12 +108,12 @@ def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
     )
 
 
-def _touching_at_start(motion: Motion, nodes: ContactNodes) -> bool:
+def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
     first = next((piece for piece in motion.pieces if len(piece.time)), None)
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: ContactNodes) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: GapNodes) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
@@ -137,10 +137,10 @@ def _effective_mass(along: Floats, rows: Floats) -> Floats:
     return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(nodes: ContactNodes, mass: Floats, speed: Floats) -> Floats:
+def _duration(nodes: GapNodes, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
     normal = nodes.contact.normal
-    if isinstance(normal, RigidContact):
+    if not isinstance(normal, NormalForce):
         return np.zeros(speed.shape)
     stiffness, exponent = normal.numbers
     power = exponent.value + 1.0

@@ -8,7 +8,7 @@ is left converge so fast that no dense output is needed.
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import callback, compiled, floats, integers, tuple_at
+from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -27,6 +27,8 @@ RECORD_WORDS = len(Record._fields)
 GO_ON = 2.0
 # Of the length of a step: as near to the change as times can be told apart.
 EXACT = 1e-14
+# Value of a function that is no more than round-off, beside its change in a step.
+ROUND_OFF = 1e-9
 # Repetitions of a step: far more than cubics need, enough to halve it down to its last digit.
 SEARCHES, DIPS = 60, 8
 # Where a rejected step is repeated up to a change, so that it lies within.
@@ -135,7 +137,7 @@ def locate(
             high, end, fall = theta, here, rate
         width = high - low
         # where the function is round-off alone it ceases to shrink
-        if width < EXACT or (abs(here) >= 0.5 * last and abs(here) < 1e-9 * abs(rate)):
+        if width < EXACT or (abs(here) >= 0.5 * last and abs(here) < ROUND_OFF * abs(rate)):
             break
         last = abs(here)
     return theta
@@ -158,9 +160,11 @@ def crossing(
     """
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
-    if end < 0.0:
-        return locate(system, table, record, modes, switch, t, h, part)
     rise, fall = rise * h, fall * h
+    if end < 0.0:
+        if start <= 0.0 and rise > 0.0 and -end < ROUND_OFF * fall:
+            return GO_ON
+        return locate(system, table, record, modes, switch, t, h, part)
     if start > 0.0 and rise < 0.0 and fall > 0.0:
         low, high = 0.0, part
         for _ in range(DIPS):
@@ -179,9 +183,11 @@ def crossing(
             else:
                 high, end, fall = theta, here, rate * h
         return GO_ON
+    # where another change makes the step short, one that began it is a round-off below zero
+    least = -BELOW * (abs(start) + end + (max(rise, 0.0) if start <= 0.0 else 0.0))
     for row in range(1, table.end):
         here, _ = seen(system, modes, row, switch)
-        if here < -BELOW * (abs(start) + end):
+        if here < least:
             theta = floats(table.c)[row] * part
             if not 0.0 < theta < part or not try_part(system, table, record, t, h, theta):
                 return GO_ON
@@ -212,7 +218,7 @@ def unresolved(system: System, table: Table, switches: Switches, switch: int, h:
     return apart > UNLIKE * (high - low) and low < FAR * apart
 
 
-@callback
+@compiled
 def look(context: int, t: float, h: float, t_end: float) -> float:
     """Find the first change of a mode within the accepted step in the workspace.
 
@@ -252,7 +258,7 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
     return part
 
 
-@callback
+@compiled
 def guess(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """About at which fraction of the rejected step in the workspace the first mode changes.
 

@@ -12,6 +12,7 @@ from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.across_gaps import gap_nodes
+from linkages.kernel.forces.ends import EndNodes
 from linkages.kernel.forces.impacts import Unilateral
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
@@ -95,14 +96,20 @@ class Model:
         return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @cached_property
+    def ends(self) -> list[EndNodes]:
+        """What bounces at ends of ways."""
+        first = len(self.mechanism.loads) + len(self.mechanism.sensed)
+        return [EndNodes(self, end, place) for place, end in enumerate(self.mechanism.ends, first)]
+
+    @cached_property
     def walls(self) -> Walls:
         """All rigid contacts."""
-        return Walls(self, [nodes for nodes in self.contacts if isinstance(nodes, Unilateral)])
+        return Walls(self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)])
 
     @property
     def acting(self) -> list[Acting]:
         """All that acts beside drives and gravity."""
-        return [*self.loads, *self.contacts]
+        return [*self.loads, *self.contacts, *self.ends]
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:

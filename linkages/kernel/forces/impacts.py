@@ -87,19 +87,23 @@ class Unilateral(Acting):
         return REST * self._slow
 
     @property
-    def rates_behind(self) -> list[Scalar]:
-        """Rates of the free coordinates behind an impact; a slow one closes the contact."""
-        inputs, walls = self.model.inputs, self.model.walls
+    def impulses(self) -> list[Scalar]:
+        """Impulses of all contacts in an impact of this one; a slow one closes it."""
+        inputs = self.model.inputs
         # nothing pulls a pin that comes to rest near the wall while it leaves
         speed = self.graph.select(self.speed, self.speed, self.graph.zero)
         rebound = inputs.parameter(self.law.restitution) * speed
         # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
         rest = self.graph.select(self.slowest - speed, speed, self.slowest)
         rebound = self.graph.select(rebound - self._slow, rebound, -rest)
-        impulses = walls.impulses(self, speed + rebound)
+        return self.model.walls.impulses(self, speed + rebound)
+
+    @property
+    def rates_behind(self) -> list[Scalar]:
+        """Rates of the free coordinates behind an impact."""
+        pairs = list(zip(self.model.walls.moved, self.impulses, strict=True))
         return [
-            inputs.rate(i)
-            - self.graph.total(part[i] * p for part, p in zip(walls.moved, impulses, strict=True))
+            self.model.inputs.rate(i) - self.graph.total(part[i] * p for part, p in pairs)
             for i in range(len(self.model.topology.free))
         ]
 

@@ -6,17 +6,15 @@ A contact that lasts no longer than twice the impact of a free body at the same 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.contacts import NormalForce
 from linkages.kernel.forces.across import GapNodes
-from linkages.kernel.forces.impacts import RigidNodes
-from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.evaluation import evaluate_nodes
-from linkages.solution.moving.motion import Changed, Motion, Piece
+from linkages.solution.moving.motion import Changed, Motion
 
 Floats = NDArray[np.float64]
 
@@ -149,32 +147,3 @@ def _duration(nodes: GapNodes, mass: Floats, speed: Floats) -> Floats:
     with np.errstate(divide="ignore"):
         deepest = (power * mass * speed**2 / (2.0 * stiffness.value)) ** (1.0 / power)
         return np.asarray(factor * deepest / speed)
-
-
-def energy_of_impacts(motion: Motion) -> Floats:
-    """Energy that rigid impacts have given up to each sample, with the impulses of drives, in J."""
-    found = np.zeros(len(motion.time))
-    for nodes in motion.pieces[0].system.model.contacts:
-        changed = motion.changes.get(nodes.touch)
-        if not isinstance(nodes, RigidNodes) or changed is None:
-            continue
-        model = nodes.model
-        (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
-        gained = np.concatenate(
-            [
-                evaluate_nodes(_behind(piece, nodes), [kinetic])[0]
-                - evaluate_nodes(piece, [kinetic])[0]
-                for piece in changed.pieces
-            ]
-        )
-        for time, energy in zip(changed.time[changed.rises], gained[changed.rises], strict=True):
-            found[motion.time > time] += energy
-    return found
-
-
-def _behind(piece: Piece, nodes: RigidNodes) -> Piece:
-    """States behind impacts."""
-    state, count = piece.state.copy(), len(piece.state) // 2
-    rates = evaluate_nodes(piece, nodes.rates_behind)
-    state[count : count + len(rates)] = rates
-    return replace(piece, state=state)

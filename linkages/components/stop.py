@@ -38,7 +38,6 @@ from linkages.spec.quantities import (
     TorsionalDamping,
 )
 
-
 USUAL_RATE = 1e-3
 """Bounces slower than this end in rest (m/s, rad/s), unless `least_rate` is given."""
 

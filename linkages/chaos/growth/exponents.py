@@ -43,6 +43,13 @@ class Exponents:
     lost
         How many more there are of −∞: a rigid contact that closes leaves no neighbours off its
         wall, and takes these directions away.
+    touch
+        Rate, time and contact of the touch at the smallest rate; None if nothing touches. Where it
+        tends to zero, tangents jump without bound and exponents converge slowly [1]_.
+
+    References
+    ----------
+    .. [1] A. B. Nordmark, J. Sound Vib. 145 (1991) 279: grazing.
     """
 
     growth: Floats
@@ -50,6 +57,7 @@ class Exponents:
     times: Floats
     certificate: tuple[Invariant, ...] = ()
     lost: int = 0
+    touch: tuple[float, float, str] | None = None
 
     @cached_property
     def values(self) -> Floats:

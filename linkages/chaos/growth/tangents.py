@@ -20,6 +20,7 @@ from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.renormalising import Renormalised
 from linkages.solution.moving.tolerances import TANGENT_ATOL
+from linkages.solution.values.episodes import Touch, slowest_touch
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +51,8 @@ class LinkageTangents:
     ----------
     parts
         That number.
+    slowest
+        The touch of the motion at the smallest rate; None if nothing touches.
     """
 
     def __init__(
@@ -70,6 +73,7 @@ class LinkageTangents:
         start = Motion(pieces=(self._march.sample,))
         self._kept: list[Motion] = [start] if self.parts else []
         self._ends = [start]
+        self.slowest: Touch | None = None
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -183,6 +187,9 @@ class LinkageTangents:
         """What an integration gave, and what of it is kept."""
         if self._log is not None:
             self._log.note(motion)
+        touch = slowest_touch(motion) if motion.changes else None
+        if touch is not None and (self.slowest is None or touch < self.slowest):
+            self.slowest = touch
         if self.parts:
             between = each // self.parts
             self._kept.append(motion.part(between - 1, each=between))

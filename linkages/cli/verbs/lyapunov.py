@@ -53,6 +53,12 @@ def run(request: Request) -> int:
                 f"{said['lost']} more are −∞: rigid contacts that close leave no neighbours off "
                 "their walls"
             )
+        if "least_touch" in said:
+            time, name = said["least_touch_at"]
+            screen.print(
+                f"slowest touch: {number(said['least_touch'])} m/s in {escape(name)} at "
+                f"t = {number(time)} s; exponents converge slowly where it tends to zero"
+            )
         if known:
             heading, heads, cells = certificate_table(known)
             screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))

@@ -60,7 +60,8 @@ class EndNodes(Unilateral):
         self.model, self.graph, self.end = model, model.graph, end
         self.name, self.law = end.name, end.law
         self.along = load_nodes(model, Load(end.measure, NOTHING, end.path), place)
-        self.gap = EndGap(model, end, self.along)
+        gap = EndGap(model, end, self.along)
+        self.gap, self.sense = gap, gap.sense
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of its force at some velocities."""
@@ -74,7 +75,7 @@ class EndNodes(Unilateral):
     @cached_property
     def _pushing(self) -> LoadNodes:
         found = load_nodes(self.model, self.along.load, self.along.index)
-        found.given_force = -self.gap.sense * self.force
+        found.given_force = -self.sense * self.force
         return found
 
     def forces(self) -> Forces:

@@ -16,6 +16,8 @@ from linkages.kernel.forces.loads import Acting, Velocities
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph
 
 if TYPE_CHECKING:
+    from linkages.kernel.closure.motion import Accelerations
+    from linkages.kernel.forces.gaps import Gap
     from linkages.kernel.model import Model
 
 NEAR, RESTING = 1e-7, 0.1
@@ -44,7 +46,7 @@ class Touchable(Protocol):
     def rate(self, velocities: Velocities) -> Scalar:
         """Rate of the indentation, at velocities that may be partial ones."""
 
-    def pushed(self, accelerations: Velocities) -> Scalar:
+    def pushed(self, accelerations: Accelerations) -> Scalar:
         """Second derivative of the indentation."""
 
 
@@ -159,6 +161,8 @@ class Unilateral(Acting):
 
 class RigidNodes(Unilateral, ContactNodes):
     """A contact of rigid bodies in a clearance."""
+
+    gap: Gap
 
     def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
         super().__init__(model, contact)

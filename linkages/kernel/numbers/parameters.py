@@ -116,8 +116,8 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.ends,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
-    along = [*mechanism.loads, *mechanism.ends]
-    measures = (*(own.measure for own in along), *mechanism.sensed)
+    measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]
+    measures += mechanism.sensed
     if any(isinstance(measure, Distance) for measure in measures):
         found[NEAREST] = nearest_distance(mechanism)
     return found

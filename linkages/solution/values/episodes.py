@@ -7,22 +7,35 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.contacts import NormalForce
 from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.ends import EndNodes
+from linkages.kernel.forces.impacts import Unilateral
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Changed, Motion
 
 Floats = NDArray[np.float64]
+
+Nodes = GapNodes | EndNodes
 
 FREE, IMPACT, FOLLOWING = 0, 1, 2
 STATES = ("free", "impact", "following")
 
 LONGEST = 2.0
 """Durations of an impact of a free body after which a contact follows the wall."""
+
+
+class Touch(NamedTuple):
+    """A touch: rate of the indentation (m/s), time in seconds, name of the contact."""
+
+    rate: float
+    time: float
+    name: str
 
 
 @dataclass(frozen=True)
@@ -82,14 +95,32 @@ def states(motion: Motion) -> NDArray[np.int8]:
     return found
 
 
-def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
+def rests(motion: Motion) -> list[Episodes]:
+    """The contacts of every end of a way at which bodies bounce."""
+    model = motion.pieces[0].system.model
+    return [_of_contact(motion, nodes) for nodes in model.ends]
+
+
+def slowest_touch(motion: Motion) -> Touch | None:
+    """The touch of a motion at the smallest rate; None if nothing touches."""
+    found = [
+        Touch(float(rate), float(time), contact.name)
+        for contact in (*episodes(motion), *rests(motion))
+        for rate, time in zip(contact.rate, contact.begin, strict=True)
+        if np.isfinite(rate)
+    ]
+    return min(found, default=None)
+
+
+def _of_contact(motion: Motion, nodes: Nodes) -> Episodes:
+    rigid = isinstance(nodes, Unilateral)
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
     rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
-    if nodes.contact.rigid:  # thrown back at once, or closed
+    if rigid:  # thrown back at once, or closed
         number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
         held = [piece.held for piece in changed.pieces if piece.held is not None]
         closed = np.concatenate([rows[number] > 0 for rows in held] or [rises])
@@ -100,18 +131,17 @@ def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
         lasting = np.append(np.nan, lasting)
     touches = int(rises.sum())
     if changed.count > len(time):  # touches and leaves take turns
-        touches += (changed.count - len(time)) // (1 if nodes.contact.rigid else 2)
-    return Episodes(
-        nodes.contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches
-    )
+        touches += (changed.count - len(time)) // (1 if rigid else 2)
+    name = nodes.name if isinstance(nodes, EndNodes) else nodes.contact.name
+    return Episodes(name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
 
 
-def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
+def _touching_at_start(motion: Motion, nodes: Nodes) -> bool:
     first = next((piece for piece in motion.pieces if len(piece.time)), None)
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: GapNodes) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: Nodes) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
@@ -135,9 +165,9 @@ def _effective_mass(along: Floats, rows: Floats) -> Floats:
     return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(nodes: GapNodes, mass: Floats, speed: Floats) -> Floats:
+def _duration(nodes: Nodes, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
-    normal = nodes.contact.normal
+    normal = None if isinstance(nodes, EndNodes) else nodes.contact.normal
     if not isinstance(normal, NormalForce):
         return np.zeros(speed.shape)
     stiffness, exponent = normal.numbers

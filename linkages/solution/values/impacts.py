@@ -22,8 +22,9 @@ def energy_of_impacts(motion: Motion) -> Floats:
     (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
     for contact in model.walls.contacts:
         for piece, rises in _impacts(motion, contact):
-            before, after = (evaluate_nodes(p, [kinetic])[0] for p in (piece, behind(piece, contact)))
-            found += _since(motion, piece.time[rises], (after - before)[rises])
+            gained = evaluate_nodes(behind(piece, contact), [kinetic])[0]
+            gained -= evaluate_nodes(piece, [kinetic])[0]
+            found += _since(motion, piece.time[rises], gained[rises])
     return found
 
 

@@ -96,7 +96,8 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
                 scale(n, 2, size, factor, state + WORD * k * 2 * n + own)
             scale(n, 3, size, factor, here + own)
             for r in range(memories):
-                moved[column * memories + r] = 0.0 if taken else moved[column * memories + r] / length
+                place = column * memories + r
+                moved[place] = 0.0 if taken else moved[place] / length
             if taken:
                 total = 0.0
                 break

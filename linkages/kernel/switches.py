@@ -95,6 +95,7 @@ class Switches:
         self._known: dict[tuple[int, int | None], int] = {}
         self._called: dict[str, int] = {}
         self._collecting = 0
+        self._coupled = 0
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
@@ -186,6 +187,7 @@ class Switches:
         if all(name in self._called for name in names):
             return [self._model.inputs.mode(self._called[name]) for name in names]
         first, zero = len(self.switches), self._model.graph.zero
+        self._coupled = max(self._coupled, len(names) if len(names) > 1 else 0)
         for name, owner in zip(names, active, strict=True):
             self._called[name] = len(self.switches)
             self.switches.append(Switch(self._unused(name), zero, self._number(owner)))
@@ -367,6 +369,16 @@ class Switches:
         modes = np.full((len(self.switches), *shape), -1.0)
         memory = np.zeros((len(self.memories), *shape))
         found = {"mode": modes, "memory": memory}
+        for _ in range(1 + self._coupled):
+            before = modes.copy()
+            self._sign(inputs, found)
+            if (modes == before).all():
+                break
+        return found
+
+    def _sign(self, inputs: Mapping[str, Floats], found: Mapping[str, Floats]) -> None:
+        """Set modes and memories, one after the other."""
+        modes, memory = found["mode"], found["memory"]
         for number, switch in enumerate(self.switches):
             (value,) = self._model.evaluator([switch.function])(**inputs, **found)
             on = value >= 0.0
@@ -376,4 +388,3 @@ class Switches:
             for place, kept in enumerate(self.memories):
                 if kept.owner == number:
                     memory[place] = self._model.evaluator([kept.node])(**inputs, **found)[0]
-        return found

@@ -11,7 +11,8 @@ LIMIT = 1e-6
 3e-5 of a size, extrapolated, of motions that are right to 1e-11 of one."""
 
 
-def check(text, end, size):
+def differences(text, end, size):
+    """Tangents and slopes of motions, all in sizes and hundreds of them per second."""
     mechanism = linkages.loads(text)
     rhs = linkages.compile(mechanism)
     count, start = len(rhs.names), np.asarray(System(mechanism).state)
@@ -29,4 +30,9 @@ def check(text, end, size):
     slopes = [(4 * slope(k, STEP / 2) - slope(k, STEP)) / 3 for k in range(count)]
     expected = np.array(slopes).T / scale[:, None]
     tangents = np.asarray(found.tangents) * scale / scale[:, None]
+    return tangents, expected
+
+
+def check(text, end, size):
+    tangents, expected = differences(text, end, size)
     assert np.abs(tangents - expected).max() < LIMIT * np.abs(expected).max()

@@ -12,7 +12,7 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -112,12 +112,18 @@ class Walls:
             for i in range(len(modes))
         ]
         right = [select(m, c.needed, zero) for m, c in zip(modes, self.contacts, strict=True)]
+        return solve_symmetric(matrix, right, self._reciprocal(range(len(modes))))
 
-        def pivot(row: int, value: Scalar) -> Scalar:
-            # no finite forces where contacts that are closed at once depend on each other
-            return select(value - DEPENDENT * self.mobility(row, row), value, zero)
+    def _reciprocal(self, places: Sequence[int]) -> Callable[[int, Scalar], Scalar]:
+        """Of pivots of W for some contacts: of those that depend on each other the first carry."""
+        zero, select = self.graph.zero, self.graph.select
 
-        return solve_symmetric(matrix, right, pivot)
+        def found(row: int, pivot: Scalar) -> Scalar:
+            own = self.mobility(places[row], places[row])
+            enough = pivot - DEPENDENT * own
+            return select(enough, 1.0 / select(enough, pivot, own), zero)
+
+        return found
 
     def impulses(self, contact: Unilateral, change: Scalar) -> list[Scalar]:
         """Impulses of all contacts where the rate of one is to fall by `change`.
@@ -146,13 +152,9 @@ class Walls:
         taking = (own, *pressing)
         falls = [change, *(self.contacts[k].speed for k in pressing)]
         rows = [[self.mobility(i, j) for j in taking[: n + 1]] for n, i in enumerate(taking)]
-
-        def pivot(row: int, value: Scalar) -> Scalar:
-            # contacts that depend on each other are not closed at once
-            least = self.mobility(taking[row], taking[row])
-            return select(value - DEPENDENT * least, value, least)
-
-        solved = dict(zip(taking, solve_symmetric(rows, falls, pivot), strict=True))
+        solved = dict(
+            zip(taking, solve_symmetric(rows, falls, self._reciprocal(taking)), strict=True)
+        )
         impulses = [solved.get(k, graph.zero) for k in range(len(self.contacts))]
         fits = graph.one
         for k in range(len(self.contacts)):

@@ -10,7 +10,7 @@ from linkages.kernel.graph.scalars import Scalar
 def solve_symmetric(
     matrix: list[list[Scalar]],
     right: list[Scalar],
-    guarded: Callable[[int, Scalar], Scalar] = lambda _, pivot: pivot,
+    reciprocal: Callable[[int, Scalar], Scalar] = lambda _, pivot: 1.0 / pivot,
 ) -> list[Scalar]:
     """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
 
@@ -20,8 +20,9 @@ def solve_symmetric(
         Lower triangle, row by row.
     right
         Right-hand side.
-    guarded
-        Of a row and its pivot: what to divide by, where the matrix may be singular.
+    reciprocal
+        Of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0 where the
+        matrix is singular.
     """
     count = len(right)
     lower: list[list[Scalar]] = []
@@ -38,7 +39,7 @@ def solve_symmetric(
         for value, factor in zip(row, scaled, strict=True):
             pivot = pivot - value * factor
         lower.append(scaled)
-        inverse.append(1.0 / guarded(i, pivot))
+        inverse.append(reciprocal(i, pivot))
     forward: list[Scalar] = []
     for i in range(count):
         value = right[i]

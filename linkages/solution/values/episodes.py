@@ -26,6 +26,9 @@ Nodes = GapNodes | EndNodes
 FREE, IMPACT, FOLLOWING = 0, 1, 2
 STATES = ("free", "impact", "following")
 
+AT_REST = 1e-8
+"""Rate over the least one that bounces below which a rigid contact was not touched, but met."""
+
 LONGEST = 2.0
 """Durations of an impact of a free body after which a contact follows the wall."""
 
@@ -150,6 +153,8 @@ def _at_touches(changed: Changed, nodes: Nodes) -> tuple[Floats, Floats]:
         return np.zeros(0), np.zeros(0)
     found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
     speed, *values = np.hstack(found)
+    if isinstance(nodes, Unilateral):  # it comes to rest there with another one
+        speed = np.where(np.abs(speed) <= AT_REST * nodes.law.least_rate.value, np.nan, speed)
     mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
     return speed, _duration(nodes, mass, np.abs(speed))
 

@@ -20,6 +20,7 @@ from linkages.components.free import FreePosition as FreePosition
 from linkages.components.gear import Gear as Gear
 from linkages.components.gravity import UniformGravity as UniformGravity
 from linkages.components.ground import GroundJoint as GroundJoint
+from linkages.components.guide_clearance import GuideClearance as GuideClearance
 from linkages.components.load import JointForce as JointForce
 from linkages.components.load import SliderForce as SliderForce
 from linkages.components.mass import JointMass as JointMass
@@ -49,11 +50,13 @@ from linkages.registering import unregister as unregister
 from linkages.solution.functions.propagator import Propagator as Propagator
 from linkages.solution.functions.rhs import Equations as Equations
 from linkages.solution.functions.rhs import compile as compile  # noqa: A004
+from linkages.solution.measuring.measure import measure as measure
 from linkages.solution.opened import Opened as Opened
 from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
+from linkages.sweeps.sweep import sweep as sweep
 
 __version__: str
 

@@ -6,6 +6,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -13,12 +14,14 @@ import numpy as np
 from linkages.chaos.sections.free_states import PAIRS
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import print_notes
+from linkages.cli.terminal import number, print_notes
 from linkages.errors import Interrupted
 
 if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
+
+    from linkages.sweeps.running import Progress
 
 INTERRUPTED = "interrupted: what was computed up to then is in"
 TOO_EARLY = "interrupted before anything was computed"
@@ -34,12 +37,17 @@ def failures(data: xr.Dataset) -> dict[str, int]:
 
 def counted(texts: Iterable[str]) -> dict[str, int]:
     """Text → how often, the most frequent first; numbers in texts make no difference."""
+    return counted_texts(Counter(texts))
+
+
+def counted_texts(texts: Mapping[str, int]) -> dict[str, int]:
+    """The same of texts that have been counted one by one."""
     first: dict[str, str] = {}
     counts: Counter[str] = Counter()
-    for text in texts:
+    for text, count in texts.items():
         kind = _NUMBER.sub("#", text)
         first.setdefault(kind, text)
-        counts[kind] += 1
+        counts[kind] += count
     return {first[kind]: count for kind, count in counts.most_common()}
 
 
@@ -52,12 +60,18 @@ def result(request: Request, label: str, what: str, task: Callable[..., xr.Datas
     """What a sweep returns that reports its progress, or after Ctrl-C what there is of it."""
     with request.computing(f"{label} of", f"of {what}s") as update:
         try:
-            return task(watch=lambda progress: update(progress.done / progress.total))
+            return task(watch=lambda found: update(found.done / found.total, _words(found)))
         except Interrupted as error:
             if not error.kept:  # in the set-up
                 raise
             (data,) = error.kept.values()
             return cast("xr.Dataset", data)
+
+
+def _words(found: Progress) -> str:
+    """How fast a sweep is, and what failed so far."""
+    failed = [f"{count} {word.replace('_', ' ')}" for word, count in found.failures.items()]
+    return ", ".join([f"{number(found.rate)} per second", *failed])
 
 
 def publish(
@@ -67,18 +81,21 @@ def publish(
     made: Iterable[File],
     content: Mapping[str, Any],
     show: Callable[[Console], None],
+    store: Path | None = None,
 ) -> int:
     """Write the files of a sweep, and report `content` as JSON or show it; returns the exit code.
 
-    `what` is one of its computations in a word; `made` are the files.
+    `what` is one of its computations in a word; `made` are the files; `store` is where they are
+    kept as they come.
     """
     interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
+    on = "" if store is None else f"\nthe same command goes on, with what is in {store}"
     files = request.write(made, complete=computed, interrupted=interrupted)
     request.report(content, files, show)
     if interrupted:
-        raise EndedError(f"{INTERRUPTED} {files[0].parent}")
+        raise EndedError(f"{INTERRUPTED} {files[0].parent}{on}")
     if not computed:
         print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
     return int(not computed)
@@ -86,6 +103,8 @@ def publish(
 
 def any_computed(data: xr.Dataset) -> bool:
     """Whether a sweep has a result: an indicator, or the first point of a section."""
+    if "outcome" in data:
+        return bool((data["outcome"] == 0).any())
     if "indicator" in data:
         return bool(np.isfinite(data["indicator"]).any())
     return any(

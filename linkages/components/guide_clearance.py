@@ -66,10 +66,8 @@ class GuideClearance(Touching):
         elif abs(self.angle) >= math.pi / 2:
             found = math.degrees(self.angle)
             yield "angle", f"expected a block less than 90 deg from its guide, found {found:g} deg"
-        elif self.deepest > self.size:
-            key = "offset" if abs(self.offset) > self.size else "angle"
-            message = f"a corner starts {self.deepest:g} m within the wall, far outside the guide"
-            yield key, f"{message}; expected at most the size, {self.size:g} m"
+        elif message := self.start_problem(self.deepest, "a corner"):
+            yield "offset" if abs(self.offset) > self.size else "angle", message
 
     @property
     def deepest(self) -> float:

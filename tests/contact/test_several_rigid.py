@@ -133,6 +133,32 @@ def test_both_closed_pins_are_two_massless_links():
     np.testing.assert_allclose(found.clearance_force, link.clearance_force, rtol=1e-6)
 
 
+@pytest.mark.parametrize("inertia", ["1e-4", "2.7e-6"])
+def test_a_block_that_lands_flat_bounces_flat(inertia):
+    """Both corners hit at one time, and Newton's law holds for both: no bounce turns the block."""
+    text = f"""
+gravity: [0, -9.81]
+joints: {{O: [0, 0]}}
+sliders: {{block: {{joint: B, through: O, mass: 0.076, inertia: {inertia}}}}}
+clearances:
+  gap: {{slider: block, size: 1 mm, length: 100 mm, height: 50 mm, rate: -0.1, {LAW}}}
+free: {{block: {{position: 0, speed: 0.5}}}}
+"""
+    solution = linkages.simulate(linkages.loads(text), end=0.2, samples=201, outputs="all")
+    data, changes = solution.data, solution.motion.changes
+    # whichever is a round-off ahead hits for both
+    touched = [changes[f"gap.corner{k}: touch"] for k in (3, 4)]
+    times = np.unique(np.concatenate([found.time for found in touched]).round(9))
+    # 1 mm down at 0.1 m/s, and 2 v eⁿ/g from bounce to bounce, until 1 mm/s
+    speed = np.sqrt(0.01 + 2e-3 * 9.81)
+    flights = 2 * speed / 9.81 * 0.5 ** np.arange(1, len(times))
+    first = (speed - 0.1) / 9.81
+    assert times == pytest.approx(first + np.cumsum([0.0, *flights]), abs=1e-9)
+    assert float(abs(data.tilt_angle).max()) < 1e-12
+    force = data.clearance_force.sel(clearance=["gap.corner3", "gap.corner4"])[-1]
+    np.testing.assert_allclose(force, 0.5 * 0.076 * 9.81, rtol=1e-8)
+
+
 def test_of_contacts_that_depend_on_each_other_one_carries():
     """A slider held by two stops at one place: nothing says which of them presses."""
     stops = "  - {slider: left, lower: 0, restitution: 0.7}\n"

@@ -32,6 +32,7 @@ class GapNodes(Acting):
 
     model: Model
     graph: ScalarGraph
+    contact: Contact
     gap: Gap
 
     def __init__(self, model: Model, contact: Contact) -> None:

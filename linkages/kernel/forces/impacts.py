@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 NEAR, RESTING = 1e-7, 0.1
 """Distance from the wall over size, and rate over the least one that bounces, of a pin at rest."""
 
+TOGETHER = 1e-9
+"""Distance from the wall over size of a contact that is touched at the same time as another one."""
+
 LEAST = 1e-9
 """Acceleration (m/s²) that smaller ones count as, so that roots have derivatives."""
 
@@ -89,8 +92,8 @@ class Unilateral(Acting):
         return REST * self._slow
 
     @property
-    def impulses(self) -> list[Scalar]:
-        """Impulses of all contacts in an impact of this one; a slow one closes it."""
+    def fall(self) -> Scalar:
+        """By how much an impact lowers the rate; a slow one closes the contact."""
         inputs = self.model.inputs
         # nothing pulls a pin that comes to rest near the wall while it leaves
         speed = self.graph.select(self.speed, self.speed, self.graph.zero)
@@ -98,7 +101,17 @@ class Unilateral(Acting):
         # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
         rest = self.graph.select(self.slowest - speed, speed, self.slowest)
         rebound = self.graph.select(rebound - self._slow, rebound, -rest)
-        return self.model.walls.impulses(self, speed + rebound)
+        return speed + rebound
+
+    @property
+    def together(self) -> Scalar:
+        """Not negative where it takes part in the impact of another one at the same time."""
+        return self.gap.smooth + TOGETHER * self.gap.size
+
+    @property
+    def impulses(self) -> list[Scalar]:
+        """Impulses of all contacts in an impact of this one."""
+        return self.model.walls.impulses(self)
 
     @property
     def rates_behind(self) -> list[Scalar]:

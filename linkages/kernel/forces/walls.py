@@ -125,18 +125,19 @@ class Walls:
 
         return found
 
-    def impulses(self, contact: Unilateral, change: Scalar) -> list[Scalar]:
-        """Impulses of all contacts where the rate of one is to fall by `change`.
+    def impulses(self, contact: Unilateral) -> list[Scalar]:
+        """Impulses of all contacts in an impact of one.
 
-        Others that are closed press as well, or part; impulses of those that are open are 0.
+        Others that are closed, or touched at the same time, press as well or part; impulses of
+        those that are open are 0. Newton's law holds for all that press [1]_.
         """
         own = self.place(contact)
         if len(self.contacts) == 1:
-            return [change * self.mass(0)]
+            return [contact.fall * self.mass(0)]
         others = [k for k in range(len(self.contacts)) if k != own]
         found: list[Scalar] = []
         for pressing in _subsets(others):
-            impulses, fits = self._tried(own, change, pressing)
+            impulses, fits = self._tried(own, pressing)
             chosen = found or impulses
             found = [
                 self.graph.select(fits, one, other)
@@ -144,28 +145,25 @@ class Walls:
             ]
         return found
 
-    def _tried(
-        self, own: int, change: Scalar, pressing: tuple[int, ...]
-    ) -> tuple[list[Scalar], Scalar]:
+    def _tried(self, own: int, pressing: tuple[int, ...]) -> tuple[list[Scalar], Scalar]:
         """Impulses where these others press, and a number that is not negative if they can."""
-        graph, select, closed = self.graph, self.graph.select, self._closed
+        graph, select = self.graph, self.graph.select
         taking = (own, *pressing)
-        falls = [change, *(self.contacts[k].speed for k in pressing)]
+        falls = [self.contacts[k].fall for k in taking]
         rows = [[self.mobility(i, j) for j in taking[: n + 1]] for n, i in enumerate(taking)]
-        solved = dict(
-            zip(taking, solve_symmetric(rows, falls, self._reciprocal(taking)), strict=True)
-        )
+        reciprocal = self._reciprocal(taking)
+        solved = dict(zip(taking, solve_symmetric(rows, falls, reciprocal), strict=True))
         impulses = [solved.get(k, graph.zero) for k in range(len(self.contacts))]
         fits = graph.one
-        for k in range(len(self.contacts)):
+        for k, contact in enumerate(self.contacts):
             if k == own:
                 continue
+            there = select(self._closed[k], graph.one, contact.together)
             if k in pressing:
-                holds = select(closed[k], impulses[k], -graph.one)
+                holds = select(there, impulses[k], -graph.one)
             else:
-                speed = self.contacts[k].speed
-                behind = speed - graph.total(self.mobility(k, j) * p for j, p in solved.items())
-                holds = select(closed[k], self.contacts[k].slowest - behind, graph.one)
+                fall = graph.total(self.mobility(k, j) * p for j, p in solved.items())
+                holds = select(there, contact.slowest + fall - contact.fall, graph.one)
             fits = select(holds - fits, fits, holds)
         return impulses, fits
 

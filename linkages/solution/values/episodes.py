@@ -12,16 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import NormalForce
+from linkages.components.contributed.contacts import Contact, Film, NormalForce, RigidContact
+from linkages.components.contributed.ends import End
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.ends import EndNodes
-from linkages.kernel.forces.impacts import Unilateral
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Changed, Motion
 
 Floats = NDArray[np.float64]
 
 Nodes = GapNodes | EndNodes
+Law = NormalForce | RigidContact | Film
 
 FREE, IMPACT, FOLLOWING = 0, 1, 2
 STATES = ("free", "impact", "following")
@@ -82,8 +83,10 @@ class Episodes:
 
 def episodes(motion: Motion) -> list[Episodes]:
     """The contacts of every clearance that opens."""
-    model = motion.pieces[0].system.model
-    return [_of_contact(motion, nodes) for nodes in model.contacts]
+    system = motion.pieces[0].system
+    # the nodes are those of all mechanisms of the structure, numbers are those of this one
+    pairs = zip(system.model.contacts, system.mechanism.contacts, strict=True)
+    return [_of_contact(motion, nodes, contact) for nodes, contact in pairs]
 
 
 def states(motion: Motion) -> NDArray[np.int8]:
@@ -100,8 +103,9 @@ def states(motion: Motion) -> NDArray[np.int8]:
 
 def rests(motion: Motion) -> list[Episodes]:
     """The contacts of every end of a way at which bodies bounce."""
-    model = motion.pieces[0].system.model
-    return [_of_contact(motion, nodes) for nodes in model.ends]
+    system = motion.pieces[0].system
+    pairs = zip(system.model.ends, system.mechanism.ends, strict=True)
+    return [_of_contact(motion, nodes, end) for nodes, end in pairs]
 
 
 def slowest_touch(motion: Motion) -> Touch | None:
@@ -115,13 +119,14 @@ def slowest_touch(motion: Motion) -> Touch | None:
     return min(found, default=None)
 
 
-def _of_contact(motion: Motion, nodes: Nodes) -> Episodes:
-    rigid = isinstance(nodes, Unilateral)
+def _of_contact(motion: Motion, nodes: Nodes, about: Contact | End) -> Episodes:
+    law = about.law if isinstance(about, End) else about.normal
+    rigid = isinstance(law, RigidContact)
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
-    rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
+    rates, lasting = (row[rises] for row in _at_touches(changed, nodes, law))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
     if rigid:  # thrown back at once, or closed
         number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
@@ -135,8 +140,7 @@ def _of_contact(motion: Motion, nodes: Nodes) -> Episodes:
     touches = int(rises.sum())
     if changed.count > len(time):  # touches and leaves take turns
         touches += (changed.count - len(time)) // (1 if rigid else 2)
-    name = nodes.name if isinstance(nodes, EndNodes) else nodes.contact.name
-    return Episodes(name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
+    return Episodes(about.name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
 
 
 def _touching_at_start(motion: Motion, nodes: Nodes) -> bool:
@@ -144,7 +148,7 @@ def _touching_at_start(motion: Motion, nodes: Nodes) -> bool:
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: Nodes) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: Nodes, law: Law) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
@@ -153,10 +157,10 @@ def _at_touches(changed: Changed, nodes: Nodes) -> tuple[Floats, Floats]:
         return np.zeros(0), np.zeros(0)
     found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
     speed, *values = np.hstack(found)
-    if isinstance(nodes, Unilateral):  # it comes to rest there with another one
-        speed = np.where(np.abs(speed) <= AT_REST * nodes.law.least_rate.value, np.nan, speed)
+    if isinstance(law, RigidContact):  # it comes to rest there with another one
+        speed = np.where(np.abs(speed) <= AT_REST * law.least_rate.value, np.nan, speed)
     mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
-    return speed, _duration(nodes, mass, np.abs(speed))
+    return speed, _duration(law, mass, np.abs(speed))
 
 
 def _effective_mass(along: Floats, rows: Floats) -> Floats:
@@ -170,12 +174,11 @@ def _effective_mass(along: Floats, rows: Floats) -> Floats:
     return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(nodes: Nodes, mass: Floats, speed: Floats) -> Floats:
+def _duration(law: Law, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
-    normal = None if isinstance(nodes, EndNodes) else nodes.contact.normal
-    if not isinstance(normal, NormalForce):
+    if not isinstance(law, NormalForce):
         return np.zeros(speed.shape)
-    stiffness, exponent = normal.numbers
+    stiffness, exponent = law.numbers
     power = exponent.value + 1.0
     factor = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + 1.0 / power)
     factor /= math.gamma(0.5 + 1.0 / power)

@@ -93,7 +93,7 @@ def least_place(start: float, rise: float, end: float, fall: float) -> float:
 def try_part(system: System, table: Table, record: Record, t: float, h: float, part: float) -> bool:
     """Repeat a step in part; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.end
-    return try_step(system, table, t, part * h, t + part * h) == 0
+    return try_step(system, t, part * h, t + part * h) == 0
 
 
 @compiled
@@ -161,8 +161,10 @@ def crossing(
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
     rise, fall = rise * h, fall * h
+    # where another change makes the step short, what began it is a round-off below zero
+    slack = max(ROUND_OFF * rise, -2.0 * start)
     if end < 0.0:
-        if start <= 0.0 and rise > 0.0 and -end < ROUND_OFF * fall:
+        if rise > 0.0 and fall > 0.0 and start < slack and -end < slack:
             return GO_ON
         return locate(system, table, record, modes, switch, t, h, part)
     if start > 0.0 and rise < 0.0 and fall > 0.0:
@@ -183,8 +185,7 @@ def crossing(
             else:
                 high, end, fall = theta, here, rate * h
         return GO_ON
-    # where another change makes the step short, one that began it is a round-off below zero
-    least = -BELOW * (abs(start) + end + (max(rise, 0.0) if start <= 0.0 else 0.0))
+    least = -max(slack, BELOW * (abs(start) + end))
     for row in range(1, table.end):
         here, _ = seen(system, modes, row, switch)
         if here < least:
@@ -250,7 +251,7 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
                 continue
             if evaluations[EVALUATIONS] != before:
                 evaluations[EVALUATIONS] += table.end
-                try_step(system, table, t, part * h, t_end if last < 0 else t + part * h)
+                try_step(system, t, part * h, t_end if last < 0 else t + part * h)
         switch += 1
     if last < 0:
         return GO_ON

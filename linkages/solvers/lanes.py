@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from linkages.solvers import arrays
 from linkages.solvers.integration import Request
 from linkages.solvers.job import Job
-from linkages.solvers.methods.method import Method, Motion, RungeKutta
+from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, Motion, RungeKutta
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import FRAME, PACE, REJECTED, STEPS, Lanes
+from linkages.solvers.steps.views import FRAME, PACE, REJECTED, SINGLE, STEPS, Lanes
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -135,15 +135,18 @@ def _lanes(
         "scale": shape.blocks,
         "smallest": shape.blocks,
         "turns": shape.n,
+        **dict.fromkeys(SINGLE, 0),
     }
     frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
     places = {"clock": wide.clock, "rates": wide.rates, **frame}
     return Lanes(
         lanes=lanes,
         frame=memory.integers([places[name] for name in FRAME]),
-        **{name: place for name, place in frame.items() if name != "timed"},
+        **{name: frame[name] for name in Lanes._fields if name in frame},
         size=sizes["parameters"],
         advance=code.address("advance"),
+        begin=BEGIN_MOTION.address,
+        conclude=CONCLUDE_STEP.address,
         motions=memory.integers([motion.context for motion in motions]),
         number=len(jobs),
         outcomes=0,

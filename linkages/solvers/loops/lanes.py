@@ -111,7 +111,7 @@ def refill(lanes: Lanes, lane: int, following: int) -> int:
         system, control = system_at(context), control_at(context + CONTROL)
         integers(lanes.places)[lane] = following
         following += 1
-        outcome = call_step(control.begin, context)
+        outcome = call_step(lanes.begin, context)
         enter(lanes, lane, system, control.atol)
         if outcome != DONE or floats(system.pace)[T] == floats(system.pace)[END]:
             leave(lanes, lane, outcome)
@@ -134,7 +134,7 @@ def conclude(lanes: Lanes, lane: int) -> None:
     take_out(lanes, lane, table_at(context + TABLE).end + 1)
     if integers(system.pace)[STATUS] != 0:  # which a motion alone knows better
         integers(system.pace)[STATUS] = call_step(system.attempt, system.frame)
-    outcome = call_step(control_at(context + CONTROL).conclude, context)
+    outcome = call_step(lanes.conclude, context)
     put(lanes, lane, system)
     if outcome != DONE or pace[T] == pace[END]:
         leave(lanes, lane, outcome)

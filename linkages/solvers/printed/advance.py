@@ -1,8 +1,9 @@
 """Steps one after the other, written out, until one of them needs more than arithmetic.
 
-A lane whose step does raises its flag with its state unchanged: where a sample lies within the
-step, something watches every step, a singular position may lie ahead, a block cannot be assembled,
-or the step has become too small. That step is finished by the loop of the motion itself.
+A lane whose step does raises its flag with its state unchanged: where something watches the motion,
+a singular position may lie ahead, a block cannot be assembled, or the step has become too small. Of
+several lanes, one with a sample within its step does so, too. That step is finished by the loop of
+the motion itself.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from linkages.kernel.code.instructions import Instructions, Loop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
 from linkages.solvers.printed.shape import Memory, Shape, fold, larger, set_whole, whole_row
+from linkages.solvers.printed.stages import wrap
 from linkages.solvers.steps.views import (
     ACCEPTED,
     ACTIVE,
@@ -27,6 +29,7 @@ from linkages.solvers.steps.views import (
     FROM,
     LENGTH,
     NEXT_CARRY,
+    PLAIN,
     REJECTED_BEFORE,
     REJECTIONS,
     SAMPLE,
@@ -35,8 +38,6 @@ from linkages.solvers.steps.views import (
     TAKEN,
     TO,
     TROUBLE,
-    TWO_PI,
-    TWO_PI_TAIL,
     H,
     T,
 )
@@ -84,16 +85,20 @@ class Advance:
         accepted = code.all_of([sound, judged.accepted])
         active = self._above(ACTIVE)
         flagged = code.all_of([active, self._needs_more(trial, judged, sound, accepted)])
+        sampled = code.all_of([active, self._is_sampled(trial), accepted])
         set_whole(code, status, memory["pace"], STATUS)
         memory.set_pace(judged.error, ERROR)
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
+        flagged = self._sample(sampled, flagged)
         goes_on = code.all_of([active, code.opposite(flagged)])
         self._go_on(trial, judged, accepted, goes_on)
         (tick,) = loop.values
         following = code.give(f"add i64 {tick}, 1")
         more = code.give(f"icmp ult i64 {following}, %ticks")
-        calm = code.give(f"xor i1 {code.in_any_lane(flagged)}, true")
+        ended = code.compare("oeq", memory.pace(T), memory.pace(END))
+        halts = code.any_of(flagged, code.all_of([active, ended]))
+        calm = code.give(f"xor i1 {code.in_any_lane(halts)}, true")
         loop.repeat(code.give(f"and i1 {more}, {calm}"), [following])
         bits = flagged
         if code.lanes > 1:
@@ -139,15 +144,36 @@ class Advance:
 
     def _needs_more(self, trial: Trial, judged: Judged, sound: str, accepted: str) -> str:
         """In which lanes the step must be finished elsewhere."""
-        code, memory = self._code, self._memory
-        left = code.subtract(trial.end, memory.pace(SAMPLE))
-        left = code.select(trial.forward, left, code.negate(left))
-        sampled = code.compare("oge", left, code.constant(0.0))
-        special = code.any_of(sampled, self._margins_fall(trial))
+        code = self._code
+        special = self._margins_fall(trial)
         shorter = code.absolute(code.multiply(trial.h, judged.factor))
         small = code.compare("olt", shorter, trial.finest)
         found = code.select(accepted, special, small, code.truth)
         return code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
+
+    def _is_sampled(self, trial: Trial) -> str:
+        """In which lanes a sample lies within the step."""
+        code = self._code
+        left = code.subtract(trial.end, self._memory.pace(SAMPLE))
+        left = code.select(trial.forward, left, code.negate(left))
+        return code.compare("oge", left, code.constant(0.0))
+
+    def _sample(self, sampled: str, flagged: str) -> str:
+        """Take samples of a single motion that nobody watches; others raise their flag."""
+        code = self._code
+        if code.lanes > 1:
+            return code.any_of(sampled, flagged)
+        own = code.all_of([sampled, code.opposite(flagged), self._above(PLAIN)])
+        elsewhere = code.all_of([sampled, code.opposite(own)])
+        take, on, before = code.new_label("take"), code.new_label("on"), code.block
+        code.branch(own, take, on)
+        code.begin(take)
+        status = code.give("call i64 @samples(ptr %frame)")
+        failed = code.give(f"icmp ne i64 {status}, 0")
+        code.say(f"br label %{on}")
+        code.begin(on)
+        refused = code.give(f"phi i1 [ false, %{before} ], [ {failed}, %{take} ]")
+        return code.any_of(code.any_of(flagged, elsewhere), refused)
 
     def _margins_fall(self, trial: Trial) -> str:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
@@ -217,20 +243,4 @@ class Advance:
                 code.store(code.select(where, value, code.load(start, place)), start, place)
         for i in range(shape.n):
             if shape.rotates[i]:
-                self._wrap(where, start, i)
-
-    def _wrap(self, where: str, start: str, i: int) -> None:
-        """Bring a coordinate within one turn; see `turns.wrap_angles`."""
-        code, memory = self._code, self._memory
-        angle = code.load(start, i)
-        beyond = code.compare("ogt", code.absolute(angle), code.constant(TWO_PI / 2))
-        beyond = code.all_of([where, beyond])
-        turns = code.call("llvm.rint", code.divide(angle, code.constant(TWO_PI)))
-        turns = code.select(beyond, turns, code.constant(0.0))
-        back = code.negate(turns)
-        within = code.fused(back, code.constant(TWO_PI), angle)
-        within = code.fused(back, code.constant(TWO_PI_TAIL), within)
-        code.store(code.select(beyond, within, angle), start, i)
-        whole = code.give(f"fptosi {code.number} {turns} to {code.integer}")
-        before = whole_row(code, memory["turns"], i)
-        set_whole(code, code.on_integers("add", before, whole), memory["turns"], i)
+                wrap(code, start, i, memory["turns"], where)

@@ -71,7 +71,8 @@ def pace(job: Job) -> NDArray[np.float64]:
     found, flow = np.zeros(PACE), job.flow
     found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
     found[SAMPLE] = job.times[0]
-    watched = bool(job.events or flow.switching or flow.counted)
+    watched = bool(job.events or flow.switching)
+    # printed code counts the turns of a single motion; in lanes see `loops.lanes.enter`
     found[[ALWAYS, PLAIN]] = watched, not watched and job.tangents is None
     return found
 
@@ -105,6 +106,9 @@ def system(
         "states": memory.floats(job.states),
         "sampled_turns": memory.integers(job.turns),
         "accelerations": memory.floats(job.accelerations),
+        "angles": memory.floats(job.final_angles),
+        "ahead": memory.floats(np.zeros(flow.counted)),
+        "sampled": memory.floats(job.angles),
     }
     return System(
         clock=flow.clock,

@@ -23,6 +23,7 @@ from linkages.solvers.steps.compiled import call_advance, call_step, compiled, f
 from linkages.solvers.steps.stages import HALF, LOWER
 from linkages.solvers.steps.views import (
     ACTIVE,
+    ALWAYS,
     END,
     NOW,
     PACE,
@@ -67,6 +68,8 @@ def put(lanes: Lanes, lane: int, system: System) -> None:
     spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
     spread(system.pace, lanes.pace, PACE, lane, lanes.lanes)
     spread(integers(system.frame)[TURNS], lanes.turns, system.n, lane, lanes.lanes)
+    if system.counted > 0:  # turns of dependent angles are counted for a motion alone
+        floats(lanes.pace)[ALWAYS * lanes.lanes + lane] = 1.0
 
 
 @compiled

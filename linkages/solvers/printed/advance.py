@@ -14,6 +14,7 @@ from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, Loop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
+from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
 from linkages.solvers.printed.shape import Memory, Shape, fold, larger, set_whole, whole_row
 from linkages.solvers.printed.stages import wrap
 from linkages.solvers.steps.views import (
@@ -230,6 +231,8 @@ class Advance:
         """Copy the end of the step into row 0, in some lanes; see `commit.commit`."""
         code, memory, shape = self._code, self._memory, self._shape
         start, end = memory.row(0), memory.row(self._tableau.stages)
+        if code.lanes == 1 and shape.counted:
+            self._count_turns(where, end)
 
         def entry(i: int | str, _: list[str]) -> list[str]:
             code.store(code.select(where, code.load(end, i), code.load(start, i)), start, i)
@@ -244,3 +247,15 @@ class Advance:
         for i in range(shape.n):
             if shape.rotates[i]:
                 wrap(code, start, i, memory["turns"], where)
+
+    def _count_turns(self, where: str, end: str) -> None:
+        """Take dependent angles at the end of a committed step of a single motion."""
+        code, memory, shape = self._code, self._memory, self._shape
+        count, on = code.new_label("count"), code.new_label("on")
+        code.branch(where, count, on)
+        code.begin(count)
+        weights = end_weights(code, self._tableau)
+        write_expected(code, shape, memory, memory.pace(LENGTH), weights)
+        write_counted(code, shape, memory, end, memory["angles"])
+        code.say(f"br label %{on}")
+        code.begin(on)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, Loop
 from linkages.solvers.coefficients.tableau import Tableau
+from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
 from linkages.solvers.printed.power import binary_logarithm, binary_power
 from linkages.solvers.printed.shape import (
     Memory,
@@ -45,13 +46,7 @@ def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> N
     memory, n = Memory(code, shape), shape.n
     theta, h = memory.pace(THETA), memory.pace(LENGTH)
     begun, target = memory.row(0), memory.row(len(tableau.extended_c))
-    terms = []
-    for row, coefficients in enumerate(tableau.dense.tolist()):
-        if any(coefficients):
-            weight = code.constant(coefficients[-1])
-            for coefficient in reversed(coefficients[:-1]):
-                weight = code.fused(weight, theta, code.constant(coefficient))
-            terms.append((code.multiply(weight, theta), memory.row(row, n)))
+    terms = [(w, memory.row(row, n)) for w, row in _dense_weights(code, tableau, theta)]
 
     def entry(i: int | str, _: list[str]) -> list[str]:
         slope = code.constant(0.0)
@@ -62,6 +57,18 @@ def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> N
 
     fold(code, 2 * n, (), entry)
     code.say("ret i64 0")
+
+
+def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tuple[str, int]]:
+    """Weights of the rows at a fraction of a step, by the dense output."""
+    found = []
+    for row, coefficients in enumerate(tableau.dense.tolist()):
+        if any(coefficients):
+            weight = code.constant(coefficients[-1])
+            for coefficient in reversed(coefficients[:-1]):
+                weight = code.fused(weight, theta, code.constant(coefficient))
+            found.append((code.multiply(weight, theta), row))
+    return found
 
 
 def write_sample(code: Instructions, shape: Shape) -> None:
@@ -88,6 +95,10 @@ def write_sample(code: Instructions, shape: Shape) -> None:
     for i in range(n):
         if shape.rotates[i]:
             wrap(code, states, i, turns)
+    if shape.counted:
+        angles = code.on_integers("mul", taken, code.whole(shape.counted))
+        into = code.address(memory["sampled"], angles)
+        write_counted(code, shape, memory, "%row", into)
     following = code.on_integers("add", taken, code.whole(1))
     set_whole(code, following, memory["counters"], SAMPLES)
     memory.set_pace(code.load(memory["times"], following), SAMPLE)
@@ -115,6 +126,7 @@ def write_samples(code: Instructions, tableau: Tableau, shape: Shape) -> None:
     )
     code.branch(code.compare("oeq", time, end), at_end, between)
     code.begin(at_end)
+    write_expected(code, shape, memory, h, end_weights(code, tableau))
     code.say(f"br label %{write}")
     code.begin(between)
     compute = code.new_label("compute")
@@ -131,6 +143,9 @@ def write_samples(code: Instructions, tableau: Tableau, shape: Shape) -> None:
     _count(code, memory, 1)
     _continue_if_zero(code, call_clock(code, memory, time), fail)
     _continue_if_zero(code, call_rates(code, memory, rows, shape.n), fail)
+    if shape.counted:
+        weights = _dense_weights(code, tableau, memory.pace(THETA))
+        write_expected(code, shape, memory, h, weights)
     inside = code.block
     code.say(f"br label %{write}")
     code.begin(write)
@@ -164,6 +179,9 @@ def write_begin(code: Instructions, shape: Shape) -> None:
     code.require(is_sound(code, shape, memory.row(0), 3 * shape.n), ELSEWHERE)
     code.require(_margins_are_fine(code, shape, memory), ELSEWHERE)
     _count(code, memory, 1)
+    for i in range(shape.counted):
+        code.store(code.load(memory["angles"], i), memory["ahead"], i)
+    write_counted(code, shape, memory, memory.row(0), memory["angles"])
     sampled, on = code.new_label("sampled"), code.new_label("on")
     code.branch(code.compare("oeq", memory.pace(SAMPLE), t), sampled, on)
     code.begin(sampled)

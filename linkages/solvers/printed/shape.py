@@ -21,6 +21,7 @@ class Shape:
     blocks: int
     first_carried: int
     carried: int
+    counted: int
     width: int
     rotates: tuple[bool, ...]
 
@@ -32,6 +33,7 @@ class Shape:
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,
             carried=flow.carried,
+            counted=flow.counted,
             width=2 * flow.coordinates + flow.written,
             rotates=tuple(bool(rotates) for rotates in flow.rotates),
         )
@@ -45,6 +47,11 @@ class Shape:
     def settled(self) -> int:
         """Place of what was found of coordinates that are carried along; its rates follow."""
         return 3 * self.n + 2 * self.blocks
+
+    @property
+    def cosines(self) -> int:
+        """Place of the cosines of dependent angles; sines and speeds follow."""
+        return self.settled + 2 * self.carried
 
 
 class Memory:

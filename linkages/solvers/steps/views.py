@@ -243,7 +243,10 @@ SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, and whether to stop.
 NOW, STOP = range(2)
 # Arrays of a frame.
-SINGLE = ("counters", "times", "states", "sampled_turns", "accelerations")  # of a single motion
+# Those of a single motion alone.
+SINGLE = (
+    "counters", "times", "states", "sampled_turns", "accelerations", "angles", "ahead", "sampled",
+)  # fmt: skip
 FRAME = (
     "clock", "rates", "parameters", "timed", "rows", "pace", "atol", "scale", "smallest", "turns",
     *SINGLE,

@@ -92,6 +92,22 @@ def pendulums(count: int) -> linkages.Mechanism:
     return linkages.loads("\n".join(lines))
 
 
+CONTACTS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap:
+    {joint: A, bar: rod, size: 0.1 mm, contact: hunt-crossley-constant, stiffness: 2e9 N/m^1.5,
+     dissipation: 1.5 s/m, carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s}
+drives: {crank: {angle: 0, speed: 600 rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+"""
+
 Evaluated: TypeAlias = tuple[System, Program]
 
 
@@ -106,6 +122,7 @@ MECHANISMS: dict[str, Callable[[], Evaluated]] = {
     "nine-bar": lambda: motion(linkages.load("ninebar")),
     "nine-bar, 1 tangent": lambda: motion(linkages.load("ninebar"), 1),
     "nine-bar, 2 tangents": lambda: motion(linkages.load("ninebar"), 2),
+    "contact, friction": lambda: motion(linkages.loads(CONTACTS)),
     "Andrews": lambda: motion(linkages.load("andrews")),
     "ten pendulums": lambda: motion(pendulums(10)),
     "forty four-bars": lambda: motion(chain(80)),

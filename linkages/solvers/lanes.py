@@ -55,7 +55,12 @@ def integrate_many(
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):
         alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
-        groups.setdefault((asked.method.name, asked.job.flow.clock, *alone), []).append(index)
+        key = (
+            asked.method.name,
+            asked.job.flow.clock,
+            Shape.of(asked.job.flow, asked.job.tangents),
+        )
+        groups.setdefault((*key, *alone), []).append(index)
     outcomes = [Outcome.INTERRUPTED] * len(requests)
     ended = 0
     for group in groups.values():
@@ -120,7 +125,7 @@ def _lanes(
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
-    shape = Shape.of(flow)
+    shape = Shape.of(flow, jobs[0].tangents)
     assert flow.wide is not None
     wide = flow.wide(lanes)
     code = compiled_step(tableau, shape, method.memory, lanes)

@@ -117,7 +117,7 @@ class RungeKutta(Method):
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
-        return compiled_step(self.tableau, Shape.of(job.flow), self.memory)
+        return compiled_step(self.tableau, Shape.of(job.flow, job.tangents), self.memory)
 
     def motion(self, job: Job) -> Motion:
         """What a loop takes of a job."""

@@ -15,7 +15,15 @@ from linkages.kernel.code.instructions import Instructions, Loop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
 from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
-from linkages.solvers.printed.shape import Memory, Shape, fold, larger, set_whole, whole_row
+from linkages.solvers.printed.shape import (
+    Memory,
+    Shape,
+    fold,
+    larger,
+    set_whole,
+    smaller,
+    whole_row,
+)
 from linkages.solvers.printed.stages import wrap
 from linkages.solvers.steps.views import (
     ACCEPTED,
@@ -28,11 +36,13 @@ from linkages.solvers.steps.views import (
     FACTOR,
     FIRST,
     FROM,
+    LARGEST_STATE,
     LENGTH,
     NEXT_CARRY,
     PLAIN,
     REJECTED_BEFORE,
     REJECTIONS,
+    RTOL,
     SAMPLE,
     SMALLEST_STEP,
     STATUS,
@@ -45,6 +55,8 @@ from linkages.solvers.steps.views import (
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1
+# Part of the shortest tangent that the error of a step may amount to, with room for round-off.
+MOST_DOUBT = 0.9e-3
 
 
 class Trial(NamedTuple):
@@ -146,7 +158,7 @@ class Advance:
     def _needs_more(self, trial: Trial, judged: Judged, sound: str, accepted: str) -> str:
         """In which lanes the step must be finished elsewhere."""
         code = self._code
-        special = self._margins_fall(trial)
+        special = code.any_of(self._margins_fall(trial), self._tangents_fade())
         shorter = code.absolute(code.multiply(trial.h, judged.factor))
         small = code.compare("olt", shorter, trial.finest)
         found = code.select(accepted, special, small, code.truth)
@@ -202,6 +214,33 @@ class Advance:
 
         (found,) = fold(code, shape.blocks, [zero], block)
         return code.compare("ogt", found, zero)
+
+    def _tangents_fade(self) -> str:
+        """Whether errors of steps may come to show in the shortest tangent at the end.
+
+        Only what watches tangents knows; those that must be made orthogonal for it raise a flag
+        anyway.
+        """
+        code, memory, shape = self._code, self._memory, self._shape
+        columns, size = shape.tangents
+        end, zero = memory.row(self._tableau.stages), code.constant(0.0)
+        least, longest = code.constant(LARGEST_STATE), zero
+        for column in range(columns):
+            first, square = shape.n - (columns - column) * size, zero
+            for place in (
+                *range(first, first + size),
+                *range(shape.n + first, shape.n + first + size),
+            ):
+                value = code.load(end, place)
+                square = code.fused(value, value, square)
+            least, longest = smaller(code, least, square), larger(code, longest, square)
+        if not columns:
+            return code.compare("ogt", zero, zero)
+        rtol, atol = memory.pace(RTOL), code.load(memory["atol"], 2 * shape.n - 1)
+        doubt = larger(
+            code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
+        )
+        return code.compare("ogt", doubt, code.multiply(code.constant(MOST_DOUBT**2), least))
 
     def _go_on(self, trial: Trial, judged: Judged, accepted: str, goes_on: str) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""

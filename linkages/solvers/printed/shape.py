@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, Loop
 from linkages.solvers.flow import Flow
+from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.steps.views import FRAME
 
 UNROLLED = 16
@@ -15,7 +16,10 @@ UNROLLED = 16
 
 @dataclass(frozen=True)
 class Shape:
-    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`."""
+    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`.
+
+    The last of the n coordinates are those of tangents, so many of so many entries.
+    """
 
     n: int
     blocks: int
@@ -24,11 +28,14 @@ class Shape:
     counted: int
     width: int
     rotates: tuple[bool, ...]
+    tangents: tuple[int, int] = (0, 0)
 
     @classmethod
-    def of(cls, flow: Flow) -> Shape:
-        """That of a flow."""
+    def of(cls, flow: Flow, tangents: Renormalisation | None = None) -> Shape:
+        """That of a flow, and of tangents that are looked at one by one."""
+        alone = tangents is not None and (tangents.columns == 1 or not tangents.orthogonal)
         return cls(
+            tangents=(tangents.columns, tangents.size) if tangents and alone else (0, 0),
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,

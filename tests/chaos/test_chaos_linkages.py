@@ -115,7 +115,7 @@ def arm(angle: str) -> linkages.Mechanism:
 
 def test_crossings_half_a_turn_away_take_no_place():
     """The upper bar swings through the bottom for 12 s before it first goes over the top."""
-    section = {"section": "upper.angle=90 deg", "direction": "both", "end": 60}
+    section = {"section": "upper.angle=90 deg", "direction": "both", "end": 300}
     whole = linkages.poincare(pendulum(20.0), periods=6, **section)
     assert whole.sizes["crossing"] == 6
     assert np.abs(whole.bar_angle.sel(bar="upper") - np.pi / 2).max() < 1e-9

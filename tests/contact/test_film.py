@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import linkages
+from linkages.chaos.sections.contact import contact_of
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 
@@ -197,6 +198,7 @@ def test_oil_at_one_end_of_a_rod_and_dry_friction_at_the_other():
     ]  # fmt: skip
     data, other = (solution.data for solution in found)
     assert found[0].motion.changes["dry: slip"].count >= 10
+    assert not contact_of(found[0])  # a film that pulls keeps its pin
     # errors of some thousand steps at a tolerance of 1e-10
     balance = abs(data.energy_residual).max() / abs(data.kinetic_energy).max()
     assert float(balance) < 1e-10

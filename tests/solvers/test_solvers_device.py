@@ -26,7 +26,18 @@ from linkages.solvers.printed.device import (
 )
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import write_step
-from linkages.solvers.steps.views import ACTIVE, BEFORE, END, FIRST, FRAME, RTOL, SAMPLE, H, T
+from linkages.solvers.steps.views import (
+    ACTIVE,
+    BEFORE,
+    END,
+    FIRST,
+    FRAME,
+    PLAIN,
+    RTOL,
+    SAMPLE,
+    H,
+    T,
+)
 
 ADAPTIVE = ["tsit5", "dop853", "vern9"]
 MOTIONS = 40  # one whole block of columns and a part of one
@@ -92,7 +103,7 @@ def begun(of, flow, method, k):
     arguments = (places["rows"], places["parameters"], places["timed"], out)
     assert ctypes.CFUNCTYPE(*types)(flow.rates)(*arguments) == 0
     pace = view(places["pace"], entries_of(Shape.of(flow))["pace"])
-    pace[[END, SAMPLE]] = 10.0
+    pace[[END, SAMPLE, PLAIN]] = 10.0, 10.0, 0.0
     pace[[H, FIRST]] = 1e-4 * 1.1**k
     pace[[RTOL, BEFORE, ACTIVE]] = 1e-10, 1.0, 1.0
     return motion, places

@@ -1,8 +1,9 @@
 """Adaptive steps on graphics processors: every thread moves one motion, until a step needs more.
 
 The functions are those of single motions, see `linkages.solvers.printed.step`; the kernel becomes
-part of them. The workspace of a step belongs to its thread. What is kept between calls stands in
-blocks of columns, as `linkages.kernel.code.ptx` has them.
+part of them. A motion with a sample within its step raises its flag. The workspace belongs to the
+thread. What is kept between calls stands in blocks of columns, as `linkages.kernel.code.ptx` has
+them.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from linkages.kernel.code.statements import Routine
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import write_step
-from linkages.solvers.steps.views import FRAME, PACE
+from linkages.solvers.steps.views import FRAME, PACE, PLAIN
 
 GIVEN = ("atol", "scale", "smallest")
-KEPT = ("rows", "pace", "turns")
+KEPT = ("rows", "pace", "turns", "angles", "ahead")
 """Arrays of a motion's frame that steps read, and those that they change as well."""
 
 ARRAYS = ("p", *GIVEN, *KEPT, "found")
@@ -35,6 +36,8 @@ def entries_of(shape: Shape) -> dict[str, int]:
         "rows": shape.width,
         "pace": PACE,
         "turns": shape.n,
+        "angles": shape.counted,
+        "ahead": shape.counted,
     }
 
 
@@ -95,7 +98,8 @@ def _move(code: Instructions, tableau: Tableau, shape: Shape, sizes: dict[str, i
     for name in (*GIVEN, *KEPT):
         for i in range(entries[name]):
             code.store(code.load(columns[name], i), places[name], i)
-    places |= {"clock": "@clock", "rates": "@rates"}
+    code.store(code.constant(0.0), places["pace"], PLAIN)  # samples are taken elsewhere
+    places = dict.fromkeys(FRAME, "null") | places | {"clock": "@clock", "rates": "@rates"}
     places["parameters"] = code.column("%p", "%lane", max(1, sizes["p"]), WIDTH)
     places["timed"] = code.reserve(max(1, sizes["timed"]))
     frame = code.reserve(len(FRAME))

@@ -226,6 +226,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         every=job.tangents.every,
         offset=job.tangents.offset,
         orthogonal=int(job.tangents.orthogonal),
+        loses=int(own is not None and own.closes),
         seen=memory.integers(np.zeros(1)),
         lengths=memory.floats(job.lengths),
         memories=0 if own is None else len(own.owners),

@@ -58,7 +58,9 @@ class Renormalisation:
             here = tangents @ factor
             upper = np.linalg.qr(here)[1]
             grown = upper if self.orthogonal else np.diag(np.linalg.norm(here, axis=0))
-            lengths.append(np.log(np.abs(np.diag(grown))))
+            taken = np.diag(grown) == 0.0  # by a contact that closed
+            grown = grown + np.diag(taken)
+            lengths.append(np.where(taken, -np.inf, np.log(np.abs(np.diag(grown)))))
             factor = factor @ np.linalg.inv(grown)
             found.append(tangents @ factor)
         shape = (len(found), *samples.shape[1:])

@@ -203,6 +203,7 @@ class Tangents(NamedTuple):
     every: int
     offset: int
     orthogonal: int  # 0 or 1
+    loses: int  # 0 or 1: whether contacts that close take tangents away
     seen: int  # (1,) of int64: samples that are done
     lengths: int  # (times, columns) of float64: logarithms of lengths before
     memories: int  # number of what is remembered

@@ -24,6 +24,9 @@ SYSTEM_WORDS, RECORD_WORDS = len(System._fields), len(Record._fields)
 # What is left of a tangent that has shrunk this far beside others is their round-off to so many
 # digits. Accelerations would keep the round-off of theirs, which fits no step: they are new then.
 MOST_LOST = 1e-8
+# A contact that closes takes directions away: what is left of a tangent there is this small beside
+# its length before, and round-off alone. Such a tangent is zero from then on.
+TAKEN = 1e-7
 
 
 @compiled
@@ -58,7 +61,8 @@ def scale(n: int, parts: int, size: int, factor: float, one: int) -> None:
 def renormalise(system: System, record: Record, tangents: Tangents, sample: int, row: int) -> float:
     """Renormalise tangents at a sample; those at later samples and in row 0 follow.
 
-    Writes the logarithms of their lengths into a row of the record; returns the least length.
+    Writes the logarithms of their lengths into a row of the record; returns the least length. That
+    of a tangent that a contact has taken away is −∞.
     """
     least = math.inf
     n, size = system.n, tangents.size
@@ -71,6 +75,7 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
     for column in range(tangents.columns):
         own = WORD * column * size
         total = 1.0
+        whole = product(n, size, state + own, state + own) if tangents.loses > 0 else 0.0
         for _ in range(1 + tangents.orthogonal):
             for before in range(column * tangents.orthogonal):
                 other = WORD * before * size
@@ -84,14 +89,21 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
                     moved[column * memories + r] -= factor * moved[before * memories + r]
             length = math.sqrt(product(n, size, state + own, state + own))
             total *= length
-            scale(n, 2, size, 1.0 / length, state + own)
+            taken = tangents.loses > 0 and total <= TAKEN * max(1.0, math.sqrt(whole))
+            factor = 0.0 if taken else 1.0 / length
+            scale(n, 2, size, factor, state + own)
             for k in range(1, samples - sample):
-                scale(n, 2, size, 1.0 / length, state + WORD * k * 2 * n + own)
-            scale(n, 3, size, 1.0 / length, here + own)
+                scale(n, 2, size, factor, state + WORD * k * 2 * n + own)
+            scale(n, 3, size, factor, here + own)
             for r in range(memories):
-                moved[column * memories + r] /= length
-        lengths[row * tangents.columns + column] = math.log(total)
-        least = min(least, total)
+                place = column * memories + r
+                moved[place] = 0.0 if taken else moved[place] / length
+            if taken:
+                total = 0.0
+                break
+        lengths[row * tangents.columns + column] = math.log(total) if total > 0.0 else -math.inf
+        if total > 0.0:
+            least = min(least, total)
     return least
 
 

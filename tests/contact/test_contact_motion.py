@@ -145,3 +145,14 @@ def test_another_state_goes_on_from_there(solution):
         expected = data[name].isel(time=slice(40, None))
         scale = float(abs(expected).max())
         np.testing.assert_allclose(found.data[name], expected, atol=1e-7 * scale)
+
+
+def test_notes_take_the_numbers_of_their_own_mechanism(solution):
+    """Equal structures share equations; a softer pin of another size shares no number."""
+    softer = engine().with_values({"clearances.gap.size": 2e-4, "clearances.gap.stiffness": 1e7})
+    for found, size in ((linkages.simulate(softer, outputs="all"), 2e-4), (solution, 1e-4)):
+        deepest = float(found.data.clearance_indentation.max())
+        (note,) = [note for note in found.notes if "indentation reaches" in note]
+        told = float(note.split("%")[0].rsplit(" ", 1)[1]) / 100
+        # the summary looks at the same samples and rounds to a per cent
+        assert told == pytest.approx(deepest / size, abs=0.006)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from linkages.components.contributed.contacts import Contact
 from linkages.kernel.forces.contacts import ContactNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
@@ -20,15 +21,16 @@ LASTING = 0.5
 
 def contact_notes(motion: Motion) -> list[str]:
     """A sentence on each clearance that opens, and on what its law is not made for."""
-    contacts = motion.pieces[0].system.model.contacts
+    system = motion.pieces[0].system
+    contacts = system.mechanism.contacts
     if not contacts or len(motion.time) < 2:
         return []
-    pairs = zip(contacts, episodes(motion), strict=True)
-    return [note for nodes, found in pairs for note in _notes(motion, nodes, found)]
+    rows = zip(system.model.contacts, contacts, episodes(motion), strict=True)
+    return [note for row in rows for note in _notes(motion, *row)]
 
 
-def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str]:
-    name, normal, size = found.name, nodes.contact.normal, nodes.contact.size.value
+def _notes(motion: Motion, nodes: ContactNodes, contact: Contact, found: Episodes) -> Iterator[str]:
+    name, normal, size = found.name, contact.normal, contact.size.value
     yield f"clearance {name}: {_summary(motion, found)}"
     deepest = max(
         float(evaluate_nodes(piece, [nodes.indentation]).max(initial=-np.inf))
@@ -39,7 +41,7 @@ def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
             f"the size; laws of contact are made for less than {DEEPEST:.0%}"
         )
-    remembers = not nodes.contact.rigid and normal.least_rate is not None
+    remembers = not contact.rigid and normal.least_rate is not None
     if remembers and np.isnan(found.rate[:1]).any():
         yield (
             f"clearance {name} touches from the start, and no state says how fast it was touched: "

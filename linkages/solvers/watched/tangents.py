@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 
 from linkages.solvers.renormalisation import MOST_DOUBT
-from linkages.solvers.steps.compiled import callback, compiled, floats, integers, tuple_at
+from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
 from linkages.solvers.steps.stages import evaluate, set_clock
 from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Tangents
 
@@ -129,7 +129,7 @@ def renew(system: System, record: Record, t: float) -> None:
     evaluate(system, 0)
 
 
-@callback
+@compiled
 def watch_tangents(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """Renormalise the tangents at samples that were taken since the last call, and if need be."""
     system = system_at(context)

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
 from linkages.chaos.sections.free_states import PAIRS, free_names
+from linkages.chaos.sections.touches import VARIABLES as TOUCHES
+from linkages.chaos.sections.touches import touch_variables
 from linkages.chaos.sweeps.continuation import Visited
 from linkages.chaos.sweeps.sweep import INTERRUPTED, Outcome, reason_of
 from linkages.errors import ComputationError
@@ -82,8 +84,15 @@ def diagram(
             entry = VARIABLES[output]
             attrs = {"units": entry.units, "long_name": entry.long_name}
             rows = _padded(values, output, points, len(elements))
-            dims = ("start", "value", "crossing", dim)
-            variables[output] = (dims, rows.reshape(*shape, points, -1), attrs)
+            along = ("start", "value", "crossing", dim)
+            variables[output] = (along, rows.reshape(*shape, points, -1), attrs)
+    given = {name for value in values if value is not None for name in value.visited.values}
+    touches = {
+        name: _padded(values, name, points, 1).reshape(*shape, points, 1)
+        for name in given.intersection(TOUCHES)
+    }
+    dims = ("start", "value", "crossing")
+    variables |= touch_variables(touches, str(attributes["section"]), dims)
     if exponent:
         pairs = [NOTHING if value is None else value.exponent for value in values]
         words = {"exponent": "largest Lyapunov exponent", "error": "its standard error"}

@@ -1,4 +1,4 @@
-"""Make the figure and the table of docs/contact_published.md, and the impact map of docs/contact.md.
+"""Make figure and table of docs/contact_published.md, and the impact map of docs/contact.md.
 
 python docs/figures_contact_published.py    # about a minute
 """

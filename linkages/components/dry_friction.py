@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from linkages.components.contributed.component import Section, component
+from linkages.components.contributed.friction_laws import stribeck
 from linkages.components.contributed.functions import Function, Number, V, applied
 from linkages.components.contributed.listed import ListedComponent, turning, two_bodies
 from linkages.components.contributed.measures import JointFriction, Load, Slide
@@ -50,9 +51,8 @@ class _Dry(ListedComponent):
         """Return −(F + (F_static − F)·exp(−(v/v_stribeck)²))·sign(v), or smoothed [1]_."""
         size: Function = Number(self.number(key))
         if self.static is not None and self.stribeck_speed is not None:
-            speed = V / self._number("stribeck_speed")
-            more = Number(self.number("static")) - size
-            size = size + more * applied("exp", applied("neg", speed**2))
+            static = Number(self.number("static"))
+            size = stribeck(size, static, self._number("stribeck_speed"))
         if self.slip_speed is None:
             return applied("neg", size * applied("stick", V))
         return applied("neg", size * applied("tanh", V / self._number("slip_speed")))

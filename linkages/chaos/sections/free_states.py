@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 PAIRS = {
     kind: (value := coordinate_of(kind), VARIABLES[value].rate)
-    for kind in ("clearance", "offset", "bar", "slider")
+    for kind in ("clearance", "offset", "tilt", "bar", "slider")
 }
 """Kind of free coordinate → outputs of its value and its rate."""
 

@@ -22,6 +22,7 @@ from linkages.components.contributed.terms import (
     Initial,
     Parameter,
     Path,
+    Play,
     PointMass,
     Prescribed,
     Relation,
@@ -31,6 +32,7 @@ Term = (
     Body
     | GroundPin
     | Displacement
+    | Play
     | Relation
     | CamSize
     | PointMass

@@ -12,6 +12,7 @@ from figures import STATIC, write_small
 from figures_contact_published import LAWS, mechanism
 from figures_stability import write
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
@@ -133,8 +134,9 @@ def figure(found: list[tuple[int, float]]) -> Figure:
         )
         places = data["offset_position"].sel(offset="gap.y")[0].to_numpy()
         over = np.repeat(1e3 * sizes[:, None], places.shape[1], axis=1)
-        ax.plot(over.ravel(), 1e6 * places.ravel(), ".", color=BLACK, markersize=1.2, mew=0)
+        ax.plot(over.ravel(), 1e6 * places.ravel(), ".", color=BLACK, markersize=1.8, mew=0)
         ax.set_xlim(1e3 * first, 1e3 * end)
+        ax.xaxis.set_major_locator(MaxNLocator(6, prune="upper"))
         ax.set_ylabel("offset y at crank angle 0 [µm]")
         if small:
             for _, size in found[:3]:

@@ -43,7 +43,7 @@ def figure(data: xr.Dataset) -> Figure | None:
         draw(ax, data, free, along, upwards)
     count = f"{data.sizes['crossing']} touches"
     axes[-1].set_title(count, loc="right", fontsize=8, color="0.35")
-    room = axes[0].bbox.width / result.dpi - (0.9 if len(axes) == 1 else 0.0)
+    room = (axes[-1].bbox.x1 - axes[0].bbox.x0) / result.dpi - 0.9
     axes[0].set_title(fitted(title(str(data.attrs.get("name", "")), free.name), room))
     return result
 

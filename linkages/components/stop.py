@@ -1,10 +1,16 @@
-"""Stops: springs that a slider or a bar meets at the ends of its way, and ropes that go slack."""
+"""Stops: what a slider or a bar meets at the ends of its way, and ropes that get taut.
+
+Springs push back, or bodies bounce at once and come to rest there.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 from linkages.components.contributed.component import Section, component
+from linkages.components.contributed.contacts import RigidContact
+from linkages.components.contributed.ends import End
 from linkages.components.contributed.functions import Function, Number, V, X, applied
 from linkages.components.contributed.listed import (
     ListedComponent,
@@ -16,32 +22,71 @@ from linkages.components.contributed.measures import Distance, Load, Measure, Sl
 from linkages.components.contributed.references import References
 from linkages.components.contributed.state_laws import sum_of
 from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.touching import Ratio
 from linkages.components.spring import ends, two_joints
+from linkages.reading.paths import dotted
 from linkages.spec.quantities import (
     Angle,
     Damping,
     Length,
     Name,
     NonNegativeLength,
+    PositiveAngularSpeed,
+    PositiveSpeed,
     PositiveStiffness,
     PositiveTorsionalStiffness,
     TorsionalDamping,
 )
 
+USUAL_RATE = 1e-3
+"""Bounces slower than this end in rest (m/s, rad/s), unless `least_rate` is given."""
+
 
 class _Stop(ListedComponent):
     lower: float | None
     upper: float | None
+    stiffness: float | None
     damping: float
+    restitution: float | None
+    least_rate: float | None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
-        """At least one end, and the upper one above the lower one."""
+        """At least one end, the upper one above the lower one, and one of two laws."""
+        return tuple(((*self.path, *key), message) for key, message in self._problems())
+
+    def _problems(self) -> Iterator[tuple[tuple[str, ...], str]]:
         if self.lower is None and self.upper is None:
-            return ((self.path, "missing key 'lower' or 'upper': a stop is somewhere"),)
-        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
-            message = f"expected more than 'lower', {self.lower:g}, found {self.upper:g}"
-            return (((*self.path, "upper"), message),)
-        return ()
+            yield (), "missing key 'lower' or 'upper': a stop is somewhere"
+        elif self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            yield ("upper",), f"expected more than 'lower', {self.lower:g}, found {self.upper:g}"
+        if self.restitution is None:
+            if self.stiffness is None:
+                yield (), "missing key 'stiffness' or 'restitution': a stop pushes or throws back"
+            if self.least_rate is not None:
+                yield ("least_rate",), "a stop with 'stiffness' has none; it is for 'restitution'"
+            return
+        if self.stiffness is not None:
+            yield ("restitution",), "'stiffness' is given as well; expected one of the two"
+        if self.damping:
+            yield ("damping",), "a stop with 'restitution' has none; it is for 'stiffness'"
+        if self.restitution > 1.0:
+            yield ("restitution",), f"expected at most 1, found {self.restitution:g}"
+
+    def _terms(self, measure: Measure) -> tuple[Load | End, ...]:
+        """A load along the measure, or the ends at which it bounces."""
+        if self.restitution is None:
+            return (self._load(measure),) if self.stiffness is not None else ()
+        rate = USUAL_RATE if self.least_rate is None else self.least_rate
+        law = RigidContact(
+            Parameter((*self.path, "restitution"), self.restitution),
+            Parameter((*self.path, "least_rate"), rate),
+        )
+        return tuple(
+            End(f"{dotted(self.path)}.{key}", measure, limit, key == "upper", law, self.path)
+            for key in ("lower", "upper")
+            if getattr(self, key) is not None
+            for limit in [Parameter((*self.path, key), getattr(self, key))]
+        )
 
     def _number(self, key: str) -> Number:
         return Number(Parameter((*self.path, key), getattr(self, key)))
@@ -85,6 +130,10 @@ class GuideStop(_Stop):
         Positions from which a stop pushes back, in metres; one of them may be left out.
     damping
         N·s/m, ≥ 0, while it pushes.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
 
     section: ClassVar[str] = "stops"
@@ -92,18 +141,20 @@ class GuideStop(_Stop):
 
     index: int
     slider: Name
-    stiffness: PositiveStiffness
+    stiffness: PositiveStiffness | None = None
     lower: Length | None = None
     upper: Length | None = None
     damping: Damping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveSpeed | None = None
 
     def references(self) -> References:
         """The slider."""
         return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
 
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the axis."""
-        return (self._load(Slide(self.slider)),)
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the axis."""
+        return self._terms(Slide(self.slider))
 
 
 @component
@@ -123,6 +174,10 @@ class AngleStop(_Stop):
         Angles from which a stop pushes back, in radians; one of them may be left out.
     damping
         N·m·s/rad, ≥ 0, while it pushes.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in rad/s; 0.001 if not given.
     """
 
     section: ClassVar[str] = "stops"
@@ -130,10 +185,12 @@ class AngleStop(_Stop):
 
     index: int
     bars: tuple[Name, Name]
-    stiffness: PositiveTorsionalStiffness
+    stiffness: PositiveTorsionalStiffness | None = None
     lower: Angle | None = None
     upper: Angle | None = None
     damping: TorsionalDamping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveAngularSpeed | None = None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different bodies, and ends of the way."""
@@ -143,9 +200,9 @@ class AngleStop(_Stop):
         """The bodies."""
         return References(bodies=turning((*self.path, "bars"), self.bars))
 
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the angle."""
-        return (self._load(Turn(self.bars[1], reference(self.bars))),)
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the angle."""
+        return self._terms(Turn(self.bars[1], reference(self.bars)))
 
 
 @component
@@ -164,6 +221,10 @@ class DistanceStop(_Stop):
         Distances from which it pushes apart or pulls together, in metres; one may be left out.
     damping
         N·s/m, ≥ 0, while it does so.
+    restitution
+        In the place of a stiffness: ratio of the rates after and before an impact, from 0 to 1.
+    least_rate
+        A bounce slower than this ends in rest, in m/s; 0.001 if not given.
     """
 
     section: ClassVar[str] = "stops"
@@ -171,10 +232,12 @@ class DistanceStop(_Stop):
 
     index: int
     between: tuple[Name, Name]
-    stiffness: PositiveStiffness
+    stiffness: PositiveStiffness | None = None
     lower: NonNegativeLength | None = None
     upper: NonNegativeLength | None = None
     damping: Damping = 0.0
+    restitution: Ratio | None = None
+    least_rate: PositiveSpeed | None = None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different joints, and ends of the distance."""
@@ -184,6 +247,6 @@ class DistanceStop(_Stop):
         """The joints."""
         return References(joints=ends((*self.path, "between"), self.between))
 
-    def terms(self) -> tuple[Load, ...]:
-        """One load along the distance."""
-        return (self._load(Distance(*self.between)),)
+    def terms(self) -> tuple[Load | End, ...]:
+        """What acts along the distance."""
+        return self._terms(Distance(*self.between))

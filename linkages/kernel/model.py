@@ -12,9 +12,12 @@ from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.across_gaps import gap_nodes
+from linkages.kernel.forces.ends import EndNodes
+from linkages.kernel.forces.impacts import Unilateral
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
+from linkages.kernel.forces.walls import Walls
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
@@ -93,10 +96,21 @@ class Model:
         """What presses in clearances that open."""
         return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
+    @cached_property
+    def ends(self) -> list[EndNodes]:
+        """What bounces at ends of ways."""
+        first = len(self.mechanism.loads) + len(self.mechanism.sensed)
+        return [EndNodes(self, end, place) for place, end in enumerate(self.mechanism.ends, first)]
+
+    @cached_property
+    def walls(self) -> Walls:
+        """All rigid contacts."""
+        return Walls(self, [nodes for nodes in self.acting if isinstance(nodes, Unilateral)])
+
     @property
     def acting(self) -> list[Acting]:
         """All that acts beside drives and gravity."""
-        return [*self.loads, *self.contacts]
+        return [*self.loads, *self.contacts, *self.ends]
 
     @cached_property
     def known_rates(self) -> dict[str, Scalar]:
@@ -219,7 +233,7 @@ class Model:
     @cached_property
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
-        given = [*self.loads, *(nodes for nodes in self.contacts if not nodes.contact.rigid)]
+        given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
         forces = [-self._required(self.bias, partial, given) for partial in self.partials]
         return solve_symmetric(self.mass_matrix, forces)
 

@@ -134,6 +134,11 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return tuple(model.mechanism.cams)
     if dim in LOADS:
         return tuple(load.label for load in model.loads if load.dimension == dim)
+    if dim in ("stop", "torsional_stop"):
+        ends = model.mechanism.ends
+        return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
+    if dim == "contact":
+        return tuple(contact.name for contact in model.walls.contacts)
     if dim == "clearance":
         return model.mechanism.clearance_names
     kinds = {

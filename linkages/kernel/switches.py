@@ -7,7 +7,7 @@ value +1 or −1, and what a motion remembers from such a time is an input as we
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -95,6 +95,7 @@ class Switches:
         self._known: dict[tuple[int, int | None], int] = {}
         self._called: dict[str, int] = {}
         self._collecting = 0
+        self._coupled = 0
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
@@ -154,6 +155,46 @@ class Switches:
             self.switches.append(Switch(self._unused(name), function, owner, tuple(jump), stick))
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
+
+    def jumps(self, mode: Scalar, rates: Sequence[Scalar]) -> None:
+        """Give a mode new rates of the free coordinates where its function rises through zero.
+
+        They may depend on modes that are added later than it.
+        """
+        if self._collecting:
+            number = self._number(mode)
+            self.switches[number] = replace(self.switches[number], jump=tuple(rates))
+
+    def together(
+        self,
+        names: Sequence[str],
+        active: Sequence[Scalar],
+        functions: Callable[[Sequence[Scalar]], Sequence[Scalar]],
+    ) -> list[Scalar]:
+        """Modes whose functions depend on each other's modes.
+
+        Parameters
+        ----------
+        names
+            What sentences and results call them.
+        active
+            As `add` takes them, one for each.
+        functions
+            Of the modes: the functions.
+        """
+        if not self._collecting:
+            _ = self._model.free_accelerations
+        if all(name in self._called for name in names):
+            return [self._model.inputs.mode(self._called[name]) for name in names]
+        first, zero = len(self.switches), self._model.graph.zero
+        self._coupled = max(self._coupled, len(names) if len(names) > 1 else 0)
+        for name, owner in zip(names, active, strict=True):
+            self._called[name] = len(self.switches)
+            self.switches.append(Switch(self._unused(name), zero, self._number(owner)))
+        modes = [self._model.inputs.mode(first + k) for k in range(len(names))]
+        for k, function in enumerate(functions(modes), first):
+            self.switches[k] = replace(self.switches[k], function=function)
+        return modes
 
     def memory(self, name: str, node: Scalar) -> Scalar:
         """The value that a node had when a switch rose last, or at the start.
@@ -328,6 +369,16 @@ class Switches:
         modes = np.full((len(self.switches), *shape), -1.0)
         memory = np.zeros((len(self.memories), *shape))
         found = {"mode": modes, "memory": memory}
+        for _ in range(1 + self._coupled):
+            before = modes.copy()
+            self._sign(inputs, found)
+            if (modes == before).all():
+                break
+        return found
+
+    def _sign(self, inputs: Mapping[str, Floats], found: Mapping[str, Floats]) -> None:
+        """Set modes and memories, one after the other."""
+        modes, memory = found["mode"], found["memory"]
         for number, switch in enumerate(self.switches):
             (value,) = self._model.evaluator([switch.function])(**inputs, **found)
             on = value >= 0.0
@@ -337,4 +388,3 @@ class Switches:
             for place, kept in enumerate(self.memories):
                 if kept.owner == number:
                     memory[place] = self._model.evaluator([kept.node])(**inputs, **found)[0]
-        return found

@@ -26,8 +26,9 @@ from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.values.contact_notes import contact_notes
-from linkages.solution.values.episodes import energy_of_impacts, states
-from linkages.solution.values.requests import REACTION, STATE, requested
+from linkages.solution.values.episodes import states
+from linkages.solution.values.impacts import energy_of_impacts, losses_of_impacts
+from linkages.solution.values.requests import LOSS, REACTION, STATE, requested
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
 
@@ -188,6 +189,8 @@ def _add_derived(
         values["energy_residual"] = energy - system.evaluate(nodes).sum() - work
     if STATE in names:
         values[STATE] = states(motion)
+    if LOSS in names:
+        values[LOSS] = losses_of_impacts(motion)
     if REACTION in names:
         from linkages.solution.values.reactions import joint_reactions
 

@@ -85,6 +85,11 @@ class Switching:
         return len(self.names) + len(self.owners) * (1 + self.tangents)
 
     @property
+    def closes(self) -> bool:
+        """Whether rates may jump: a rigid contact that closes leaves no neighbours off its wall."""
+        return any(place >= 0 for place in self.jumps)
+
+    @property
     def values(self) -> int:
         """Number of new values that `transition` writes."""
         return len(self.owners) + self.free * sum(place >= 0 for place in self.jumps)

@@ -48,6 +48,7 @@ class Renormalisation:
         `tangents` has shape (2·size, columns); the tolerances are those of its entries.
         """
         lengths = np.exp(self.factors(tangents)[0])
+        lengths = lengths[lengths > 0.0]  # a contact that closed may have taken others away
         return bool(max(rtol * lengths.max(), atol) > MOST_DOUBT * lengths.min())
 
     def factors(self, tangents: Floats) -> tuple[Floats, Floats]:
@@ -59,9 +60,11 @@ class Renormalisation:
             Shape (2·size, columns); they are multiplied by the result, shape (columns, columns).
         """
         upper = np.linalg.qr(tangents)[1]
-        lengths = np.diag(upper) if self.orthogonal else np.linalg.norm(tangents, axis=0)
-        factor = np.linalg.inv(upper if self.orthogonal else np.diag(lengths))
-        return np.log(np.abs(lengths)), factor
+        grown = upper if self.orthogonal else np.diag(np.linalg.norm(tangents, axis=0))
+        taken = np.diag(grown) == 0.0
+        grown = grown + np.diag(taken)
+        lengths = np.where(taken, -np.inf, np.log(np.abs(np.diag(grown))))
+        return lengths, np.linalg.inv(grown)
 
     def undone(
         self, samples: Floats, grown: Floats, seen: int = 0

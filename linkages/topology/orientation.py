@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from linkages.components.contributed.measures import Turn
 from linkages.components.contributed.terms import Parameter, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 
@@ -80,6 +81,8 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
 def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a relation depends on it."""
     found = {name for load in mechanism.loads for name in load.turned}
+    ended = (end.measure for end in mechanism.ends)
+    found |= {name for turn in ended if isinstance(turn, Turn) for name in turn.bodies}
     for relation in mechanism.relations:
         tied = [relation.body, *(name for name, _ in relation.parts)]
         turning = {name for name in tied if mechanism.bodies[name].rotates}

@@ -107,6 +107,8 @@ def test_points_side_by_side_are_those_alone(indicator):
     for row, length in enumerate(y["bars.arm.length"]):
         pair = {"bars.arm.length": [length, 1.1]}
         alone = linkages.chaos_map(mechanism, x, pair, executor=Threads(3), **given)
-        assert whole.isel(y=row).drop_vars("bars.arm.length").identical(
-            alone.isel(y=0).drop_vars("bars.arm.length")
+        assert (
+            whole.isel(y=row)
+            .drop_vars("bars.arm.length")
+            .identical(alone.isel(y=0).drop_vars("bars.arm.length"))
         )

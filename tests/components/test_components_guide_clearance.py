@@ -80,8 +80,6 @@ CHANGES = {
     "turned into the walls": ({"angle": "5 deg"}, "a corner starts"),
     "across": ({"angle": "95 deg"}, "expected a block less than 90 deg from its guide, found 95"),
     "friction without slip": ({"friction": 0.1}, "missing key 'slip'"),
-    "rigid": ({"contact": "restitution", "restitution": 0.4, "stiffness": None},
-              "a block has four corners"),
     "oil": ({"contact": "lubricated", "stiffness": None}, "a law of pins in holes"),
 }  # fmt: skip
 

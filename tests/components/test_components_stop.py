@@ -131,6 +131,12 @@ stops: [{between: [O, L], upper: 0.7, stiffness: 5e3}]
         ("{bars: [ground, arm], upper: 1, stiffness: 1}", "unknown bar 'arm'"),
         ("{between: [O, O], upper: 1, stiffness: 1}", "expected two different joints"),
         ("{slider: cart, upper: 1 rad, stiffness: 1}", "expected a length"),
+        ("{slider: cart, upper: 1}", "missing key 'stiffness' or 'restitution'"),
+        ("{slider: cart, upper: 1, restitution: 1.1}", "expected at most 1, found 1.1"),
+        ("{slider: cart, upper: 1, restitution: -1}", ">= 0"),
+        ("{slider: cart, upper: 1, restitution: 1, stiffness: 1}", "expected one of the two"),
+        ("{slider: cart, upper: 1, restitution: 1, damping: 1}", "it is for 'stiffness'"),
+        ("{slider: cart, upper: 1, stiffness: 1, least_rate: 1}", "it is for 'restitution'"),
     ],
 )
 def test_wrong_entries(entry, found):

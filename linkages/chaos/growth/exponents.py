@@ -40,6 +40,16 @@ class Exponents:
         As `TangentSystem` has it.
     certificate
         What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
+    lost
+        How many more there are of −∞: a rigid contact that closes leaves no neighbours off its
+        wall, and takes these directions away.
+    touch
+        Rate, time and contact of the touch at the smallest rate; None if nothing touches. Where it
+        tends to zero, tangents jump without bound and exponents converge slowly [1]_.
+
+    References
+    ----------
+    .. [1] A. B. Nordmark, J. Sound Vib. 145 (1991) 279: grazing.
     """
 
     growth: Floats
@@ -47,6 +57,8 @@ class Exponents:
     times: Floats
     furthest: float = math.inf
     certificate: tuple[Invariant, ...] = ()
+    lost: int = 0
+    touch: tuple[float, float, str] | None = None
 
     @property
     def lengths(self) -> Floats:
@@ -173,8 +185,13 @@ def lyapunov_spectrum(
 
     def found() -> Exponents:
         joined = [np.concatenate(parts) for parts in (growth, states, times)]
+        left = ~np.isneginf(joined[0]).any(axis=0)
         part = Exponents(
-            growth=joined[0], states=joined[1], times=joined[2], furthest=system.furthest
+            growth=joined[0][:, left],
+            states=joined[1],
+            times=joined[2],
+            furthest=system.furthest,
+            lost=columns - int(left.sum()),
         )
         return part if certify is None else replace(part, certificate=certify(part))
 
@@ -201,8 +218,16 @@ def lyapunov_spectrum(
 
 
 def _require_length(grown: Growth) -> None:
-    """Tangents that vanish have no direction to go on with."""
-    lost = ~np.isfinite(grown.rates).all(axis=1)
+    """Tangents that vanish have no direction to go on with; one must be left by contacts."""
+    taken = np.isneginf(grown.rates) & grown.closes
+    lost = ~(np.isfinite(grown.rates) | taken).all(axis=1)
+    if taken.all(axis=1).any():
+        time = float(grown.times[np.argmax(taken.all(axis=1))])
+        raise ComputationError(
+            f"Contacts that closed before time {time:g} have left no neighbours of the motion: all "
+            "exponents asked for are −∞.",
+            time=time,
+        )
     if lost.any():
         time = float(grown.times[np.argmax(lost)])
         raise ComputationError(

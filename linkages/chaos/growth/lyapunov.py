@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -63,8 +64,11 @@ def lyapunov(
     Dataset with `exponent` and `error` (index) in 1/s, the largest first, and their `history`
     (time, index). For the whole spectrum also what is known of it otherwise: `found`, `expected`
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
-    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents. With
-    clearances, `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over
+    has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
+    ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
+    and where something touches, ``least_touch`` and ``least_touch_at``: the smallest rate of a
+    touch, its time, and the name of the contact. With clearances, `contact_lost` and `least_force`
+    (clearance) as `linkages.poincare` has them, over
     what is averaged.
 
     Raises
@@ -108,6 +112,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
     units = {"units": "1/s"}
     total, total_error = exponents.sum
     index = np.arange(1, len(exponents.values) + 1)
+    touch = exponents.touch
     violations = [found.violation for found in exponents.certificate if not found.holds]
     return xr.Dataset(
         {
@@ -128,6 +133,8 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
             "warning": " ".join([*violations, *filter(None, [exponents.unsettled])]),
             "sum": total,
             "sum_error": total_error,
+            "lost": exponents.lost,
+            **({} if touch is None else {"least_touch": touch[0], "least_touch_at": touch[1:]}),
         },
     )
 
@@ -169,7 +176,7 @@ def run_exponents(
     def certify(exponents: Exponents) -> tuple[Invariant, ...]:
         return certificate(tangents, exponents, skip * parts)
 
-    return lyapunov_spectrum(
+    found = lyapunov_spectrum(
         tangents,
         intervals=periods * parts,
         interval=length / parts,
@@ -178,6 +185,7 @@ def run_exponents(
         certify=certify if columns == whole else None,
         watch=watch,
     )
+    return replace(found, touch=tangents.slowest)
 
 
 def samples_needed(system: System, intervals: int) -> int:

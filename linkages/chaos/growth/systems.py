@@ -35,12 +35,15 @@ class Growth:
         At the ends of intervals, shape (intervals, d) and (intervals,).
     tangents
         There, brought back to length one, shape (intervals, d, k).
+    closes
+        Whether contacts that close may take tangents away: those are zero, and their rates −∞.
     """
 
     rates: Floats
     states: Floats
     times: Floats
     tangents: Floats
+    closes: bool = False
 
 
 class TangentSystem(Protocol):

@@ -21,6 +21,7 @@ from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.renormalising import Renormalised
 from linkages.solution.moving.tolerances import TANGENT_ATOL
+from linkages.solution.values.episodes import Touch, slowest_touch
 
 Floats = NDArray[np.float64]
 
@@ -53,6 +54,8 @@ class LinkageTangents:
         How it moves.
     parts
         That number.
+    slowest
+        The touch of the motion at the smallest rate; None if nothing touches.
     """
 
     def __init__(
@@ -73,6 +76,7 @@ class LinkageTangents:
         start = Motion(pieces=(self.march.sample,))
         self._kept: list[Motion] = [start] if self.parts else []
         self._ends = [start]
+        self.slowest: Touch | None = None
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -203,6 +207,9 @@ class LinkageTangents:
         each, _ = self.sampling(interval)
         if self._log is not None:
             self._log.note(motion)
+        touch = slowest_touch(motion) if motion.changes else None
+        if touch is not None and (self.slowest is None or touch < self.slowest):
+            self.slowest = touch
         if self.parts:
             between = each // self.parts
             self._kept.append(motion.part(between - 1, each=between))
@@ -213,6 +220,7 @@ class LinkageTangents:
             states=self._states(ends),
             times=ends.time,
             tangents=renormalised.tangents,
+            closes=self.march.closes,
         )
 
     def _states(self, motion: Motion) -> Floats:

@@ -229,4 +229,5 @@ def conservative(mechanism: Mechanism) -> bool:
     Drives and given forces may still put energy in and take it out.
     """
     loads, contacts = mechanism.loads, mechanism.contacts
-    return not any([*(a.dissipates for a in loads), *(b.dissipates for b in contacts)])
+    losing = [*(a.dissipates for a in loads), *(b.dissipates for b in contacts)]
+    return not any(losing) and not mechanism.ends

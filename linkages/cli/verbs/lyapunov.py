@@ -48,6 +48,17 @@ def run(request: Request) -> int:
         heads = ["exponent", "sign", "value (1/s)", "standard error"]
         screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
         screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
+        if said["lost"]:
+            screen.print(
+                f"{said['lost']} more are −∞: rigid contacts that close leave no neighbours off "
+                "their walls"
+            )
+        if "least_touch" in said:
+            time, name = said["least_touch_at"]
+            screen.print(
+                f"slowest touch: {number(said['least_touch'])} m/s in {escape(name)} at "
+                f"t = {number(time)} s; exponents converge slowly where it tends to zero"
+            )
         if known:
             heading, heads, cells = certificate_table(known)
             screen.print(table(f"\n{heading}", heads, cells, numbers=len(heads) - 1))
@@ -58,6 +69,7 @@ def run(request: Request) -> int:
         "end": end,
         "exponents": rows,
         "sum": {"value": said["sum"], "error": said["sum_error"]},
+        "lost": int(said["lost"]),
         "certificate": known,
         "contact": contact_content(data),
         "settled": bool(said["settled"]),

@@ -10,6 +10,7 @@ from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass as validated_dataclass
 
 from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.ends import End
 from linkages.components.contributed.measures import Friction, Load
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
@@ -42,6 +43,7 @@ Term = (
     | Hint
     | Load
     | Contact
+    | End
     | Friction
 )
 """What components contribute."""

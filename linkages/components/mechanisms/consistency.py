@@ -33,7 +33,6 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
     found += _rubbing_in_the_open(declared)
-    found += _several_rigid_contacts(declared)
     found += loose_sliders(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
@@ -164,18 +163,6 @@ def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
         )
         for term in declared.rubbing
         if term.clearance in declared.opening
-    ]
-
-
-def _several_rigid_contacts(declared: Declared) -> list[Finding]:
-    """Rigid contacts beyond the first: their impulses and forces would depend on each other."""
-    return [
-        (
-            (*term.path, "contact"),
-            f"clearance {declared.rigid[0].name!r} is rigid already; expected one rigid contact, "
-            "and laws of a force for all others",
-        )
-        for term in declared.rigid[1:]
     ]
 
 

@@ -9,6 +9,7 @@ from itertools import chain
 from linkages.components.contributed.blocks import loosened, turned, ways
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.ends import End
 from linkages.components.contributed.friction import resolved
 from linkages.components.contributed.measures import Friction, Load, Measure
 from linkages.components.contributed.sensing import with_sliders
@@ -157,6 +158,11 @@ class Contributions:
         if slider.afloat:
             return self.carrier(slider.axis)
         return None if slider.guide is None else slider.guide.body
+
+    @cached_property
+    def ends(self) -> tuple[End, ...]:
+        """Where ways end at which bodies bounce."""
+        return tuple(t for t in self.terms if isinstance(t, End))
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:

@@ -55,7 +55,6 @@ class Declared:
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
         self.opening = {t.name for _, t in terms if isinstance(t, Contact | Play)}
-        self.rigid = [t for _, t in terms if isinstance(t, Contact) and t.rigid]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}

@@ -96,7 +96,7 @@ def turning(model: Model) -> dict[int, Scalar]:
     """Angles that laws feel with their whole turns, where only their direction is known."""
     topology = model.topology
     given = {*topology.driven, *topology.free}
-    nodes = [*model.loads, *model.sensed.values()]
+    nodes = [*model.loads, *model.sensed.values(), *(end.along for end in model.ends)]
     found: dict[int, Scalar] = {}
     for place, angle in wound_angles(model.mechanism).items():
         owners = (m for body in angle.bodies for m in topology.orientations[body].masters)

@@ -71,7 +71,11 @@ class DistanceNodes(LoadNodes):
 
     def forces(self) -> Forces:
         """On both ends."""
-        force, carrier = self._force(self.load.force), self.model.mechanism.carrier
+        carrier = self.model.mechanism.carrier
+        if self.given_force is None:
+            force = self._force(self.load.force)
+        else:
+            force = self._between * (self.given_force / self.displacement)
         ends = (self.second, force), (self.first, -force)
         return [(carrier(joint), joint, pull) for joint, pull in ends]
 

@@ -8,97 +8,158 @@ above it: round-off does not open a contact, the force does.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from linkages.components.contributed.contacts import Contact, RigidContact
 from linkages.kernel.forces.contacts import ContactNodes
-from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.symmetric import solve_symmetric
+from linkages.kernel.forces.loads import Acting, Velocities
+from linkages.kernel.graph.scalars import Scalar, ScalarGraph
 
 if TYPE_CHECKING:
+    from linkages.kernel.closure.motion import Accelerations
+    from linkages.kernel.forces.gaps import Gap
     from linkages.kernel.model import Model
 
 NEAR, RESTING = 1e-7, 0.1
 """Distance from the wall over size, and rate over the least one that bounces, of a pin at rest."""
 
+TOGETHER = 1e-9
+"""Distance from the wall over size of a contact that is touched at the same time as another one."""
+
 LEAST = 1e-9
 """Acceleration (m/s²) that smaller ones count as, so that roots have derivatives."""
 
 REST = 1e-9
-"""Rate behind an impact that closes a contact, over that before."""
+"""Rate behind an impact that closes a contact, over the least one that bounces."""
 
 
-class RigidNodes(ContactNodes):
-    """A contact of rigid bodies.
+class Touchable(Protocol):
+    """How far two bodies are apart where they may touch; see `linkages.kernel.forces.gaps.Gap`."""
 
-    With the derivatives N of the indentation by the free coordinates, and their inertia J, an
-    impulse P changes rates by −J⁻¹Nᵀ P, and the rate of the indentation by −N J⁻¹Nᵀ P.
-    """
-
-    def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
-        super().__init__(model, contact)
-        self.law = law
-
-    @cached_property
-    def _moved(self) -> tuple[list[Scalar], Scalar]:
-        """J⁻¹Nᵀ, and the mass 1/(N J⁻¹Nᵀ) that resists along the indentation."""
-        along = [self.gap.rate(partial) for partial in self.model.partials]
-        moved = solve_symmetric(self.model.mass_matrix, along)
-        inverse = self.graph.total(a * b for a, b in zip(along, moved, strict=True))
-        # concentric, the offset has no direction: any mass will do where nothing touches
-        return moved, 1.0 / self.graph.select(-inverse, self.graph.one, inverse)
+    size: Scalar
 
     @property
-    def rates_behind(self) -> list[Scalar]:
-        """Rates of the free coordinates behind an impact; a slow one closes the contact."""
-        inputs, (moved, mass) = self.model.inputs, self._moved
+    def indentation(self) -> Scalar:
+        """Negative where the gap is open."""
+
+    @property
+    def smooth(self) -> Scalar:
+        """What its sign is seen from."""
+
+    def rate(self, velocities: Velocities) -> Scalar:
+        """Rate of the indentation, at velocities that may be partial ones."""
+
+    def pushed(self, accelerations: Accelerations) -> Scalar:
+        """Second derivative of the indentation."""
+
+
+class Unilateral(Acting):
+    """A rigid contact along a gap, whatever that is; `Walls` knows those that it depends on.
+
+    Attributes
+    ----------
+    model, graph, name
+        Whose contact it is, and what modes are called by.
+    gap
+        What is zero where it is closed.
+    law
+        Its numbers.
+    """
+
+    model: Model
+    graph: ScalarGraph
+    name: str
+    gap: Touchable
+    law: RigidContact
+
+    @property
+    def touch(self) -> str:
+        """Name of the mode of touching."""
+        return f"{self.name}: touch"
+
+    @cached_property
+    def speed(self) -> Scalar:
+        """The actual rate of the indentation."""
+        return self.gap.rate(self.model.velocities)
+
+    @property
+    def _slow(self) -> Scalar:
+        return self.model.inputs.parameter(self.law.least_rate)
+
+    @property
+    def slowest(self) -> Scalar:
+        """Rate that is none."""
+        return REST * self._slow
+
+    @property
+    def fall(self) -> Scalar:
+        """By how much an impact lowers the rate; a slow one closes the contact."""
+        inputs = self.model.inputs
         # nothing pulls a pin that comes to rest near the wall while it leaves
         speed = self.graph.select(self.speed, self.speed, self.graph.zero)
         rebound = inputs.parameter(self.law.restitution) * speed
-        slow = inputs.parameter(self.law.least_rate)
-        # a rate of 0 might be one of −1e-20, which is thrown back
-        rebound = self.graph.select(rebound - slow, rebound, speed * -REST)
-        impulse = (speed + rebound) * mass
-        return [inputs.rate(i) - part * impulse for i, part in enumerate(moved)]
+        # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
+        rest = self.graph.select(self.slowest - speed, speed, self.slowest)
+        rebound = self.graph.select(rebound - self._slow, rebound, -rest)
+        return speed + rebound
+
+    @property
+    def together(self) -> Scalar:
+        """Not negative where it takes part in the impact of another one at the same time."""
+        return self.gap.smooth + TOGETHER * self.gap.size
+
+    @property
+    def impulses(self) -> list[Scalar]:
+        """Impulses of all contacts in an impact of this one."""
+        return self.model.walls.impulses(self)
+
+    @property
+    def rates_behind(self) -> list[Scalar]:
+        """Rates of the free coordinates behind an impact."""
+        pairs = list(zip(self.model.walls.moved, self.impulses, strict=True))
+        return [
+            self.model.inputs.rate(i) - self.graph.total(part[i] * p for part, p in pairs)
+            for i in range(len(self.model.topology.free))
+        ]
+
+    @property
+    def nearness(self) -> Scalar:
+        """What is positive where it touches."""
+        rate = self.speed / (RESTING * self._slow)
+        square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
+        resting = NEAR * self.gap.size * self.graph.apply("exp", -(square * square))
+        return self.gap.smooth + resting
 
     @property
     def touching(self) -> Scalar:
         """Mode: whether contact is closed."""
-        rate = self.speed / (RESTING * self.model.inputs.parameter(self.law.least_rate))
-        square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
-        resting = NEAR * self.gap.size * self.graph.apply("exp", -(square * square))
-        return self.model.switches.add(
-            self.touch, self.gap.smooth + resting, jump=self.rates_behind
-        )
+        walls = self.model.walls
+        return walls.touching[walls.place(self)]
 
     @cached_property
-    def _pressed(self) -> Scalar:
-        """Acceleration into the wall if nothing held there."""
-        return self.gap.pushed(self.model.unheld)
-
-    @property
-    def _holding(self) -> Scalar:
-        """The force that keeps contact closed: negative where it would have to pull.
+    def needed(self) -> Scalar:
+        """Acceleration out of the wall that keeps contact closed: negative where it must pull.
 
         It lets the indentation settle as fast as a massless link would swing.
         """
-        touching, pressed = self.touching, self._pressed
+        touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
         least = self.graph.lift(LEAST)
         held = self.graph.select(pressed - least, pressed, least)
         swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.gap.size))
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
-        return self._moved[1] * self.graph.select(touching, pressed + settling, pressed)
+        return self.graph.select(touching, pressed + settling, pressed)
 
     @property
     def pressing(self) -> Scalar:
         """Mode: whether a closed contact presses."""
-        touching, name = self.touching, f"{self.contact.name}: press"
-        return self.model.switches.add(name, self._holding, active=touching)
+        walls = self.model.walls
+        return walls.pressing[walls.place(self)]
 
-    @cached_property
+    @property
     def force(self) -> Scalar:
         """Normal force of a closed contact."""
-        return self.graph.select(self.pressing, self._holding, self.graph.zero)
+        walls = self.model.walls
+        return walls.forces[walls.place(self)]
 
     @property
     def potential(self) -> Scalar:
@@ -109,3 +170,13 @@ class RigidNodes(ContactNodes):
     def normal_loss(self) -> Scalar:
         """Constraints lose nothing; impacts lose at once."""
         return self.graph.zero
+
+
+class RigidNodes(Unilateral, ContactNodes):
+    """A contact of rigid bodies in a clearance."""
+
+    gap: Gap
+
+    def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
+        super().__init__(model, contact)
+        self.law, self.name = law, contact.name

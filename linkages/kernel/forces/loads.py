@@ -85,6 +85,7 @@ class LoadNodes(Acting):
         self.graph = model.graph
         self.load = load
         self.index = index
+        self.given_force: Scalar | None = None
 
     @property
     @abstractmethod
@@ -94,6 +95,11 @@ class LoadNodes(Acting):
     @abstractmethod
     def rate(self, velocities: Velocities) -> Scalar:
         """The rate of x, at velocities that may be partial ones."""
+
+    @property
+    def pushed(self) -> Scalar:
+        """The force along the measure: that of the law, unless another one is given."""
+        return self.value(self.load.force) if self.given_force is None else self.given_force
 
     def forces(self) -> Forces:
         """The load as forces on bodies, as far as it consists of them."""

@@ -44,7 +44,7 @@ class _Turn(LoadNodes):
         return of_body(body) if reference is None else of_body(body) - of_body(reference)
 
     def torques(self) -> Torques:
-        torque = self.value(self.load.force)
+        torque = self.pushed
         return [(self.measure.body, torque), (self.measure.reference, -torque)]
 
 
@@ -66,7 +66,7 @@ class _Slide(LoadNodes):
         slider = self.model.mechanism.bodies[self.body]
         assert slider.guide is not None
         pin = next(iter(slider.points))
-        force = self.model.positions.unit(self.body) * self.value(self.load.force)
+        force = self.model.positions.unit(self.body) * self.pushed
         return [(self.body, pin, force), (slider.guide.body, pin, -force)]
 
 
@@ -92,7 +92,7 @@ class _Coordinate(LoadNodes):
         return self._part(velocities.joints[self.joint])
 
     def forces(self) -> Forces:
-        force, zero = self.value(self.load.force), self.graph.zero
+        force, zero = self.pushed, self.graph.zero
         vector = Vector(zero, force) if self.axis else Vector(force, zero)
         return [(self.model.mechanism.carrier(self.joint), self.joint, vector)]
 
@@ -123,7 +123,7 @@ class _BodyAxis(LoadNodes):
     def forces(self) -> Forces:
         """On the body itself, if it has the joint."""
         joint, body = self.measure.joint, self.measure.body
-        mechanism, force = self.model.mechanism, self._direction * self.value(self.load.force)
+        mechanism, force = self.model.mechanism, self._direction * self.pushed
         own = joint in mechanism.bodies[body].points
         return [(body if own else mechanism.carrier(joint), joint, force)]
 

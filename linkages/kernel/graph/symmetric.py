@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from linkages.kernel.graph.scalars import Scalar
 
 
-def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Scalar]:
+def solve_symmetric(
+    matrix: list[list[Scalar]],
+    right: list[Scalar],
+    reciprocal: Callable[[int, Scalar], Scalar] = lambda _, pivot: 1.0 / pivot,
+) -> list[Scalar]:
     """Solve a symmetric positive definite system by L D Lᵀ, unrolled.
 
     Parameters
@@ -14,6 +20,9 @@ def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Sca
         Lower triangle, row by row.
     right
         Right-hand side.
+    reciprocal
+        Of a row and its pivot: what to multiply by, 0 for an unknown that is to be 0 where the
+        matrix is singular.
     """
     count = len(right)
     lower: list[list[Scalar]] = []
@@ -30,7 +39,7 @@ def solve_symmetric(matrix: list[list[Scalar]], right: list[Scalar]) -> list[Sca
         for value, factor in zip(row, scaled, strict=True):
             pivot = pivot - value * factor
         lower.append(scaled)
-        inverse.append(1.0 / pivot)
+        inverse.append(reciprocal(i, pivot))
     forward: list[Scalar] = []
     for i in range(count):
         value = right[i]

@@ -113,9 +113,11 @@ def definition_numbers(mechanism: Mechanism) -> dict[Path, float]:
         mechanism.loads,
         mechanism.cams.values(),
         mechanism.contacts,
+        mechanism.ends,
     )
     found = {path: value for group in groups for part in group for path, value in numbers_in(part)}
-    measures = (*(load.measure for load in mechanism.loads), *mechanism.sensed)
+    measures = [own.measure for own in mechanism.loads] + [own.measure for own in mechanism.ends]
+    measures += mechanism.sensed
     if any(isinstance(measure, Distance) for measure in measures):
         found[NEAREST] = nearest_distance(mechanism)
     return found
@@ -143,16 +145,17 @@ def wound_angles(mechanism: Mechanism) -> dict[int, Turn]:
     """Angles that count from within half a turn at the start, where nothing says more.
 
     Their numbers are those of the loads along them. Behind all loads come angles of two bodies that
-    loads sense: the angle of one body is what it is in outputs.
+    loads sense: the angle of one body is what it is in outputs. Last come those that end.
     """
     loads = mechanism.loads
     felt = {turn for load in loads for turn in load.wound}
     own = [(load.measure, load.measure in load.wound) for load in loads]
     two = {turn for turn in felt if turn.reference is not None}
     other = [(measure, measure in two) for measure in mechanism.sensed]
+    ends = [(end.measure, True) for end in mechanism.ends]
     return {
         place: measure
-        for place, (measure, counts) in enumerate([*own, *other])
+        for place, (measure, counts) in enumerate([*own, *other, *ends])
         if isinstance(measure, Turn) and counts
     }
 

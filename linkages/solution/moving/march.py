@@ -180,6 +180,11 @@ class March:
         return found
 
     @property
+    def closes(self) -> bool:
+        """Whether contacts may close, which takes tangents away."""
+        return self._plan.switching is not None and self._plan.switching.closes
+
+    @property
     def sample(self) -> Piece:
         """Where the motion is now, as one sample."""
         turns = np.zeros((1, self.layout.size))

@@ -86,27 +86,6 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
     return KernelSource(model, tuple(accelerations), counted, switched)
 
 
-def _require_tangents(system: System) -> None:
-    """A rigid contact that closes takes a dimension away, which tangents here do not follow.
-
-    Raises
-    ------
-    InputError
-        For a mechanism with a rigid contact.
-    """
-    found = [
-        (
-            (*contact.path, "contact"),
-            "exponents follow neighbours of a motion, and a rigid contact that closes leaves none "
-            "across the wall; expected the law of a force, such as 'exact' with a stiffness",
-        )
-        for contact in system.mechanism.contacts
-        if contact.rigid
-    ]
-    if found:
-        raise system.mechanism.error(found)
-
-
 def switching_of(model: Model, layout: Layout) -> Switching | None:
     """The switches of equations whose kernel has been made; None where there are none."""
     switches = model.switches
@@ -184,8 +163,6 @@ class Plan:
         if sensitive:
             of = (of.mechanism if isinstance(of, System) else of).keeping(sensitive)
         system = of if isinstance(of, System) else System(of)
-        if tangents:
-            _require_tangents(system)
         key = (system.structure.key, work, tangents, counting)
 
         def made() -> Plan:

@@ -12,7 +12,7 @@ from linkages.components.contributed.contacts import Contact, Film, NormalForce
 from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
-from linkages.solution.values.episodes import STATES, Episodes, episodes
+from linkages.solution.values.episodes import STATES, Episodes, episodes, rests
 
 DEEPEST = 0.1
 """Indentation over size above which the laws of small areas of contact are extrapolated."""
@@ -27,14 +27,35 @@ LASTING = 0.5
 """Part of a motion that a contact lasts to be called one that is not lost again."""
 
 
+GRAZING = 0.01
+"""Part of the rate of the touch before it below which a touch grazes: no chatter is that fast."""
+
+
 def contact_notes(motion: Motion) -> list[str]:
-    """A sentence on each clearance that opens, and on what its law is not made for."""
+    """A sentence on each clearance that opens, and on what its law is not made for; on stops."""
     system = motion.pieces[0].system
-    contacts = system.mechanism.contacts
-    if not contacts or len(motion.time) < 2:
+    contacts, ends = system.mechanism.contacts, system.mechanism.ends
+    if not (contacts or ends) or len(motion.time) < 2:
         return []
     rows = zip(system.model.contacts, contacts, episodes(motion), strict=True)
-    return [note for row in rows for note in _notes(motion, *row)]
+    said = [note for row in rows for note in _notes(motion, *row)]
+    if ends:
+        for end, found in zip(ends, rests(motion), strict=True):
+            unit = "rad/s" if end.twists else "m/s"
+            said += [f"stop {found.name}: {_summary(motion, found, unit)}", *_grazes(found, unit)]
+    return said
+
+
+def _grazes(found: Episodes, unit: str = "m/s") -> Iterator[str]:
+    """Touches that neighbours of the motion miss."""
+    rate, begin = found.rate[1:], found.begin[1:]
+    slow = np.flatnonzero(rate < GRAZING * found.rate[:-1])
+    if len(slow):
+        least = slow[np.argmin(rate[slow])]
+        yield (
+            f"{found.name} grazes at t = {begin[least]:.6g} s, at {rate[least]:.3g} {unit}: "
+            "neighbours that miss the wall move otherwise, so exponents converge slowly"
+        )
 
 
 def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -> Iterator[str]:
@@ -47,6 +68,7 @@ def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -
         yield _of_film(name, -deepest, size)
         return
     yield f"clearance {name}: {_summary(motion, found)}"
+    yield from _grazes(found)
     if deepest > DEEPEST * size:
         yield (
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
@@ -98,7 +120,7 @@ def _of_film(name: str, thinnest: float, size: float) -> str:
     )
 
 
-def _summary(motion: Motion, found: Episodes) -> str:
+def _summary(motion: Motion, found: Episodes, unit: str = "m/s") -> str:
     """Touches, their rates, and parts of the time in each state."""
     if not found.touches:
         return "contact throughout" if len(found.begin) else "free throughout"
@@ -108,4 +130,6 @@ def _summary(motion: Motion, found: Episodes) -> str:
     impact, following = (float(found.lasting[kind].sum()) for kind in (found.impact, ~found.impact))
     parts = zip((whole - impact - following, impact, following), STATES, strict=True)
     shares = ", ".join(f"{part / whole:.0%} {state}" for part, state in parts)
-    return f"{count} at {rates.min():.3g} to {rates.max():.3g} m/s; {shares}"
+    if not len(rates):  # it met its wall in impacts of others
+        return f"{count}; {shares}"
+    return f"{count} at {rates.min():.3g} to {rates.max():.3g} {unit}; {shares}"

@@ -6,25 +6,40 @@ A contact that lasts no longer than twice the impact of a free body at the same 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import Contact, NormalForce
+from linkages.components.contributed.contacts import Contact, Film, NormalForce, RigidContact
+from linkages.components.contributed.ends import End
 from linkages.kernel.forces.across import GapNodes
-from linkages.kernel.forces.impacts import RigidNodes
-from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.forces.ends import EndNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
-from linkages.solution.moving.motion import Changed, Motion, Piece
+from linkages.solution.moving.motion import Changed, Motion
 
 Floats = NDArray[np.float64]
+
+Nodes = GapNodes | EndNodes
+Law = NormalForce | RigidContact | Film
 
 FREE, IMPACT, FOLLOWING = 0, 1, 2
 STATES = ("free", "impact", "following")
 
+AT_REST = 1e-8
+"""Rate over the least one that bounces below which a rigid contact was not touched, but met."""
+
 LONGEST = 2.0
 """Durations of an impact of a free body after which a contact follows the wall."""
+
+
+class Touch(NamedTuple):
+    """A touch: rate of the indentation (m/s), time in seconds, name of the contact."""
+
+    rate: float
+    time: float
+    name: str
 
 
 @dataclass(frozen=True)
@@ -86,14 +101,34 @@ def states(motion: Motion) -> NDArray[np.int8]:
     return found
 
 
-def _of_contact(motion: Motion, nodes: GapNodes, contact: Contact) -> Episodes:
+def rests(motion: Motion) -> list[Episodes]:
+    """The contacts of every end of a way at which bodies bounce."""
+    system = motion.pieces[0].system
+    pairs = zip(system.model.ends, system.mechanism.ends, strict=True)
+    return [_of_contact(motion, nodes, end) for nodes, end in pairs]
+
+
+def slowest_touch(motion: Motion) -> Touch | None:
+    """The touch of a motion at the smallest rate; None if nothing touches."""
+    found = [
+        Touch(float(rate), float(time), contact.name)
+        for contact in (*episodes(motion), *rests(motion))
+        for rate, time in zip(contact.rate, contact.begin, strict=True)
+        if np.isfinite(rate)
+    ]
+    return min(found, default=None)
+
+
+def _of_contact(motion: Motion, nodes: Nodes, about: Contact | End) -> Episodes:
+    law = about.law if isinstance(about, End) else about.normal
+    rigid = isinstance(law, RigidContact)
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
-    rates, lasting = (row[rises] for row in _at_touches(changed, nodes, contact))
+    rates, lasting = (row[rises] for row in _at_touches(changed, nodes, law))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
-    if contact.rigid:  # thrown back at once, or closed
+    if rigid:  # thrown back at once, or closed
         number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
         held = [piece.held for piece in changed.pieces if piece.held is not None]
         closed = np.concatenate([rows[number] > 0 for rows in held] or [rises])
@@ -104,16 +139,16 @@ def _of_contact(motion: Motion, nodes: GapNodes, contact: Contact) -> Episodes:
         lasting = np.append(np.nan, lasting)
     touches = int(rises.sum())
     if changed.count > len(time):  # touches and leaves take turns
-        touches += (changed.count - len(time)) // (1 if contact.rigid else 2)
-    return Episodes(contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
+        touches += (changed.count - len(time)) // (1 if rigid else 2)
+    return Episodes(about.name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
 
 
-def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
+def _touching_at_start(motion: Motion, nodes: Nodes) -> bool:
     first = next((piece for piece in motion.pieces if len(piece.time)), None)
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: GapNodes, contact: Contact) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: Nodes, law: Law) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
@@ -122,8 +157,10 @@ def _at_touches(changed: Changed, nodes: GapNodes, contact: Contact) -> tuple[Fl
         return np.zeros(0), np.zeros(0)
     found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
     speed, *values = np.hstack(found)
+    if isinstance(law, RigidContact):  # it comes to rest there with another one
+        speed = np.where(np.abs(speed) <= AT_REST * law.least_rate.value, np.nan, speed)
     mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
-    return speed, _duration(contact, mass, np.abs(speed))
+    return speed, _duration(law, mass, np.abs(speed))
 
 
 def _effective_mass(along: Floats, rows: Floats) -> Floats:
@@ -137,44 +174,14 @@ def _effective_mass(along: Floats, rows: Floats) -> Floats:
     return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(contact: Contact, mass: Floats, speed: Floats) -> Floats:
+def _duration(law: Law, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
-    normal = contact.normal
-    if not isinstance(normal, NormalForce):
+    if not isinstance(law, NormalForce):
         return np.zeros(speed.shape)
-    stiffness, exponent = normal.numbers
+    stiffness, exponent = law.numbers
     power = exponent.value + 1.0
     factor = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + 1.0 / power)
     factor /= math.gamma(0.5 + 1.0 / power)
     with np.errstate(divide="ignore"):
         deepest = (power * mass * speed**2 / (2.0 * stiffness.value)) ** (1.0 / power)
         return np.asarray(factor * deepest / speed)
-
-
-def energy_of_impacts(motion: Motion) -> Floats:
-    """Energy that rigid impacts have given up to each sample, with the impulses of drives, in J."""
-    found = np.zeros(len(motion.time))
-    for nodes in motion.pieces[0].system.model.contacts:
-        changed = motion.changes.get(nodes.touch)
-        if not isinstance(nodes, RigidNodes) or changed is None:
-            continue
-        model = nodes.model
-        (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
-        gained = np.concatenate(
-            [
-                evaluate_nodes(_behind(piece, nodes), [kinetic])[0]
-                - evaluate_nodes(piece, [kinetic])[0]
-                for piece in changed.pieces
-            ]
-        )
-        for time, energy in zip(changed.time[changed.rises], gained[changed.rises], strict=True):
-            found[motion.time > time] += energy
-    return found
-
-
-def _behind(piece: Piece, nodes: RigidNodes) -> Piece:
-    """States behind impacts."""
-    state, count = piece.state.copy(), len(piece.state) // 2
-    rates = evaluate_nodes(piece, nodes.rates_behind)
-    state[count : count + len(rates)] = rates
-    return replace(piece, state=state)

@@ -10,6 +10,7 @@ from linkages.reading.wording import suggestion
 
 REACTION = "joint_reaction"
 STATE = "clearance_state"
+LOSS = "impact_loss"
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:

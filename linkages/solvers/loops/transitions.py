@@ -120,6 +120,41 @@ def wake(system: System, switches: Switches, switch: int, forward: float) -> boo
 
 
 @compiled
+def rethink(
+    system: System, switches: Switches, record: Record, switch: int, forward: float, t: float
+) -> int:
+    """Set the modes of functions whose values rates have made jump; returns the kernel's status.
+
+    One mode after the other, for other functions may depend on it; those that stuck stick no more.
+    Modes with jumps of their own wait for their functions to rise.
+    """
+    held, active = floats(system.held), integers(switches.active)
+    functions, status = floats(functions_of(system, switches.modes, 0)), 0
+    for _ in range(2 * switches.modes):
+        found = -1
+        for k in range(switches.modes):
+            watched = active[k] < 0 or held[active[k]] > 0.0
+            if k == switch or integers(switches.jumps)[k] >= 0 or not watched:
+                continue
+            if held[k] == 0.0:
+                held[k] = 1.0
+                status = arrive_at(system, switches, record, t)
+            value, rate = functions[k], forward * functions[switches.modes + k]
+            if held[k] * value < 0.0 or (value == 0.0 and held[k] * rate < 0.0):
+                found = k
+                break
+        if found < 0 or status != 0:
+            return status
+        held[found] = -held[found]
+        status = arrive_at(system, switches, record, t)
+        if status == 0 and wake(system, switches, found, forward):
+            status = arrive_at(system, switches, record, t)
+        if status != 0:
+            return status
+    return status
+
+
+@compiled
 def cross_tangents(
     system: System, switches: Switches, switch: int, rate: float, jumped: int
 ) -> None:
@@ -239,6 +274,8 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
         status = arrive_at(system, switches, record, t_end)
     if status == 0 and wake(system, switches, switch, forward):
         status = arrive_at(system, switches, record, t_end)
+    if status == 0 and jumped >= 0:
+        status = rethink(system, switches, record, switch, forward, t_end)
     if status != 0:
         return outcome_of(record, status)
     if not finite(system, 0, 3 * n):

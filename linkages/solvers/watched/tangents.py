@@ -27,6 +27,9 @@ SYSTEM_WORDS, RECORD_WORDS = len(System._fields), len(Record._fields)
 # What is left of a tangent that has shrunk this far beside others is their round-off to so many
 # digits. Accelerations would keep the round-off of theirs, which fits no step: they are new then.
 MOST_LOST = 1e-8
+# A contact that closes takes directions away: what is left of a tangent there is this small beside
+# its length before, and round-off alone. Such a tangent is zero from then on.
+TAKEN = 1e-7
 
 
 @compiled
@@ -62,7 +65,7 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
     """Renormalise tangents at the first of some samples, in row 0 where there are none.
 
     Those at the other samples and in row 0 follow. Adds the logarithms of their lengths to what
-    they have grown by; returns the least length.
+    they have grown by, −∞ where a contact has taken a tangent away; returns the least length.
     """
     least = math.inf
     n, size = system.n, tangents.size
@@ -76,6 +79,7 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
     for column in range(tangents.columns):
         own = WORD * column * size
         total = 1.0
+        whole = product(n, size, at + own, at + own) if tangents.loses > 0 else 0.0
         for _ in range(1 + tangents.orthogonal):
             for before in range(column * tangents.orthogonal):
                 other = WORD * before * size
@@ -88,13 +92,22 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
                     moved[column * memories + r] -= factor * moved[before * memories + r]
             length = math.sqrt(product(n, size, at + own, at + own))
             total *= length
+            taken = tangents.loses > 0 and total <= TAKEN * max(1.0, math.sqrt(whole))
+            factor = 0.0 if taken else 1.0 / length
             for k in range(count):
-                scale(n, 2, size, 1.0 / length, first + stride * k + own)
-            scale(n, 3, size, 1.0 / length, here + own)
+                scale(n, 2, size, factor, first + stride * k + own)
+            scale(n, 3, size, factor, here + own)
             for r in range(memories):
-                moved[column * memories + r] /= length
-        grown[column] += math.log(total)
-        least = min(least, total)
+                place = column * memories + r
+                moved[place] = 0.0 if taken else moved[place] / length
+            if taken:
+                total = 0.0
+                break
+        if total > 0.0:
+            grown[column] += math.log(total)
+            least = min(least, total)
+        else:
+            grown[column] = -math.inf
     return least
 
 
@@ -116,7 +129,9 @@ def stretched(system: System, tangents: Tangents) -> bool:
                 factor = product(width, size, other, own) / square
                 subtract(width, 2, size, factor, other, own)
         length = math.sqrt(product(width, size, own, own))
-        least, longest = min(least, length), max(longest, length)
+        longest = max(longest, length)
+        if length > 0.0 or tangents.loses == 0:
+            least = min(least, length)
     rtol, atol = floats(tangents.tolerances)[0], floats(tangents.tolerances)[1]
     return least > 0.0 and max(rtol * longest, atol) > MOST_DOUBT * least
 

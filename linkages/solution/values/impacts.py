@@ -1,0 +1,70 @@
+"""What impacts of rigid contacts did to a motion: energy that they took, and where."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.forces.impacts import Unilateral
+from linkages.kernel.outputs import VARIABLES
+from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.motion import Motion, Piece
+
+Floats = NDArray[np.float64]
+
+
+def energy_of_impacts(motion: Motion) -> Floats:
+    """Energy that rigid impacts have given up to each sample, with the impulses of drives, in J."""
+    found = np.zeros(len(motion.time))
+    model = motion.pieces[0].system.model
+    (kinetic,) = VARIABLES["kinetic_energy"].evaluated(model)
+    for contact in model.walls.contacts:
+        for piece, rises in _impacts(motion, contact):
+            gained = evaluate_nodes(behind(piece, contact), [kinetic])[0]
+            gained -= evaluate_nodes(piece, [kinetic])[0]
+            found += _since(motion, piece.time[rises], gained[rises])
+    return found
+
+
+def losses_of_impacts(motion: Motion) -> Floats:
+    """Energy that impacts have lost up to each sample in J, shape (samples, rigid contacts).
+
+    What an impulse P takes is P (d'⁻ + d'⁺)/2, with the rates of the indentation before and behind
+    the impact (Kelvin); in an impact of one contact others that are closed take impulses as well.
+    """
+    walls = motion.pieces[0].system.model.walls
+    found = np.zeros((len(motion.time), len(walls.contacts)))
+    speeds = [contact.speed for contact in walls.contacts]
+    for contact in walls.contacts:
+        for piece, rises in _impacts(motion, contact):
+            impulses = evaluate_nodes(piece, contact.impulses)
+            rates = evaluate_nodes(piece, speeds) + evaluate_nodes(behind(piece, contact), speeds)
+            for place, lost in enumerate(0.5 * impulses * rates):
+                found[:, place] += _since(motion, piece.time[rises], lost[rises])
+    return found
+
+
+def behind(piece: Piece, contact: Unilateral) -> Piece:
+    """States behind impacts of a contact."""
+    state, count = piece.state.copy(), len(piece.state) // 2
+    rates = evaluate_nodes(piece, contact.rates_behind)
+    state[count : count + len(rates)] = rates
+    return replace(piece, state=state)
+
+
+def _impacts(motion: Motion, contact: Unilateral) -> list[tuple[Piece, NDArray[np.bool_]]]:
+    """States before changes of a contact, and which of these are impacts."""
+    changed = motion.changes.get(contact.touch)
+    if changed is None:
+        return []
+    parts = np.cumsum([len(piece.time) for piece in changed.pieces])[:-1]
+    return list(zip(changed.pieces, np.split(changed.rises, parts), strict=True))
+
+
+def _since(motion: Motion, times: Floats, amounts: Floats) -> Floats:
+    """Sums of what came before each sample."""
+    order = np.argsort(times, kind="stable")
+    sums = np.concatenate([[0.0], np.cumsum(amounts[order])])
+    return np.asarray(sums[np.searchsorted(times[order], motion.time, side="left")])

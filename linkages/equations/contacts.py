@@ -49,6 +49,9 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
             "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
         )
         found.append(((*contact.path, "contact"), message))
+    for path in dict.fromkeys(end.path for end in mechanism.ends):
+        why = "impacts change rates at once, by no force: there are no equations in closed form"
+        found.append(((*path, "restitution"), f"{why}; expected 'stiffness'"))
     if found:
         raise mechanism.error(found)
 

@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 MOST_RUNS = 4
 """Runs with shorter and shorter intervals."""
 
+TOUCH = ("least_touch", "least_touch_time", "least_touch_of")
+"""Attributes: smallest rate of a touch, when, and of what."""
+
 PARTS = 4
 """Intervals within a period, more if tangents come too far apart within one."""
 
@@ -70,10 +73,9 @@ def lyapunov(
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
     ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
-    and where something touches, ``least_touch`` and ``least_touch_at``: the smallest rate of a
-    touch, its time, and the name of the contact. With clearances, `contact_lost` and `least_force`
-    (clearance) as `linkages.poincare` has them, over
-    what is averaged.
+    and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
+    smallest rate of a touch, its time, and the name of the contact. With clearances, `contact_lost`
+    and `least_force` (clearance) as `linkages.poincare` has them, over what is averaged.
 
     Raises
     ------
@@ -138,7 +140,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
             "sum": total,
             "sum_error": total_error,
             "lost": exponents.lost,
-            **({} if touch is None else {"least_touch": touch[0], "least_touch_at": touch[1:]}),
+            **({} if touch is None else dict(zip(TOUCH, touch, strict=True))),
         },
     )
 

@@ -93,6 +93,11 @@ class ContactClearance(Touching):
         found += self._of_the_start()
         return tuple(((*self.path, key), message) for key, message in found)
 
+    @property
+    def deepest(self) -> float:
+        """Indentation at the start in metres; negative if pin and hole do not touch."""
+        return math.hypot(*self.offset) - self.size
+
     def _of_the_start(self) -> Iterator[tuple[str, str]]:
         apart, film = math.hypot(*self.offset), "viscosity" in self.law.needs
         if film and self.pin_radius is None:
@@ -100,7 +105,7 @@ class ContactClearance(Touching):
         if film and apart >= self.size:
             found = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
             yield "offset", f"{found}; expected less than the size, {self.size:g} m"
-        elif not film and (message := self.start_problem(apart - self.size, "the pin")):
+        elif not film and (message := self.start_problem(self.deepest, "the pin")):
             yield "offset", message
 
     @property

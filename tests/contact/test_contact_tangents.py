@@ -1,6 +1,7 @@
 """Tangents across touches and leaves, against differences of motions of their own."""
 
 import pytest
+from random_blocks import definition as block_definition
 from random_contact import ENDS, definition, kind
 from tangent_differences import check
 
@@ -22,3 +23,9 @@ def test_cases_are_what_they_say():
     assert "kelvin-voigt" in definition(RANDOM["a force that jumps"])
     assert definition(RANDOM["friction and two clearances"]).count("friction:") >= 1
     assert definition(RANDOM["free coordinates"]).count("free:") == 1
+
+
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(5, marks=pytest.mark.slow)])
+def test_blocks_in_guides(seed):
+    """On a bar, with memory, friction and two blocks; angles count as offsets over a length."""
+    check(block_definition(seed), 0.006, 2e-4)

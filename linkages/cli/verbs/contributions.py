@@ -137,15 +137,17 @@ def _ends(mechanism: Mechanism) -> Iterator[Row]:
 
 def _contacts(mechanism: Mechanism) -> Iterator[Row]:
     """What presses in clearances that open: the law, and the numbers that were given."""
-    for own in mechanism.clearances:
+    for own in mechanism.opening:
+        keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
+                "restitution": "", "damping": "N s/m", "viscosity": "Pa s", "width": "m",
+                "friction": ""}  # fmt: skip
+        given = ((key, getattr(own, key, None), unit) for key, unit in keys.items())
+        numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
         if isinstance(own, ContactClearance):
-            keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
-                    "restitution": "", "damping": "N s/m", "viscosity": "Pa s", "width": "m",
-                    "friction": ""}  # fmt: skip
-            given = ((key, getattr(own, key), unit) for key, unit in keys.items())
-            numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
             on = f"{own.bar} at {own.joint}, which has the {own.carries}"
-            yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
+        else:
+            on = f"{own.slider} in its guide"
+        yield _row("contact", ", ".join((own.contact, *numbers)), own.path, on)
 
 
 def _on(load: Load) -> str:

@@ -166,6 +166,12 @@ class Mechanism(Contributions):
         own = (c for c in self.components if isinstance(c, SimulationDefaults))
         return next(own, SimulationDefaults())
 
+    @property
+    def opening(self) -> tuple[ContactClearance | GuideClearance, ...]:
+        """Clearances whose two sides may part."""
+        kinds = ContactClearance | GuideClearance
+        return tuple(c for c in self.components if isinstance(c, kinds))
+
     def keeping(self, paths: Iterable[str]) -> Mechanism:
         """The same mechanism for which some numbers stay arguments of kernels.
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-from linkages.components.contact_clearance import ContactClearance
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.solution.remarks.forgotten_units import forgotten_units, longest
 from linkages.solution.remarks.law_ranges import law_notes
@@ -40,16 +37,13 @@ def _large_clearances(mechanism: Mechanism) -> list[str]:
 
 
 def _pressed_starts(mechanism: Mechanism) -> list[str]:
-    """Pins that start within the wall of their hole."""
-    found = []
-    for own in mechanism.clearances:
-        if isinstance(own, ContactClearance) and math.hypot(*own.offset) > own.size:
-            depth = math.hypot(*own.offset) - own.size
-            found.append(
-                f"clearance {own.name} starts pressed in by {depth:.3g} m: its offset is larger "
-                f"than its size of {own.size:g} m"
-            )
-    return found
+    """Pins and corners of blocks that start within a wall."""
+    return [
+        f"clearance {own.name} starts pressed in by {own.deepest:.3g} m: more than its size of "
+        f"{own.size:g} m lets it"
+        for own in mechanism.opening
+        if own.deepest > 0.0
+    ]
 
 
 def _capitals(mechanism: Mechanism) -> list[str]:

@@ -20,13 +20,14 @@ class Grown:
 
     Parameters
     ----------
-    state, tangents, angles, time
+    state, tangents, angles, time, furthest
         Where it started.
     """
 
     def __init__(self, system: LinkageTangents) -> None:
         self.state, self.tangents = system.state, system.tangents
         self.angles, self.time = system.angles, system.time
+        self.furthest = system.furthest
         self.parts: list[Growth] = []
         self.error: LinkagesError | None = None
 

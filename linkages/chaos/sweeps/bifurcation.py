@@ -81,7 +81,7 @@ class _Request(Question):
     @cached_property
     def fields(self) -> Mapping[str, Field]:
         """Points of the section, exponents and forces in clearances."""
-        return value_fields(self.first, self.options.periods)
+        return value_fields(self.first, self.options.periods, self.options.section)
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""

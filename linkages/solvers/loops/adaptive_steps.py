@@ -115,6 +115,7 @@ def begin_motion(context: int) -> int:
     pace[H] = first_length(system, control, pace[END] - pace[T])
     pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
     watched = hook.function != 0 or switching.look != 0 or system.counted > 0
+    watched = watched or record.observer != 0
     pace[ALWAYS] = 1.0 if watched else 0.0
     set_sample(system, record)
     return outcome

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.components.contributed.functions import Internal, Measured
 from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
@@ -86,6 +87,19 @@ class Model:
             measure: load_nodes(self, Load(measure, NOTHING, ()), place)
             for place, measure in enumerate(self.mechanism.sensed, first)
         }
+
+    @cached_property
+    def internal(self) -> list[Scalar]:
+        """Values of the internal states: rates of coordinates that mean nothing."""
+        first = len(self.topology.free)
+        return [self.inputs.rate(first + k) for k in range(len(self.topology.internal))]
+
+    def sense(self, found: Measured | Internal) -> Scalar:
+        """The value or rate of a measure that laws depend on, or the value of an internal state."""
+        if isinstance(found, Internal):
+            return self.internal[self.topology.internal.index(found.name)]
+        assert found.measure is not None
+        return self.sensed[found.measure].measured(found.order)
 
     @cached_property
     def contacts(self) -> list[ContactNodes]:
@@ -193,13 +207,13 @@ class Model:
         speeds = [self.velocities.turning(name) for name in names]
         return [*(unit.x for unit in units), *(unit.y for unit in units), *speeds]
 
-    def integrated_accelerations(self, free: list[Scalar]) -> list[Scalar]:
-        """Second derivatives of all integrated coordinates, given those of the free ones."""
+    def integrated_accelerations(self, changes: list[Scalar]) -> list[Scalar]:
+        """Second derivatives of all integrated coordinates, given `changes`."""
         if not self.topology.carried:
-            return free
-        known = dict(zip(self.topology.free, free, strict=True))
+            return changes
+        known = dict(zip(self.topology.free, changes, strict=False))
         bodies = self._accelerations(known).bodies
-        return [*free, *(bodies[name] for name in self.topology.carried)]
+        return [*changes, *(bodies[name] for name in self.topology.carried)]
 
     @cached_property
     def partials(self) -> list[Rates]:
@@ -222,18 +236,24 @@ class Model:
         forces = [-self._required(self.bias, partial, given) for partial in self.partials]
         return solve_symmetric(self.mass_matrix, forces)
 
-    @cached_property
-    @section("accelerations of the free coordinates")
+    @property
     def free_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
+        return self.changes[: len(self.topology.free)]
+
+    @cached_property
+    @section("accelerations of the free coordinates")
+    def changes(self) -> list[Scalar]:
+        """Second derivatives of the free coordinates, then the rates of internal states."""
         matrix = self.mass_matrix
         with self.switches.collecting():
             forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+            rates = [rate for load in self.loads for rate in load.internal_rates]
         solution = solve_symmetric(matrix, forces)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"
-        return self.switches.sticking(solution)
+        return self.switches.sticking([*solution, *rates])
 
     @cached_property
     def power(self) -> Scalar:

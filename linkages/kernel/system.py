@@ -106,6 +106,13 @@ class System:
         """The same with other whole turns: in the state, and of torsional springs."""
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
 
+    def with_internal(self, values: Mapping[str, float]) -> System:
+        """The same with values of internal states by their names; those it does not have are left."""
+        state, coordinates = self.state.copy(), self.topology.coordinates
+        for name in values.keys() & set(self.topology.internal):
+            state[len(coordinates) + coordinates.index(name)] = values[name]
+        return self._with(state=state)
+
     def bound(
         self,
         mechanism: Mechanism,
@@ -169,9 +176,10 @@ class System:
     def _given(self) -> Floats:
         """Free coordinates and their rates as they are given; zero for those carried along."""
         initial = [self.mechanism.initial[name] for name in self.topology.free]
+        internal = [state.initial for state in self.mechanism.internal.values()]
         carried = [0.0] * len(self.topology.carried)
         positions, speeds = [i.position for i in initial], [i.speed for i in initial]
-        return np.array([*positions, *carried, *speeds, *carried])
+        return np.array([*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried])
 
     def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""
@@ -205,7 +213,7 @@ class System:
         """
         if self.held is not None:
             return self.held.copy()
-        accelerations = self.model.integrated_accelerations(self.model.free_accelerations)
+        accelerations = self.model.integrated_accelerations(self.model.changes)
         switches = self.model.switches
         held = self._signed(self._inputs(np.array([self.time]), self.state[:, None]))[:, 0]
         values = self.evaluate(switches.functions, held=held[:, None])[:, 0]

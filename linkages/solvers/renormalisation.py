@@ -18,6 +18,9 @@ class Renormalisation:
     ----------
     size, columns
         The last ``columns·size`` coordinates are those of tangents, one after the other.
+    placed
+        Of those of a tangent the first ones are lengths themselves; only the rates of the others
+        are.
     every
         They are renormalised at every sample whose number is a multiple of this.
     offset
@@ -28,6 +31,7 @@ class Renormalisation:
 
     size: int
     columns: int
+    placed: int
     every: int = 1
     offset: int = 0
     orthogonal: bool = True
@@ -42,13 +46,13 @@ class Renormalisation:
         Parameters
         ----------
         samples
-            Tangents at the next samples, shape (samples, 2·size, columns).
+            Tangents at the next samples, shape (samples, size + placed, columns).
         seen
             How many samples came before them.
 
         Returns
         -------
-        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, 2·size,
+        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, size + placed,
         columns), and what later tangents are to be multiplied by, shape (columns, columns).
         """
         lengths, found, factor = [], [], np.eye(self.columns)

@@ -198,6 +198,8 @@ PositiveStiffness = Annotated[float, Quantity(dimensions.STIFFNESS, Bound.POSITI
 PositiveTorsionalStiffness = Annotated[
     float, Quantity(dimensions.TORSIONAL_STIFFNESS, Bound.POSITIVE)
 ]
+PositiveDamping = Annotated[float, Quantity(dimensions.DAMPING, Bound.POSITIVE)]
+PositiveTorsionalDamping = Annotated[float, Quantity(dimensions.TORSIONAL_DAMPING, Bound.POSITIVE)]
 PositivePressure = Annotated[float, Quantity(dimensions.PRESSURE, Bound.POSITIVE)]
 PositiveVolume = Annotated[float, Quantity(dimensions.VOLUME, Bound.POSITIVE)]
 Voltage = Annotated[float, Quantity(dimensions.VOLTAGE)]

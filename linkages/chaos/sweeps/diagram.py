@@ -77,10 +77,14 @@ def diagram(
     values: list[Value | None] = [None if o is None else o.value for o in found]
     names = free_names(system)
     variables: dict[str, Any] = {}
-    for dim, elements in names.items():
-        for output in PAIRS[dim]:
-            entry = VARIABLES[output]
-            attrs = {"units": entry.units, "long_name": entry.long_name}
+    outputs = [(dim, output) for dim in names for output in PAIRS[dim]]
+    if system.topology.internal:
+        names["internal"] = list(system.topology.internal)
+        outputs.append(("internal", "internal_state"))
+    for dim, output in outputs:
+            elements = names[dim]
+            units, long_name = VARIABLES[output].described(system.model)
+            attrs = {"units": units, "long_name": long_name}
             rows = _padded(values, output, points, len(elements))
             dims = ("start", "value", "crossing", dim)
             variables[output] = (dims, rows.reshape(*shape, points, -1), attrs)

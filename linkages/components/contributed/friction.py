@@ -50,8 +50,9 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    called = term.called if isinstance(term, JointFriction) else ""
-    return Load(Turn(second, against), term.law, term.path, called=called)
+    joint = isinstance(term, JointFriction)
+    called, states = (term.called, term.states) if joint else ("", ())
+    return Load(Turn(second, against), term.law, term.path, called=called, states=states)
 
 
 def ambiguity(

@@ -78,6 +78,13 @@ X, V, FIRST = Measured(0), Measured(1), Measured(2)
 
 
 @dataclass(frozen=True)
+class Internal(Arithmetic):
+    """The value of an internal state of the mechanism, by its name."""
+
+    name: str
+
+
+@dataclass(frozen=True)
 class Operation(Arithmetic):
     """An elementary operation.
 
@@ -154,7 +161,7 @@ class Table(Arithmetic):
         return Table(path, places, none, self.periodic, "corners", over=self.over)
 
 
-Function: TypeAlias = Number | Time | Measured | Operation | Table
+Function: TypeAlias = Number | Time | Measured | Internal | Operation | Table
 
 
 def constant(value: float) -> Number:

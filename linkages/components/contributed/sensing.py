@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import assert_never
 
 from linkages.components.contributed.functions import (
     Function,
+    Internal,
     Measured,
     Number,
     Operation,
@@ -18,7 +18,6 @@ from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
     Distance,
-    Load,
     Measure,
     Slide,
     Turn,
@@ -55,8 +54,8 @@ def _measure(word: str, names: tuple[str, ...]) -> Measure:
     raise ValueError(f"no quantity {word!r}")
 
 
-def with_sliders(load: Load, sliders: Collection[str]) -> Load:
-    """The same load where the speeds of sliders are those along their axes."""
+def with_sliders(function: Function, sliders: Collection[str]) -> Function:
+    """The same function where the speeds of sliders are those along their axes."""
 
     def slid(found: Measured) -> Measured:
         match found.measure:
@@ -64,9 +63,9 @@ def with_sliders(load: Load, sliders: Collection[str]) -> Load:
                 return Measured(found.order, Slide(body))
         return found
 
-    if any(slid(found) != found for found in measured_in(load.law)):
-        return replace(load, law=exchanged(load.law, slid))
-    return load
+    if any(slid(found) != found for found in measured_in(function)):
+        return exchanged(function, slid)
+    return function
 
 
 def words(measure: Measure, order: int) -> str:
@@ -118,6 +117,8 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
             return "t", ATOM
         case Measured(order, measure):
             return words(own if measure is None else measure, order), ATOM
+        case Internal(name):
+            return name, ATOM
         case Table():
             return f"table({_written(function.over, own)[0]})", ATOM
         case Operation("where", (difference, *_)):

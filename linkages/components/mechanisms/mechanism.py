@@ -15,6 +15,7 @@ from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
+from linkages.components.contributed.internal import InternalState
 from linkages.components.contributed.listed import numbered
 from linkages.components.contributed.measures import Friction, Load, Measure
 from linkages.components.contributed.sensing import with_sliders
@@ -259,7 +260,12 @@ class Mechanism:
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
-        return tuple(with_sliders(load, sliders) for load in found)
+        return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in found)
+
+    @cached_property
+    def internal(self) -> dict[str, InternalState]:
+        """Internal states of loads by name."""
+        return {state.name: state for load in self.loads for state in load.states}
 
     @cached_property
     def sensed(self) -> tuple[Measure, ...]:

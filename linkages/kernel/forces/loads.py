@@ -5,10 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function, Measured, Operation
+from linkages.components.contributed.functions import Function, Internal, Measured, Operation
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
-from linkages.components.contributed.state_laws import everywhere, measured_in, rated
+from linkages.components.contributed.state_laws import everywhere, internal, measured_in, rated
+from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
@@ -113,10 +114,11 @@ class LoadNodes(Acting):
         stick = isinstance(part, Operation) and part.name == "stick"
         return self.model.switches.add(name, node, stick=stick)
 
-    def sensed(self, found: Measured) -> Scalar:
-        """The value or rate of a measure: its own, or another one."""
-        nodes = self if found.measure is None else self.model.sensed[found.measure]
-        return nodes.measured(found.order)
+    def sensed(self, found: Measured | Internal) -> Scalar:
+        """The value or rate of a measure, its own or another one, or an internal state."""
+        if isinstance(found, Measured) and found.measure is None:
+            return self.measured(found.order)
+        return self.model.sense(found)
 
     def measured(self, order: int) -> Scalar:
         """The displacement, or its actual rate."""
@@ -127,6 +129,11 @@ class LoadNodes(Acting):
 
     def _components(self, law: Function) -> list[Scalar]:
         return [self.value(law)]
+
+    @property
+    def internal_rates(self) -> list[Scalar]:
+        """Rates of its internal states."""
+        return [self.value(state.rate) for state in self.load.states]
 
     @property
     def changing(self) -> bool:
@@ -180,4 +187,11 @@ class LoadNodes(Acting):
     @property
     def working(self) -> Scalar:
         """Power of what it does not store, at the actual velocities."""
-        return self._power(self.load.working, self.model.velocities)
+        power = self._power(self.load.working, self.model.velocities)
+        if not internal(self.load.energy):
+            return power
+        rates = self.model.changes[len(self.model.topology.free) :]
+        pairs = zip(self.model.internal, rates, strict=True)
+        direction = {value.index: rate for value, rate in pairs}
+        ((storing,),) = derivative_along([self.potential], [direction])
+        return power + storing

@@ -48,6 +48,9 @@ CLOSER = 0.25
 PASSAGE_RTOL = 1e-10
 """Errors below this cannot be told from round-off in a step through a change point."""
 
+ANYTHING = 1e300
+"""Absolute tolerance of what means nothing."""
+
 TANGENT_ATOL = 1e-6
 """Absolute tolerance of tangents that are only asked how they grow: they are of length one when
 they start."""
@@ -104,7 +107,7 @@ class March:
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
-        self._enter(system, {}, np.eye(2 * len(system.topology.free))[:, :tangents], {})
+        self._enter(system, {}, np.eye(system.layout.directions)[:, :tangents], {})
 
     def _enter(
         self,
@@ -148,7 +151,7 @@ class March:
 
     @property
     def tangents(self) -> Floats:
-        """Of free coordinates and rates of `system`, shape (2n, k)."""
+        """Of free coordinates, rates and internal states of `system`, shape (x, k)."""
         return self._vector[self.layout.tangent_rows]
 
     @tangents.setter
@@ -165,7 +168,7 @@ class March:
         self._held = self.layout.holding(values)
 
     def tangents_of(self, free: tuple[str, ...]) -> Floats:
-        """The same in other free coordinates and their rates, shape (2n, k)."""
+        """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
         into = tangent_map(self.system, free, self.time, self.state, self.flipped)
@@ -208,10 +211,13 @@ class March:
         if given is None and mechanism.contacts:
             length = min(contact.size.value for contact in mechanism.contacts)
             turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
-            names = self.layout.coordinates
-            scales = [turned if mechanism.bodies[name].rotates else length for name in names]
+            bodies = mechanism.bodies
+            sizes = {name: turned if bodies[name].rotates else length for name in bodies}
+            scales = [sizes.get(name, 1.0) for name in self.layout.coordinates]
             found[self.layout.motion_rows] *= [*scales, *scales]
+        found[self.layout.internal_rows] *= [s.scale for s in mechanism.internal.values()]
         found[self.layout.tangent_rows] = self._tangent_atol
+        found[self.layout.idle_rows] = ANYTHING
         return found
 
     @property
@@ -417,7 +423,7 @@ class March:
         bodies = self.system.mechanism.bodies
         angles = self._vector[: len(self._turns)] + 2 * np.pi * self._turns
         own = zip(self.layout.coordinates, angles.tolist(), strict=True)
-        turning = {name: angle for name, angle in own if bodies[name].rotates}
+        turning = {name: angle for name, angle in own if name in bodies and bodies[name].rotates}
         return {**turning, **dict(zip(self.layout.counted, self._angles.tolist(), strict=True))}
 
     def _progress(self, watch: Watch | None) -> Watch | None:

@@ -32,7 +32,8 @@ class Renormalised:
     def plan(self, layout: Layout) -> Renormalisation:
         """What the next integration is to do with its tangents."""
         return Renormalisation(
-            size=len(layout.free),
+            size=layout.moved,
+            placed=len(layout.free),
             columns=layout.tangents,
             every=self._every,
             offset=self._seen % self._every,
@@ -54,7 +55,7 @@ class Renormalised:
         layout
             Where the tangents are.
         samples
-            Tangents at the samples of that part, shape (samples, 2n, k).
+            Tangents at the samples of that part, shape (samples, x, k).
 
         Returns
         -------
@@ -73,5 +74,5 @@ class Renormalised:
 
     @property
     def tangents(self) -> Floats:
-        """Tangents after that, shape (times, 2n, k), in the coordinates they were integrated in."""
+        """Tangents after that, shape (times, x, k), in the coordinates they were integrated in."""
         return np.concatenate(self._tangents)

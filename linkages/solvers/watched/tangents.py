@@ -27,12 +27,17 @@ MOST_LOST = 1e-8
 
 
 @compiled
-def product(n: int, size: int, one: int, other: int) -> float:
-    """Scalar product of two tangents at their addresses: places, then n words on their rates."""
+def product(n: int, size: int, placed: int, one: int, other: int) -> float:
+    """Scalar product of two tangents at their addresses: places, then n words on their rates.
+
+    Places behind the first `placed` ones mean nothing.
+    """
     a, b = floats(one), floats(other)
     total = 0.0
-    for i in range(size):
+    for i in range(placed):
         total += a[i] * b[i] + a[n + i] * b[n + i]
+    for i in range(placed, size):
+        total += a[n + i] * b[n + i]
     return total
 
 
@@ -61,7 +66,7 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
     Writes the logarithms of their lengths into a row of the record; returns the least length.
     """
     least = math.inf
-    n, size = system.n, tangents.size
+    n, size, placed = system.n, tangents.size, tangents.placed
     begin = WORD * (n - tangents.columns * size)
     state = record.state + WORD * sample * 2 * n + begin
     here, lengths = system.rows + begin, floats(tangents.lengths)
@@ -74,7 +79,7 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
         for _ in range(1 + tangents.orthogonal):
             for before in range(column * tangents.orthogonal):
                 other = WORD * before * size
-                factor = product(n, size, state + other, state + own)
+                factor = product(n, size, placed, state + other, state + own)
                 subtract(n, 2, size, factor, state + other, state + own)
                 for k in range(1, samples - sample):
                     later = state + WORD * k * 2 * n
@@ -82,7 +87,7 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
                 subtract(n, 3, size, factor, here + other, here + own)
                 for r in range(memories):
                     moved[column * memories + r] -= factor * moved[before * memories + r]
-            length = math.sqrt(product(n, size, state + own, state + own))
+            length = math.sqrt(product(n, size, placed, state + own, state + own))
             total *= length
             scale(n, 2, size, 1.0 / length, state + own)
             for k in range(1, samples - sample):

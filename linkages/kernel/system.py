@@ -107,7 +107,7 @@ class System:
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
 
     def with_internal(self, values: Mapping[str, float]) -> System:
-        """The same with values of internal states by their names; those it does not have are left."""
+        """The same with values of internal states by their names; others are left out."""
         state, coordinates = self.state.copy(), self.topology.coordinates
         for name in values.keys() & set(self.topology.internal):
             state[len(coordinates) + coordinates.index(name)] = values[name]
@@ -179,7 +179,9 @@ class System:
         internal = [state.initial for state in self.mechanism.internal.values()]
         carried = [0.0] * len(self.topology.carried)
         positions, speeds = [i.position for i in initial], [i.speed for i in initial]
-        return np.array([*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried])
+        return np.array(
+            [*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried]
+        )
 
     def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""

@@ -1,4 +1,4 @@
-"""Internal states: currents, forces in series, integrals of controllers, deflections of bristles."""
+"""Internal states of loads: currents, deflections, integrals, and their rates."""
 
 from __future__ import annotations
 

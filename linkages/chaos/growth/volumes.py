@@ -123,7 +123,8 @@ class Volumes:
         """Rates in 1/s at which volumes of internal states shrink, shape (times,)."""
         model = self._model
         rates = model.changes[self._size :]
-        slopes = [derivative([rate], [z])[0][0] for rate, z in zip(rates, model.internal, strict=True)]
+        pairs = zip(rates, model.internal, strict=True)
+        slopes = [derivative([rate], [value])[0][0] for rate, value in pairs]
         return -self._values(slopes, piece).sum(axis=0)
 
     def uniform(self, damping: Floats) -> float | None:

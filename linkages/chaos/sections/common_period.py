@@ -16,7 +16,7 @@ from linkages.components.contributed.functions import (
     Table,
     Time,
 )
-from linkages.components.contributed.measures import Load, Slide, Turn
+from linkages.components.contributed.measures import Slide, Turn
 from linkages.components.contributed.state_laws import (
     exchanged,
     time_functions,

@@ -82,12 +82,12 @@ def diagram(
         names["internal"] = list(system.topology.internal)
         outputs.append(("internal", "internal_state"))
     for dim, output in outputs:
-            elements = names[dim]
-            units, long_name = VARIABLES[output].described(system.model)
-            attrs = {"units": units, "long_name": long_name}
-            rows = _padded(values, output, points, len(elements))
-            dims = ("start", "value", "crossing", dim)
-            variables[output] = (dims, rows.reshape(*shape, points, -1), attrs)
+        elements = names[dim]
+        units, long_name = VARIABLES[output].described(system.model)
+        attrs = {"units": units, "long_name": long_name}
+        rows = _padded(values, output, points, len(elements))
+        dims = ("start", "value", "crossing", dim)
+        variables[output] = (dims, rows.reshape(*shape, points, -1), attrs)
     if exponent:
         pairs = [NOTHING if value is None else value.exponent for value in values]
         words = {"exponent": "largest Lyapunov exponent", "error": "its standard error"}

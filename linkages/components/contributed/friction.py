@@ -50,8 +50,7 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    joint = isinstance(term, JointFriction)
-    called, states = (term.called, term.states) if joint else ("", ())
+    called, states = ("", ()) if isinstance(term, ClearanceFriction) else (term.called, term.states)
     return Load(Turn(second, against), term.law, term.path, called=called, states=states)
 
 

@@ -216,12 +216,12 @@ class Load:
 
     @property
     def elastic(self) -> bool:
-        """Whether the force depends on the value of the measure, or on what internal states store."""
+        """Whether it depends on the value of the measure, or internal states store energy."""
         return X in leaves(self.force) or internal(self.energy)
 
     @property
     def dissipates(self) -> bool:
-        """Whether the force depends on a rate or an internal state: it may shrink sets of states."""
+        """Whether it depends on a rate or an internal state; sets of states may shrink then."""
         return rated(self.force) or internal(self.force)
 
     @cached_property

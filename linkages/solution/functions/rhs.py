@@ -179,7 +179,8 @@ class Equations:
         time, rows, single = self._rows(times, states)
         found = self._evaluated(self._flow, self._flow.written, time, rows, held)
         n = self._flow.coordinates
-        result = np.concatenate([rows[:, n:], found[:, :n]], axis=1)[:, self.system.layout.state_rows]
+        changes = np.concatenate([rows[:, n:], found[:, :n]], axis=1)
+        result = changes[:, self.system.layout.state_rows]
         return result[0] if single else np.ascontiguousarray(result.T)
 
     def jacobian(self, t: float, y: ArrayLike, held: Mapping[str, float] | None = None) -> Floats:

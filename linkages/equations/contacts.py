@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from linkages.components.contributed.contacts import Contact, NormalForce, RigidContact
-from linkages.components.contributed.functions import FIRST, Measured
+from linkages.components.contributed.functions import FIRST, Internal, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
@@ -72,9 +72,14 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     return ContactForces(tuple(definitions), {q: force for q, force in total.items() if force != 0})
 
 
-def _picked(*values: sp.Expr) -> Callable[[Measured], sp.Expr]:
+def _picked(*values: sp.Expr) -> Callable[[Measured | Internal], sp.Expr]:
     """What laws are measured by, by its order."""
-    return lambda found: values[found.order]
+
+    def value(found: Measured | Internal) -> sp.Expr:
+        assert isinstance(found, Measured)
+        return values[found.order]
+
+    return value
 
 
 class _Contact:

@@ -85,7 +85,10 @@ def _functions(equations: Equations) -> list[str]:
     states = list(equations.internal)
     inner = {"z": states} if states else {}
     acting: Mapping[str, Sequence[sp.Symbol]] = {
-        **{"t": (), "q": q, "dq": dq, "efforts": efforts},
+        "t": (),
+        "q": q,
+        "dq": dq,
+        "efforts": efforts,
         **inner,
     }
     write = FunctionWriter(equations)

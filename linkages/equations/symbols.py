@@ -41,6 +41,7 @@ _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("motors", "torque_constant"): ("k",),
     ("motors", "resistance"): ("R",),
     ("motors", "voltage"): ("U",),
+    ("motors", "inductance"): ("L",),
     ("cylinders", "bore"): ("D",),
     ("cylinders", "rod"): ("D", "rod"),
     ("cylinders", "pressure"): ("p",),

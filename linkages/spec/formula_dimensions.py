@@ -137,6 +137,13 @@ def _raised(found: Powers | None, exponent: Fraction) -> Powers | None:
     return None if found is None else {base: power * exponent for base, power in found.items()}
 
 
+def product(first: Powers, *others: tuple[Powers, int]) -> Powers:
+    """A dimension times whole powers of others."""
+    for other, exponent in others:
+        first = _times(first, _raised(other, Fraction(exponent)) or PURE)
+    return first
+
+
 def _times(first: Powers, second: Powers) -> Powers:
     total = {base: first.get(base, Fraction(0)) + second.get(base, Fraction(0))
              for base in dict.fromkeys((*first, *second))}  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from linkages.components.contributed.measures import (
     ClearanceFriction,
@@ -50,8 +51,10 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    called, states = ("", ()) if isinstance(term, ClearanceFriction) else (term.called, term.states)
-    return Load(Turn(second, against), term.law, term.path, called=called, states=states)
+    load = Load(Turn(second, against), term.law, term.path)
+    if isinstance(term, ClearanceFriction):
+        return load
+    return replace(load, called=term.called, stores=term.stores, states=term.states)
 
 
 def ambiguity(

@@ -279,6 +279,7 @@ class JointFriction:
     law: Function
     path: Path
     called: str = ""
+    stores: Function | None = None
     states: tuple[InternalState, ...] = ()
 
 

@@ -34,8 +34,15 @@ def formula_findings(components: Collection[Component], declared: Declared) -> I
     """What is wrong with the formulas of components; each is reported once."""
     for component in components:
         model: Any = type(component)
+        sound = True
         for key, value in (written_fields(component) or {}).items():
-            yield from _inside(value, (*component.path, key), fields(model)[key], declared)
+            found = list(_inside(value, (*component.path, key), fields(model)[key], declared))
+            sound = sound and not found
+            yield from found
+        if sound:
+            yield from component.measuring(
+                lambda formula: measured(formula, lambda node: _unit(node, declared))
+            )
 
 
 def formulas_in(value: Any) -> Iterator[Formula]:

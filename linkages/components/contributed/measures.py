@@ -192,7 +192,7 @@ class Load:
     @property
     def passive(self) -> bool:
         """Whether outputs list it with springs and dampers."""
-        return self.stores is not None or not (self.given or self.applied)
+        return not self.applied and (self.stores is not None or not self.given)
 
     @property
     def pushes(self) -> bool:

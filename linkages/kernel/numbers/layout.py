@@ -170,7 +170,9 @@ class Layout:
 
     def motion(self, vectors: Floats) -> Floats:
         """Coordinates and their rates without work and tangents, shape (2m, …)."""
-        return np.asarray(vectors[self.motion_rows])
+        found = np.asarray(vectors[self.motion_rows])
+        found[len(self.free) : self.moved] = 0.0  # integrals of internal states
+        return found
 
     def moving(self, states: Floats) -> Floats:
         """Motions from states as they are outside of the integration, shape (2m, …)."""

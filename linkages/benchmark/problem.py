@@ -17,7 +17,7 @@ from linkages.solution.moving.plan import build_flow
 from linkages.solution.remarks.stops import failure_text
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate
-from linkages.solvers.steps.compiled import call_clock, call_rates, entry
+from linkages.solvers.steps.loaded import EVALUATE_STATE, REPEAT
 
 REFERENCE = "gauss8"
 
@@ -91,40 +91,28 @@ class Problem:
         return float(np.abs(coordinates - self.exact).max())
 
 
-@entry
-def evaluate(
-    clock: int, rates: int, t: float, state: int, parameters: int, timed: int, out: int
-) -> int:
-    """Time-dependent part, then state-dependent part; all arrays are addresses."""
-    status = call_clock(clock, t, parameters, timed)
-    if status != 0:
-        return status
-    return call_rates(rates, state, parameters, timed, out)
-
-
-@entry
-def repeat(
-    clock: int, rates: int, state: int, parameters: int, timed: int, out: int, count: int
-) -> int:
-    """Evaluate many times at times 1 µs apart."""
-    status = 0
-    for i in range(count):
-        status |= call_clock(clock, 1e-6 * i, parameters, timed)
-        status |= call_rates(rates, state, parameters, timed, out)
-    return status
-
-
 class _Arrays:
-    """Memory for the right-hand side of a flow."""
+    """Memory for the right-hand side of a flow: time, state, what is written, in one array."""
 
     def __init__(self, flow: Flow) -> None:
-        self.state = np.zeros(2 * flow.coordinates)
-        self.timed = np.zeros(max(1, flow.timed_size))
-        self.out = np.zeros(flow.written)
-        self.parameters = flow.parameters
-        self.addresses = [
-            array.ctypes.data for array in (self.state, self.parameters, self.timed, self.out)
-        ]
+        size, written = 2 * flow.coordinates, flow.written
+        self._work = np.zeros(1 + size + written + max(1, flow.timed_size))
+        self.time, self.state, self.out, self._timed = np.split(
+            self._work, [1, 1 + size, 1 + size + written]
+        )
+        self._parameters = flow.parameters
+        numbers = flow.parameters.ctypes.data
+        self._kernel = np.array([flow.clock, flow.rates, numbers, size, written])
+        self._addresses = self._kernel.ctypes.data, self._work.ctypes.data
+
+    def evaluate(self) -> int:
+        """Evaluate at a time and a state; returns the status."""
+        return EVALUATE_STATE.function(*self._addresses)
+
+    def repeat(self, count: int) -> None:
+        """Evaluate at the state and many times."""
+        used = (self.state, self._parameters, self._timed, self.out)
+        REPEAT(*self._kernel[:2].tolist(), *(array.ctypes.data for array in used), count)
 
 
 def derivative(flow: Flow) -> Callable[[float, NDArray[np.float64]], NDArray[np.float64]]:
@@ -133,8 +121,8 @@ def derivative(flow: Flow) -> Callable[[float, NDArray[np.float64]], NDArray[np.
     arrays, count = _Arrays(flow), flow.coordinates
 
     def right_hand_side(t: float, y: NDArray[np.float64]) -> NDArray[np.float64]:
-        arrays.state[:] = y
-        if evaluate(flow.clock, flow.rates, t, *arrays.addresses) != 0:
+        arrays.time[0], arrays.state[:] = t, y
+        if arrays.evaluate() != 0:
             return np.full(2 * count, np.nan)
         return np.concatenate([arrays.state[count:], arrays.out[:count]])
 
@@ -148,6 +136,6 @@ def seconds_per_evaluation(flow: Flow, state: NDArray[np.float64], repeats: int 
     times = []
     for _ in range(repeats):
         begin = time.perf_counter()
-        repeat(flow.clock, flow.rates, *arrays.addresses, count)
+        arrays.repeat(count)
         times.append((time.perf_counter() - begin) / count)
     return float(np.median(times))

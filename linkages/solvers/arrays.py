@@ -9,6 +9,7 @@ from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
+from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     KEEP,
     NODE,
@@ -20,6 +21,8 @@ from linkages.solvers.steps.views import (
     Table,
     Tangents,
 )
+
+WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
 
 
 class Memory:
@@ -161,9 +164,6 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     )
     if job.tangents is None:
         return found
-    # Compiled by the first run that has tangents.
-    from linkages.solvers.watched.tangents import watch_tangents
-
     own = job.flow.switching
     tangents = Tangents(
         size=job.tangents.size,
@@ -178,4 +178,4 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )
     context = memory.integers([*system, *found, *tangents])
-    return found._replace(observer=watch_tangents.address, observed=context)
+    return found._replace(observer=WATCH_TANGENTS.address, observed=context)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow
 
 CAPACITY = 10_000
@@ -42,6 +43,19 @@ class Changes:
     turns: NDArray[np.int64]
     held: NDArray[np.float64]
     count: NDArray[np.int64]
+
+    def of(self, number: int, angles: int) -> tuple[Crossings, NDArray[np.bool_]]:
+        """The changes of one switch, and which of them rise; without its `angles` angles."""
+        here = self.which == number
+        found = Crossings(
+            time=self.time[here],
+            state=self.state[here],
+            turns=self.turns[here],
+            angles=np.zeros((int(here.sum()), angles)),
+            held=self.held[here],
+            count=int(self.count[number]),
+        )
+        return found, self.rises[here]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
 from linkages.solvers.job import Job
+from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     WORD,
     Events,
@@ -18,6 +19,11 @@ from linkages.solvers.steps.views import (
     System,
     Table,
 )
+
+WATCH_STEP = Loaded("linkages.solvers.watched.crossings", "watch_step")
+LOOK = Loaded("linkages.solvers.watched.switches", "look")
+GUESS = Loaded("linkages.solvers.watched.switches", "guess")
+CHANGE = Loaded("linkages.solvers.loops.transitions", "change")
 
 
 def events(memory: Memory, job: Job) -> Events | None:
@@ -50,11 +56,8 @@ def hook(
     """What watches the steps of a job for its events; nothing where it has none."""
     if found is None:
         return Hook(0, 0)
-    # Compiled by the first run that has events.
-    from linkages.solvers.watched.crossings import watch_step
-
     context = memory.integers([*system, *table, *record, *found])
-    return Hook(watch_step.address, context)
+    return Hook(WATCH_STEP.address, context)
 
 
 def _function(memory: Memory, job: Job, function: Companion | None) -> list[int]:
@@ -82,10 +85,6 @@ def switching(
     own = job.flow.switching
     if own is None:
         return Switching(0, 0, 0, 0, 0, 0)
-    # Compiled by the first run that has modes.
-    from linkages.solvers.loops.transitions import change
-    from linkages.solvers.watched.switches import guess, look
-
     changes, n = job.changes, job.flow.coordinates
     # those around the middle and both quarters of a step
     compared = sorted({1 + int(np.argmin(np.abs(nodes[1:-1] - at))) for at in (0.25, 0.5, 0.75)})
@@ -127,5 +126,5 @@ def switching(
     context = memory.integers([*system, *table, *record, *switches])
     first_steps = memory.floats(np.zeros(2 * len(own.names)))
     return Switching(
-        look.address, guess.address, change.address, context, switches.kind, first_steps
+        LOOK.address, GUESS.address, CHANGE.address, context, switches.kind, first_steps
     )

@@ -59,6 +59,8 @@ def parse_quantity(
             raise refused()
         if not math.isfinite(number):
             raise NumberError("not a finite number")
+        if abs(number) > dimension.largest:
+            raise NumberError(f"beyond {dimension.largest:g} rad its direction is lost in rounding")
     except OverflowError:
         raise refused(": too large for a number") from None
     except (NumberError, UnitError) as fault:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
 
 
@@ -21,12 +22,15 @@ class Dimension:
     accepts
         Further unit texts of the same scale that mean this dimension too: SI counts the radian
         in torsional stiffness and damping as one, and it is often left out.
+    largest
+        Magnitude of the largest one that means something.
     """
 
     name: str
     unit: str = ""
     spoken: str = ""
     accepts: tuple[str, ...] = ()
+    largest: float = math.inf
 
     @property
     def article(self) -> str:
@@ -55,7 +59,7 @@ class Bound(enum.Enum):
 
 NUMBER = Dimension("number")
 LENGTH = Dimension("length", "m", "metres")
-ANGLE = Dimension("angle", "rad", "radians")
+ANGLE = Dimension("angle", "rad", "radians", largest=1e8)
 ANGULAR_SPEED = Dimension("angular speed", "rad/s", "radians per second")
 SPEED = Dimension("speed", "m/s", "metres per second")
 MASS = Dimension("mass", "kg", "kilograms")

@@ -52,7 +52,10 @@ def test_against_equations_by_hand():
     times = np.linspace(0, 1, 5)
     batch = rhs.batch(times, states)
     assert (
-        pytest.approx(np.array([by_hand(*a) for a in zip(times, states.T)]), rel=1e-13) == batch.T
+        pytest.approx(
+            np.array([by_hand(*a) for a in zip(times, states.T, strict=False)]), rel=1e-13
+        )
+        == batch.T
     )
     own = solve_ivp(by_hand, (0, 3), rhs.state, rtol=1e-12, atol=1e-13, method="DOP853")
     given = solve_ivp(

@@ -128,6 +128,7 @@ def test_what_is_no_length(value, message):
         ("5 deg", d.NUMBER, "this number has no unit"),
         ("5 percent", d.ANGLE, "percent is not a unit of angle"),
         ("2pi", d.ANGLE, "write the product as *pi"),
+        ("-90*1e30 deg", d.ANGLE, "beyond 1e+08 rad its direction is lost in rounding"),
         ("5 milimeter", d.LENGTH, "unknown unit 'milimeter'; did you mean 'millimeter'?"),
         ("5 Nm", d.TORQUE, "did you mean 'N*m'?"),
         ("5 N", d.TORQUE, "N is a force, not a torque"),

@@ -16,9 +16,10 @@ from linkages.errors import ComputationError, Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import DEFAULTS, RunOptions
 from linkages.solution.moving.free_coordinates import free_vectors
-from linkages.solution.moving.march import TANGENT_ATOL, March
+from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.renormalising import Renormalised
+from linkages.solution.moving.tolerances import TANGENT_ATOL
 
 Floats = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from ctypes import CFUNCTYPE, c_int64, c_void_p
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -87,4 +86,4 @@ def bind_kernel(program: Program | Printed, parameters: np.ndarray) -> CompiledK
 def _loaded(assembly: str) -> tuple[MachineCode, Callable[[int], int]]:
     """The machine code of a text, which is found without hashing it again, and its ``prepare``."""
     code = MachineCode(assembly)
-    return code, CFUNCTYPE(c_int64, c_void_p)(code.address("prepare"))
+    return code, code.function("prepare")

@@ -9,6 +9,7 @@ import logging
 import os
 import re
 import time
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -16,10 +17,23 @@ from linkages.kernel.code.cache import digest_of, kept
 
 LOGGER = logging.getLogger(__name__)
 
+_FORMAT = "2"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
-_DEFINED = re.compile(r"^define i64 @(\w+)\(", re.MULTILINE)
+_DEFINED = re.compile(r"^define (i64|double) @(\w+)\((.*)\) {$", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
-_NEEDED = ("fma", "floor", "rint", "fmod")  # by intrinsics where the processor has no instruction
+_NEEDED = ("fma", "floor", "rint", "fmod", "pow", "memset", "memcpy", "memmove")
+"""By intrinsics, where the processor has no instruction for them."""
+_TYPES: dict[str, Any] = {
+    "i64": ctypes.c_int64,
+    "double": ctypes.c_double,
+    "ptr": ctypes.c_void_p,
+}
+
+_MEMORY: dict[str, Any] = {
+    "memset": ctypes.memset,
+    "memcpy": ctypes.memmove,  # which may do more
+    "memmove": ctypes.memmove,
+}
 
 
 class MachineCode:
@@ -28,17 +42,21 @@ class MachineCode:
     Parameters
     ----------
     text
-        In LLVM's assembly language.
+        In LLVM's assembly language; or, if that is costly to write, all that it depends on.
+    write
+        Writes it then, where no machine code is kept.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, write: Callable[[], str] | None = None) -> None:
         begin = time.perf_counter()
-        key = "\n".join([*_host(), text])
-        image, known = kept(key, ".o", lambda: _compiled(text))
+        key = "\n".join([_FORMAT, *_host(), text])
+        content, known = kept(key, ".o", lambda: _compiled(text if write is None else write()))
+        defined, needed, image = content.split(b"\n", 2)
         library = _llvm().JITLibraryBuilder().add_object_img(image)
-        for name in _DEFINED.findall(text):
+        self._types = {name: types for name, *types in map(str.split, defined.decode().split(";"))}
+        for name in self._types:
             library.export_symbol(name)
-        for name in (*_DECLARED.findall(text), *_NEEDED):
+        for name in needed.decode().split():
             library.import_symbol(name, _library_function(name))
         self._held = library.link(_linker(), f"{digest_of(key)}-{next(_NUMBERS)}")
         how = "was known" if known else "is new and was compiled"
@@ -47,6 +65,11 @@ class MachineCode:
     def address(self, name: str) -> int:
         """Address of one of its functions."""
         return int(self._held[name])
+
+    def function(self, name: str) -> Callable[..., Any]:
+        """One of its functions; while it runs other threads may."""
+        types = (_TYPES[word] for word in self._types[name])
+        return ctypes.CFUNCTYPE(*types)(self.address(name))
 
 
 @cache
@@ -79,14 +102,22 @@ def _linker() -> Any:
 
 
 def _compiled(text: str) -> bytes:
+    """A line of what it defines, a line of what it needs, and its machine code."""
     module = _llvm().parse_assembly(text)
     module.verify()
-    return bytes(_target().emit_object(module))
+    defined = [
+        " ".join([name, result, *(argument.split()[0] for argument in arguments.split(","))])
+        for result, name, arguments in _DEFINED.findall(text)
+    ]
+    lines = f"{';'.join(defined)}\n{' '.join([*_DECLARED.findall(text), *_NEEDED])}\n"
+    return lines.encode() + bytes(_target().emit_object(module))
 
 
 @cache
 def _library_function(name: str) -> int:
     """Address of a function of the C library."""
+    if name.startswith("mem"):
+        return int(ctypes.cast(_MEMORY[name], ctypes.c_void_p).value or 0)
     found = ctypes.util.find_library("m") or ("ucrtbase" if os.name == "nt" else None)
     library = ctypes.CDLL(found)
     return int(ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from linkages.solution.solution import labelled
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION, requested
 from linkages.solvers.flow import Companion, Flow
-from linkages.solvers.steps.many import evaluate_states
+from linkages.solvers.steps.loaded import EVALUATE_STATE, EVALUATE_STATES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,9 +94,15 @@ class Equations:
         return Varying(self.mechanism)
 
     @cached_property
-    def _numbers(self) -> int:
-        """Address of the parameters."""
-        return int(self._flow.parameters.ctypes.data)
+    def _kernel(self) -> NDArray[np.int64]:
+        """What `evaluate_state` takes of the kernel."""
+        flow, size = self._flow, len(self.state)
+        numbers = flow.parameters.ctypes.data
+        return np.array([flow.clock, flow.rates, numbers, size, flow.written])
+
+    @cached_property
+    def _evaluate(self) -> Callable[[int], int]:
+        return partial(EVALUATE_STATE.function, self._kernel.ctypes.data)
 
     @cached_property
     def _slopes(self) -> Companion:
@@ -141,17 +147,11 @@ class Equations:
         if given.shape != (size,) or self._flow.held or self.system.topology.internal:
             return self.batch(t, given, held)
         # one array for everything: each address costs as much as a right-hand side
-        work = np.empty(2 + size + written + self._flow.timed_size)
-        work[0], work[2 : 2 + size] = t, given
-        first = work.ctypes.data
-        state = first + 16
-        found = state + 8 * size
-        status = evaluate_states(
-            self._flow.clock, self._flow.rates, self._numbers, found + 8 * written,
-            first, state, found, 1, size, written, first + 8,
-        )  # fmt: skip
+        work = np.empty(1 + size + written + self._flow.timed_size)
+        work[0], work[1 : 1 + size] = t, given
+        status = self._evaluate(work.ctypes.data)
         half = size // 2
-        accelerations = work[2 + size : 2 + size + half]
+        accelerations = work[1 + size : 1 + size + half]
         if status or not math.isfinite(accelerations @ accelerations):
             return self.batch(t, given)
         return np.concatenate([given[half:], accelerations])
@@ -342,7 +342,7 @@ class Equations:
         found, refused = np.empty((len(rows), written)), np.zeros(1, dtype=np.int64)
         timed = np.empty(max(1, kernel.timed_size))
         addresses = (parameters, timed, time, rows, found)
-        status = evaluate_states(
+        status = EVALUATE_STATES.function(
             kernel.clock, kernel.rates, *(array.ctypes.data for array in addresses),
             len(rows), rows.shape[1], written, refused.ctypes.data,
         )  # fmt: skip

@@ -30,9 +30,8 @@ from linkages.solution.moving.switching import (
     passes,
     tangent_map,
 )
-from linkages.solution.remarks.forgotten_units import longest
+from linkages.solution.moving.tolerances import TANGENT_ATOL, absolute_tolerances
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
-from linkages.solvers.changes import Changes
 from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow, Switching
 from linkages.solvers.integration import integrate
@@ -47,13 +46,6 @@ CLOSER = 0.25
 
 PASSAGE_RTOL = 1e-10
 """Errors below this cannot be told from round-off in a step through a change point."""
-
-ANYTHING = 1e300
-"""Absolute tolerance of what means nothing."""
-
-TANGENT_ATOL = 1e-6
-"""Absolute tolerance of tangents that are only asked how they grow: they are of length one when
-they start."""
 
 Floats = NDArray[np.float64]
 
@@ -200,26 +192,6 @@ class March:
         held = self._held[: self.layout.remembered] if self.layout.held else None
         return self.system.at(self.time, self.state, self.flipped, held)
 
-    def _atol(self) -> Floats:
-        """Absolute tolerances, of everything that is integrated.
-
-        Unless they are given, lengths are measured in sizes where clearances open, and angles by
-        what they move: a touch makes errors larger by far.
-        """
-        given, mechanism = self.run.atol, self.system.mechanism
-        found = np.full(2 * self.layout.size, self.run.rtol if given is None else given)
-        if given is None and mechanism.contacts:
-            length = min(contact.size.value for contact in mechanism.contacts)
-            turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
-            bodies = mechanism.bodies
-            sizes = {name: turned if bodies[name].rotates else length for name in bodies}
-            scales = [sizes.get(name, 1.0) for name in self.layout.coordinates]
-            found[self.layout.motion_rows] *= [*scales, *scales]
-        found[self.layout.internal_rows] *= [s.scale for s in mechanism.internal.values()]
-        found[self.layout.tangent_rows] = self._tangent_atol
-        found[self.layout.idle_rows] = ANYTHING
-        return found
-
     @property
     def _way_on(self) -> str:
         """What can be said of the way on where the motion stops at a singular position."""
@@ -346,7 +318,7 @@ class March:
             self._vector,
             self._times[self._taken :],
             start=self.time,
-            **self.run.after(used).integration | {"atol": self._atol()},
+            **self.run.after(used).integration | {"atol": self._tolerances()},
             angles=self._angles,
             events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
             tangents=None if tangents is None else tangents.plan(self.layout),
@@ -375,27 +347,11 @@ class March:
             watched.add(self._crossed(found))
         names = () if self._plan.switching is None else self._plan.switching.names
         for number, name in enumerate(names):
-            self._changed(name, number, trajectory.changes)
-
-    def _changed(self, name: str, number: int, changes: Changes) -> None:
-        """Keep the changes of a mode in an integration."""
-        here = changes.which == number
-        found = Crossings(
-            time=changes.time[here],
-            state=changes.state[here],
-            turns=changes.turns[here],
-            angles=np.zeros((int(here.sum()), len(self._angles))),
-            held=changes.held[here],
-            count=int(changes.count[number]),
-        )
-        before = self._changes.get(name)
-        old = (before.pieces, before.rises, before.count) if before else ((), (), 0)
-        self._changes[name] = Changed(
+            found, rises = trajectory.changes.of(number, len(self._angles))
             # whole turns of dependent angles are not counted there
-            pieces=(*old[0], replace(self._crossed(found), counted={})),
-            rises=np.concatenate([np.asarray(old[1], dtype=bool), changes.rises[here]]),
-            count=old[2] + found.count,
-        )
+            piece = replace(self._crossed(found), counted={})
+            before = self._changes.get(name, Changed.none())
+            self._changes[name] = before.followed_by(piece, rises, found.count)
 
     def _piece(
         self, time: Floats, state: Floats, turns: NDArray, angles: Floats, held: Floats
@@ -492,9 +448,13 @@ class March:
         flow.parameters[len(flow.parameters) - flow.held :] = self._held
         return flow
 
+    def _tolerances(self) -> Floats:
+        """Absolute tolerances, of everything that is integrated."""
+        return absolute_tolerances(self.system.mechanism, self.layout, self.run, self._tangent_atol)
+
     def _tolerance(self) -> Floats:
         rtol = max(self.run.rtol, PASSAGE_RTOL)
-        atol = np.maximum(self._atol(), PASSAGE_RTOL)
+        atol = np.maximum(self._tolerances(), PASSAGE_RTOL)
         return np.asarray(atol + rtol * np.abs(self._vector))
 
     def _led_through(self, passage: Passage, beyond: tuple[int, ...]) -> bool:

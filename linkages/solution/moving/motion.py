@@ -161,10 +161,23 @@ class Changed:
     rises: NDArray[np.bool_]
     count: int
 
+    @classmethod
+    def none(cls) -> Changed:
+        """No change."""
+        return cls(pieces=(), rises=np.zeros(0, dtype=bool), count=0)
+
     @property
     def time(self) -> Floats:
         """In seconds, shape (changes,)."""
         return np.concatenate([piece.time for piece in self.pieces])
+
+    def followed_by(self, piece: Piece, rises: NDArray[np.bool_], count: int) -> Changed:
+        """These and `count` more, of which the first are those in a piece."""
+        return Changed(
+            pieces=(*self.pieces, piece),
+            rises=np.concatenate([self.rises, rises]),
+            count=self.count + count,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

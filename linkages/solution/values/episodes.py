@@ -88,7 +88,7 @@ def states(motion: Motion) -> NDArray[np.int8]:
 def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
     changed = motion.changes.get(nodes.touch)
     if changed is None:
-        changed = Changed(pieces=(), rises=np.zeros(0, dtype=bool), count=0)
+        changed = Changed.none()
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
     rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]

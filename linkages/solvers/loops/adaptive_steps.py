@@ -26,7 +26,7 @@ from linkages.solvers.loops.step_size import (
     first_step,
     next_factor,
 )
-from linkages.solvers.steps.compiled import call_hook, entry, floats, integers
+from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
 from linkages.solvers.steps.stages import try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -47,7 +47,7 @@ from linkages.solvers.watched.sampling import take_samples
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 
 
-@entry
+@compiled
 def adaptive_steps(
     system: System,
     table: Table,

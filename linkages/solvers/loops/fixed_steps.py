@@ -15,7 +15,7 @@ from linkages.solvers.loops.commit import (
     margin_outcome,
     outcome_of,
 )
-from linkages.solvers.steps.compiled import call_hook, entry, floats, integers
+from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
 from linkages.solvers.steps.stages import NOT_FINITE, try_step
 from linkages.solvers.steps.views import EVALUATIONS, STOP, Hook, Record, Switching, System, Table
 from linkages.solvers.watched.counting import expect_end
@@ -24,7 +24,7 @@ from linkages.solvers.watched.reach import reachable_part
 from linkages.solvers.watched.sampling import SNAP, take_samples
 
 
-@entry
+@compiled
 def fixed_steps(
     system: System,
     table: Table,

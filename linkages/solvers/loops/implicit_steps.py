@@ -21,7 +21,7 @@ from linkages.solvers.loops.commit import (
     outcome_of,
 )
 from linkages.solvers.loops.implicit_stages import finish_step, solve_stages
-from linkages.solvers.steps.compiled import call_hook, compiled, entry, floats, integers
+from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
 from linkages.solvers.steps.stages import NOT_FINITE, evaluate, set_clock, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -123,7 +123,7 @@ def fail(system: System, table: Table, record: Record, t: float, h: float, t_end
     return cut_short(system, table, record, t, h, part, outcome)
 
 
-@entry
+@compiled
 def implicit_steps(
     system: System,
     nodes: Nodes,

@@ -19,7 +19,6 @@ from linkages.solvers.loops.commit import CHATTER, DIVERGED, DONE, SLIDING, outc
 from linkages.solvers.steps.compiled import (
     call_clock,
     call_rates,
-    callback,
     compiled,
     floats,
     integers,
@@ -198,7 +197,7 @@ def release(
     return DONE
 
 
-@callback
+@compiled
 def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """Change the mode that `look` has found, at the state in row 0; returns an `Outcome`."""
     system = system_at(context)

@@ -12,6 +12,9 @@ from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import Method, run, step_count
 from linkages.solvers.methods.vern9 import VERN9
+from linkages.solvers.steps.loaded import Loaded
+
+IMPLICIT_STEPS = Loaded("linkages.solvers.loops.implicit_steps", "implicit_steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +29,6 @@ class Gauss(Method):
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop; a step must be given."""
         from linkages.solvers import arrays, hooks
-        from linkages.solvers.loops.implicit_steps import implicit_steps
 
         assert job.step is not None
         # The explicit method of the nearest order locates the end of reach and singular positions.
@@ -38,7 +40,7 @@ class Gauss(Method):
         table = arrays.table(memory, tableau, job.flow)
         record = arrays.record(memory, job, system)
         loop = partial(
-            implicit_steps,
+            IMPLICIT_STEPS,
             system,
             arrays.nodes(memory, self.collocation, job.flow, first),
             table,

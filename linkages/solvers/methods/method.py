@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.job import Job
+from linkages.solvers.steps.loaded import Loaded
+
+ADAPTIVE_STEPS = Loaded("linkages.solvers.loops.adaptive_steps", "adaptive_steps")
+FIXED_STEPS = Loaded("linkages.solvers.loops.fixed_steps", "fixed_steps")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,8 +80,7 @@ class RungeKutta(Method):
 
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
-        # Compiled modules are loaded by the first run: listing methods need not wait for Numba,
-        # nor a run with one loop for the other.
+        # Listing methods need not wait for it.
         from linkages.solvers import arrays, hooks
 
         tableau, store = self.tableau, arrays.Memory()
@@ -96,17 +99,13 @@ class RungeKutta(Method):
             job.end,
         )
         if job.step is None:
-            from linkages.solvers.loops.adaptive_steps import adaptive_steps
-
             atol, zeros = store.floats(job.atol), store.floats(np.zeros(len(job.state)))
             order, budget = tableau.error_order, job.max_steps
             loop = partial(
-                adaptive_steps, *shared, job.rtol, atol, zeros, order, self.memory, budget
+                ADAPTIVE_STEPS, *shared, job.rtol, atol, zeros, order, self.memory, budget
             )
         else:
-            from linkages.solvers.loops.fixed_steps import fixed_steps
-
-            loop = partial(fixed_steps, *shared, step_count(job), job.max_steps)
+            loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
         return partial(run, loop, job, rows, store)
 
 

@@ -6,11 +6,8 @@ would each travel as seven words with a reference count, and cost more than a Ru
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
-from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import numba
@@ -18,13 +15,15 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from linkages.kernel.code.cache import cache_folder
+from linkages.kernel.code.cache import cache_folder, digest_of
+from linkages.solvers.steps.loaded import version
 
 # Numba's annotations leave out some of its options.
 njit: Any = numba.njit
 config: Any = numba.config
 
 NATIVE = {int: types.int64, float: types.float64, bool: types.boolean, type(None): types.void}
+LLVM = {types.int64: "i64", types.float64: "double"}
 
 
 # Contraction to fused multiply-adds leaves the order of operations alone, so that equal inputs
@@ -38,47 +37,62 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-def entry(function: Callable) -> Callable:
-    """Compile a function that Python calls, with the signature that its annotations state."""
-    with _own_cache():
-        return njit(_signature(function), **OPTIONS)(function)
+def compiled(function: Callable, **options: Any) -> Callable:
+    """Compile a function with the signature that its annotations state.
 
-
-def compiled(function: Callable) -> Callable:
-    """Compile a function that only compiled functions call, without the costly way in."""
-    options = {"no_cpython_wrapper": True, **OPTIONS}
+    It is compiled, or its machine code loaded, when the first that calls it is compiled. Python
+    calls it through `linkages.solvers.steps.loaded`.
+    """
     with _own_cache():
-        return njit(_signature(function), **options)(function)
+        dispatcher = njit(no_cpython_wrapper=True, **options, **OPTIONS)(function)
+    find = dispatcher.get_call_template
+
+    def compile_first(*arguments: Any) -> Any:
+        if not dispatcher.overloads:
+            dispatcher.compile(_signature(function))
+            dispatcher.disable_compile()
+        return find(*arguments)
+
+    dispatcher.get_call_template = compile_first
+    return dispatcher
 
 
 def inlined(function: Callable) -> Callable:
     """Compile a function into those that call it: a call would pass each word of its tuples."""
-    options = {"forceinline": True, "no_cpython_wrapper": True, **OPTIONS}
-    with _own_cache():
-        return njit(_signature(function), **options)(function)
+    return compiled(function, forceinline=True)
 
 
-def callback(function: Callable) -> Any:
-    """Compile a function that compiled loops call through its ``address``."""
-    options = {name: OPTIONS[name] for name in ("cache", "error_model", "fastmath")}
-    with _own_cache():
-        return numba.cfunc(_signature(function), **options)(function)
+def exported(function: Any) -> str:
+    """A compiled function in LLVM's assembly language, with one of C that calls it.
 
-
-@cache
-def _cache_of_this_version() -> Path:
-    """Numba stamps only the file of a function, but inlines what it calls from other files."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
-        digest.update(path.read_bytes())
-    return cache_folder() / f"solvers-{digest.hexdigest()[:16]}"
+    Of the same name; it takes as many integers in place of a named tuple.
+    """
+    python = function.py_func
+    options = {**OPTIONS, "cache": False}  # what comes from the cache has no text
+    dispatcher = njit(no_cpython_wrapper=True, **options)(python)
+    signature = _signature(python)
+    dispatcher.compile(signature)
+    (found,) = dispatcher.overloads.values()
+    kinds = [LLVM[part] for kind in signature.args for part in getattr(kind, "types", [kind])]
+    result = LLVM[signature.return_type]
+    arguments = [f"{kind} %{place}" for place, kind in enumerate(kinds)]
+    given = ", ".join(["ptr %result", "ptr %error", *arguments])
+    return f"""{found.library.get_llvm_str()}
+define {result} @{python.__name__}({", ".join(arguments)}) {{
+  %result = alloca {result}
+  %error = alloca ptr
+  %status = call i32 @"{found.fndesc.mangled_name}"({given})
+  %found = load {result}, ptr %result
+  ret {result} %found
+}}
+"""
 
 
 @contextmanager
 def _own_cache() -> Iterator[None]:
     """Keep machine code in the user's private folder while a function is decorated."""
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(_cache_of_this_version())
+    config.CACHE_DIR = str(cache_folder() / f"solvers-{digest_of(version())}")
     try:
         yield
     finally:

@@ -2,10 +2,32 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_clock, call_rates, entry, floats, integers
+from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
 
 
-@entry
+@compiled
+def evaluate_state(kernel: int, work: int) -> int:
+    """Evaluate a kernel once; returns its status.
+
+    Parameters
+    ----------
+    kernel
+        Address of the addresses of `clock`, `rates` and the parameters, the number of entries of a
+        state, and of what the kernel writes.
+    work
+        Address of the time in seconds, the state, and room for what `rates` and `clock` write.
+    """
+    words = integers(kernel)
+    state = work + 8
+    out = state + 8 * words[3]
+    timed = out + 8 * words[4]
+    status = call_clock(words[0], floats(work)[0], words[2], timed)
+    if status == 0:
+        status = call_rates(words[1], state, words[2], timed, out)
+    return status
+
+
+@compiled
 def evaluate_states(
     clock: int, rates: int, parameters: int, timed: int, times: int, states: int, found: int,
     count: int, size: int, written: int, refused: int,
@@ -39,3 +61,15 @@ def evaluate_states(
             integers(refused)[0] = k
             return status
     return 0
+
+
+@compiled
+def repeat(
+    clock: int, rates: int, state: int, parameters: int, timed: int, out: int, count: int
+) -> int:
+    """Evaluate many times at times 1 µs apart."""
+    status = 0
+    for i in range(count):
+        status |= call_clock(clock, 1e-6 * i, parameters, timed)
+        status |= call_rates(rates, state, parameters, timed, out)
+    return status

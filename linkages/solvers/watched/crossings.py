@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.solvers.steps.compiled import callback, compiled, floats, inlined, integers, tuple_at
+from linkages.solvers.steps.compiled import compiled, floats, inlined, integers, tuple_at
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import (
@@ -189,7 +189,7 @@ def forget_later(events: Events, time: float, forward: bool) -> None:
             found[event] -= 1
 
 
-@callback
+@compiled
 def watch_step(context: int, t: float, h: float, t_end: float) -> float:
     """Record all crossings within the accepted step in the workspace.
 

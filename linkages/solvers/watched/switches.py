@@ -8,7 +8,7 @@ is left converge so fast that no dense output is needed.
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import callback, compiled, floats, integers, tuple_at
+from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -212,7 +212,7 @@ def unresolved(system: System, table: Table, switches: Switches, switch: int, h:
     return apart > UNLIKE * (high - low) and low < FAR * apart
 
 
-@callback
+@compiled
 def look(context: int, t: float, h: float, t_end: float) -> float:
     """Find the first change of a mode within the accepted step in the workspace.
 
@@ -252,7 +252,7 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
     return part
 
 
-@callback
+@compiled
 def guess(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """About at which fraction of the rejected step in the workspace the first mode changes.
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from linkages.solvers.steps.compiled import callback, compiled, floats, integers, tuple_at
+from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
 from linkages.solvers.steps.stages import evaluate, set_clock
 from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Tangents
 
@@ -100,7 +100,7 @@ def renormalise(system: System, record: Record, tangents: Tangents, sample: int,
     return least
 
 
-@callback
+@compiled
 def watch_tangents(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
     """Renormalise the tangents at samples that were taken since the last call."""
     system = system_at(context)

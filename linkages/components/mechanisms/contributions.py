@@ -1,0 +1,178 @@
+"""What the components of a mechanism contribute together: bodies, loads, relations and the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property, partial
+from itertools import chain
+
+from linkages.components.contributed.component import Term
+from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.friction import resolved
+from linkages.components.contributed.internal import InternalState
+from linkages.components.contributed.measures import Friction, Load, Measure
+from linkages.components.contributed.sensing import with_sliders
+from linkages.components.contributed.terms import (
+    ZERO,
+    Body,
+    CamSize,
+    Displacement,
+    Gravity,
+    GroundPin,
+    Hint,
+    Initial,
+    Parameter,
+    PointMass,
+    Prescribed,
+    Relation,
+    axis_label,
+    oriented,
+)
+
+Place = tuple[Parameter, Parameter]
+
+
+class Contributions:
+    """Terms by what they say, with what has to be looked up among other terms."""
+
+    @cached_property
+    def term_groups(self) -> tuple[tuple[Term, ...], ...]:
+        """What each component contributes."""
+        raise NotImplementedError
+
+    @cached_property
+    def terms(self) -> tuple[Term, ...]:
+        """What all components contribute, in their order."""
+        return tuple(chain.from_iterable(self.term_groups))
+
+    @cached_property
+    def ground(self) -> dict[str, tuple[Parameter, Parameter]]:
+        """Ground joints and their positions."""
+        return {t.joint: t.position for t in self.terms if isinstance(t, GroundPin)}
+
+    @cached_property
+    def displacements(self) -> tuple[Displacement, ...]:
+        """What clearances displace."""
+        return tuple(t for t in self.terms if isinstance(t, Displacement))
+
+    @cached_property
+    def bodies(self) -> dict[str, Body]:
+        """All moving bodies; clearances have displaced the ends of their bars.
+
+        The origin of every guide of theirs is resolved to coordinates in the frame that carries it;
+        the axes of an offset go through the joint itself.
+        """
+        given = {t.name: t for t in self.terms if isinstance(t, Body)}
+        bodies = [self._resolved(body, given) for body in given.values()]
+        links = [link for term in self.displacements for link in term.links]
+        return {body.name: body for body in [*bodies, *links]}
+
+    def _resolved(self, body: Body, given: dict[str, Body]) -> Body:
+        renamed = {t.joint: t.renamed for t in self.displacements if t.body == body.name}
+        points = {renamed.get(joint, joint): place for joint, place in body.points.items()}
+        guide = body.guide
+        if guide is not None and isinstance(guide.origin, str):
+            places = self.ground if guide.body is None else given[guide.body].points
+            guide = replace(guide, origin=places[guide.origin])
+        return replace(body, points=points, guide=guide)
+
+    @cached_property
+    def anchors(self) -> dict[str, Place]:
+        """Points of the ground: its joints, and where the axes that it carries begin."""
+        return {**self.ground, **self._axes(None)}
+
+    @cached_property
+    def attachments(self) -> dict[str, dict[str, Place]]:
+        """Body → its points in its own frame: its joints, and where the axes that it carries begin.
+
+        The axis point of a slider itself is not among its own, for it moves in its frame.
+        """
+        return {name: {**body.points, **self._axes(name)} for name, body in self.bodies.items()}
+
+    def _axes(self, carrier: str | None) -> dict[str, Place]:
+        guides = ((n, b.guide) for n, b in self.bodies.items() if b.guide is not None)
+        return {
+            axis_label(name): guide.origin
+            for name, guide in guides
+            if guide.body == carrier and not isinstance(guide.origin, str)
+        }
+
+    def labels(self, body: str) -> tuple[str, ...]:
+        """All points of a body, the axis point of a slider's own guide first."""
+        own = () if self.bodies[body].rotates else (self.bodies[body].axis,)
+        return (*own, *self.attachments[body])
+
+    @cached_property
+    def prescribed(self) -> dict[str, Prescribed]:
+        """Driven coordinates by body."""
+        return {t.body: t for t in self.terms if isinstance(t, Prescribed)}
+
+    @cached_property
+    def initial(self) -> dict[str, Initial]:
+        """Free coordinates by body, with their initial state."""
+        return {t.body: t for t in self.terms if isinstance(t, Initial)}
+
+    @cached_property
+    def loads(self) -> tuple[Load, ...]:
+        """Forces, torques, springs and dampers; friction has found its two bodies."""
+        bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
+        sliders = {name for name, body in bodies.items() if not body.rotates}
+        found = (
+            resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
+            for t in self.terms
+            if isinstance(t, Load | Friction)
+        )
+        return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in found)
+
+    @cached_property
+    def internal(self) -> dict[str, InternalState]:
+        """Internal states of loads by name."""
+        return {state.name: state for load in self.loads for state in load.states}
+
+    @cached_property
+    def sensed(self) -> tuple[Measure, ...]:
+        """What loads depend on beside what they act along, each once."""
+        return tuple(dict.fromkeys(measure for load in self.loads for measure in load.sensed))
+
+    def carrier(self, joint: str) -> str | None:
+        """The body that loads and masses at a joint belong to: the first there, or None."""
+        if joint in self.ground:
+            return None
+        return next((name for name, body in self.bodies.items() if joint in body.points), None)
+
+    def bearing(self, slider: Body) -> str | None:
+        """The body that carries the axis of a sliding body; None for the ground."""
+        if slider.afloat:
+            return self.carrier(slider.axis)
+        return None if slider.guide is None else slider.guide.body
+
+    @cached_property
+    def contacts(self) -> tuple[Contact, ...]:
+        """What presses in clearances that open."""
+        return tuple(t for t in self.terms if isinstance(t, Contact))
+
+    @cached_property
+    def point_masses(self) -> tuple[PointMass, ...]:
+        """Masses at joints."""
+        return tuple(t for t in self.terms if isinstance(t, PointMass))
+
+    @cached_property
+    def relations(self) -> tuple[Relation, ...]:
+        """Welds, gears and racks."""
+        known = {*self.prescribed, *self.initial}
+        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+
+    @cached_property
+    def cams(self) -> dict[str, CamSize]:
+        """Followers of cams whose size is known."""
+        return {t.slider: t for t in self.terms if isinstance(t, CamSize)}
+
+    @cached_property
+    def gravity(self) -> Gravity:
+        """The gravitational acceleration; zero if none is given."""
+        return next((t for t in self.terms if isinstance(t, Gravity)), Gravity(ZERO, ZERO))
+
+    @cached_property
+    def hints(self) -> dict[str, Hint]:
+        """Where joints are at t = 0."""
+        return {t.joint: t for t in self.terms if isinstance(t, Hint)}

@@ -1,0 +1,44 @@
+"""Efforts of drives, energies, powers, and how well they balance."""
+
+from __future__ import annotations
+
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.model import Model
+from linkages.kernel.outputs import Variable
+
+
+def _efforts(model: Model) -> list[Scalar]:
+    return [
+        model.required_force(model.accelerations, model.partial(name))
+        for name in model.topology.driven
+    ]
+
+
+def _kinetic_energy(model: Model) -> list[Scalar]:
+    return [0.5 * model.inertia.product(model.velocities, model.velocities)]
+
+
+def _potential_energy(model: Model) -> list[Scalar]:
+    return [model.potential_energy]
+
+
+def _drive_power(model: Model) -> list[Scalar]:
+    return [model.driven_power]
+
+
+def _load_power(model: Model) -> list[Scalar]:
+    return [model.load_power]
+
+
+OUTPUTS = {
+    "drive_effort": Variable(
+        ("drive",), "N m", "driving torque", _efforts, ("N", "driving force"), default=True
+    ),
+    "kinetic_energy": Variable((), "J", "kinetic energy", _kinetic_energy),
+    "potential_energy": Variable((), "J", "potential energy", _potential_energy),
+    "drive_power": Variable((), "W", "power of all drives", _drive_power),
+    "load_power": Variable((), "W", "power of all loads", _load_power),
+    "energy_residual": Variable(
+        (), "J", "energy gained beyond the work of drives and loads", None, smooth=False
+    ),
+}  # fmt: skip

@@ -201,3 +201,61 @@ def test_where_free_coordinates_are_exchanged():
         ahead, back = (flow.advance(rhs.state + s * unit, 0.0, 0.2).y for s in (1, -1))
         slope = (ahead - back) / (2 * step)
         assert end.tangents[:, column] == pytest.approx(slope, rel=1e-4, abs=1e-3)
+
+
+GROUP = """
+free: {crank: {angle: 0.2, speed: 6}}
+motors:
+  m: {bar: crank, voltage: 12, torque_constant: 0.3, resistance: 0.5, inductance: 0.05}
+maxwell: [{between: [C, G], stiffness: 1e3, damping: 5}]
+"""
+
+
+def test_with_groups_that_iterate():
+    """Coordinates carried along stand behind internal states in what is integrated."""
+    plain = linkages.load("class-three").to_yaml().split("simulate:")[0]
+    driven = plain[plain.index("drives:") : plain.index("assembly:")]
+    mechanism = linkages.loads(plain.replace(driven, GROUP.lstrip()))
+    rhs = linkages.compile(mechanism)
+    assert rhs.names[-2:] == ("maxwell[0].deflection", "motors.m.current")
+    assert len(rhs.state) == 2 * len(rhs.system.layout.bodies) + 2 > 4
+    data = linkages.simulate(mechanism, end=0.5, samples=6, outputs=["energy_residual"])
+    assert abs(data.data.energy_residual.to_numpy()).max() < 1e-8
+    flow = rhs.flow(tangents=4, rtol=1e-12, atol=1e-12)
+    end, step = flow.advance(rhs.state, 0.0, 0.3), 1e-6
+    places = [0, len(rhs.system.layout.bodies), -2, -1]
+    for column, place in enumerate(places[2:], 2):
+        unit = np.zeros(len(rhs.state))
+        unit[place] = step
+        ahead, back = (flow.advance(rhs.state + s * unit, 0.0, 0.3).y for s in (1, -1))
+        slope = ((ahead - back) / (2 * step))[places]
+        assert end.tangents[:, column] == pytest.approx(slope, abs=1e-4)
+
+
+def test_through_impacts():
+    """A pin that bounces in its hole while a motor turns: internal states go on as they were."""
+    text = CRANK.replace(
+        "free: {piston: {position: 0.35, speed: -2}}", "free: {crank: {angle: 1, speed: 5}}"
+    )
+    text = (
+        text.replace("assembly: {A: left}\n", "")
+        + """
+clearances: {gap: {joint: A, bar: rod, size: 0.2 mm, contact: restitution, restitution: 0.7}}
+"""
+    )
+    mechanism = linkages.loads(text)
+    outputs = ["internal_state", "bar_speed", "energy_residual", "clearance_state"]
+    solution = linkages.simulate(mechanism, end=0.05, samples=501, outputs=outputs)
+    current = solution.data.internal_state.sel(internal="motors.m.current").to_numpy()
+    speed = solution.data.bar_speed.sel(bar="crank").to_numpy()
+    changes = (
+        solution.motion.changes["gap: impact"] if "gap: impact" in solution.motion.changes else None
+    )
+    assert solution.motion.changes
+    # L di/dt + R i = U - k ω, summed up
+    time = solution.data.time.to_numpy()
+    from scipy.integrate import trapezoid
+
+    drop = 0.02 * (current[-1] - current[0]) + trapezoid(0.5 * current - 10 + 0.2 * speed, time)
+    assert drop == pytest.approx(0.0, abs=1e-5)
+    assert abs(solution.data.energy_residual.to_numpy()).max() < 1e-7

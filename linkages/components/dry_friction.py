@@ -13,19 +13,28 @@ from __future__ import annotations
 from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.component import Section, component
-from linkages.components.contributed.functions import Function, Number, V, applied, constant
+from linkages.components.contributed.functions import (
+    PRESSED,
+    Function,
+    Number,
+    V,
+    applied,
+    constant,
+)
 from linkages.components.contributed.internal import InternalState, value_of
 from linkages.components.contributed.listed import ListedComponent, turning, two_bodies
-from linkages.components.contributed.measures import JointFriction, Load, Slide
+from linkages.components.contributed.measures import Bearing, JointFriction, Load, Slide
 from linkages.components.contributed.references import References
 from linkages.components.contributed.state_laws import negated
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, axis_label
 from linkages.spec.quantities import (
     Damping,
     Name,
     NonNegativeForce,
+    NonNegativeNumber,
     NonNegativeTorque,
     PositiveAngularSpeed,
+    PositiveLength,
     PositiveSpeed,
     PositiveStiffness,
     PositiveTorsionalStiffness,
@@ -155,12 +164,7 @@ class DryJointFriction(_Dry):
 
     def references(self) -> References:
         """The joint, and the bodies that have it."""
-        path, bars = (*self.path, "bars"), self.bars or ()
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=turning(path, bars),
-            meeting=tuple(((*path, place), bar, self.joint) for place, bar in enumerate(bars)),
-        )
+        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
 
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
@@ -212,3 +216,104 @@ class DryGuideFriction(_Dry):
     def terms(self) -> tuple[Load, ...]:
         """Friction along the axis."""
         return (Load(Slide(self.slider), path=self.path, called="friction", **self._law),)
+
+
+class _Pressed(ListedComponent):
+    coefficient: float
+
+    def _friction(self, *factors: str) -> Function:
+        """Return −μ·P·tanh(v/v_slip), with further factors of the definition."""
+        size: Function = self._parameter("coefficient") * PRESSED
+        for key in factors:
+            size = self._parameter(key) * size
+        return negated(size * applied("tanh", V / self._parameter("slip_speed")))
+
+    def _parameter(self, key: str) -> Number:
+        return Number(Parameter((*self.path, key), getattr(self, key)))
+
+
+@component
+class JournalFriction(_Pressed):
+    """Friction of a pin in its hole that follows the reaction in the joint.
+
+    Parameters
+    ----------
+    index
+        Place in the list of frictions.
+    joint
+        A joint at which two bodies turn against each other, or one against the ground.
+    coefficient
+        Friction force over reaction, ≥ 0.
+    radius
+        Of the pin in metres, > 0.
+    slip_speed
+        Speed in rad/s, > 0, over which friction is smoothed.
+    bars
+        Which two, where more meet; the first may be ``ground``.
+    """
+
+    section: ClassVar[str] = "friction"
+    told_by: ClassVar[str] = "radius"
+
+    index: int
+    joint: Name
+    coefficient: NonNegativeNumber
+    radius: PositiveLength
+    slip_speed: PositiveAngularSpeed
+    bars: tuple[Name, Name] | None = None
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
+
+    def references(self) -> References:
+        """The joint, and the bodies that have it."""
+        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
+
+    def terms(self) -> tuple[JointFriction, ...]:
+        """Friction between bodies that only the whole mechanism knows."""
+        law = self._friction("radius")
+        return (JointFriction(self.joint, self.bars, law, self.path, called="friction"),)
+
+
+@component
+class PressedGuideFriction(_Pressed):
+    """Friction of a slider that follows the normal force in its guide.
+
+    Parameters
+    ----------
+    index
+        Place in the list of frictions.
+    slider
+        Slider name.
+    coefficient
+        Friction force over normal force, ≥ 0.
+    slip_speed
+        Speed in m/s, > 0, over which friction is smoothed.
+    """
+
+    section: ClassVar[str] = "friction"
+    told_by: ClassVar[str] = "coefficient"
+
+    index: int
+    slider: Name
+    coefficient: NonNegativeNumber
+    slip_speed: PositiveSpeed
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    def terms(self) -> tuple[Load, ...]:
+        """Friction along the axis, under the force across it."""
+        bearing = Bearing(self.slider, axis_label(self.slider))
+        law, called = self._friction(), "friction"
+        return (Load(Slide(self.slider), law, self.path, called=called, bearing=bearing),)
+
+
+def _turning_at(at: Path, joint: str, path: Path, bars: tuple[str, ...]) -> References:
+    return References(
+        joints=((at, joint),),
+        bodies=turning(path, bars),
+        meeting=tuple(((*path, place), bar, joint) for place, bar in enumerate(bars)),
+    )

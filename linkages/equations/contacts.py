@@ -19,14 +19,18 @@ from linkages.equations.symbols import Symbols
 
 
 def require_forces_of_the_state(mechanism: Mechanism) -> None:
-    """Impulses, and forces that depend on how a contact began, are no functions of the state.
+    """Impulses, and forces that depend on reactions or on how a contact began, have no closed form.
 
     Raises
     ------
     InputError
-        For the laws of such contacts.
+        For such laws.
     """
-    found = []
+    reactions = (
+        "the law depends on a reaction, which follows from accelerations: there are no equations "
+        "in closed form; expected friction under a constant load"
+    )
+    found = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
     for contact in mechanism.contacts:
         normal = contact.normal
         if isinstance(normal, RigidContact):

@@ -16,6 +16,7 @@ from linkages.kernel.forces.impacts import contact_nodes
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
+from linkages.kernel.forces.pressing import Pressing
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph, section
@@ -57,6 +58,7 @@ class Model:
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
         self.switches = Switches(self)
+        self._pressing: dict[int, Scalar] = {}
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
@@ -87,6 +89,18 @@ class Model:
             measure: load_nodes(self, Load(measure, NOTHING, ()), place)
             for place, measure in enumerate(self.mechanism.sensed, first)
         }
+
+    @property
+    def pressing(self) -> dict[int, Scalar]:
+        """Number of a load whose law depends on a reaction → the size of that."""
+        _ = self.changes
+        return self._pressing
+
+    @property
+    def unpressed(self) -> list[Acting]:
+        """All that acts, but for what follows a reaction."""
+        loads = [load for load in self.loads if load.load.bearing is None]
+        return [*loads, *self.contacts]
 
     @cached_property
     def internal(self) -> list[Scalar]:
@@ -140,6 +154,10 @@ class Model:
             {name: self.inputs.acceleration(i) for i, name in enumerate(self.topology.free)}
         )
 
+    def moving_with(self, free: list[Scalar]) -> Accelerations:
+        """Accelerations of everything, given those of the free coordinates."""
+        return self._accelerations(dict(zip(self.topology.free, free, strict=True)))
+
     def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
         known = self.driven_accelerations | free
         return Accelerations(self.positions, self.velocities, known, "a")
@@ -157,13 +175,16 @@ class Model:
         It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
         gravity and loads on the partial velocities.
         """
-        return self._required(accelerations, partial, self.acting)
+        return self.required_of(accelerations, partial, self.acting)
 
-    def _required(
+    def required_of(
         self, accelerations: Accelerations, partial: Rates, acting: Sequence[Acting]
     ) -> Scalar:
+        """The same of some of what acts."""
         with section(f"projection on {partial.label}"):
             force = self.inertia.product(accelerations, partial, self.gravity)
+            if partial.apart is not None:
+                force = force + self.inertia.apart(accelerations, *partial.apart, self.gravity)
             for load in acting:
                 force = force - load.power(partial)
         return force
@@ -233,7 +254,7 @@ class Model:
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
         given = [*self.loads, *(nodes for nodes in self.contacts if not nodes.contact.rigid)]
-        forces = [-self._required(self.bias, partial, given) for partial in self.partials]
+        forces = [-self.required_of(self.bias, partial, given) for partial in self.partials]
         return solve_symmetric(self.mass_matrix, forces)
 
     @property
@@ -247,9 +268,11 @@ class Model:
         """Second derivatives of the free coordinates, then the rates of internal states."""
         matrix = self.mass_matrix
         with self.switches.collecting():
-            forces = [-self.required_force(self.bias, partial) for partial in self.partials]
+            forces = [-self.required_of(self.bias, p, self.unpressed) for p in self.partials]
             rates = [rate for load in self.loads for rate in load.internal_rates]
-        solution = solve_symmetric(matrix, forces)
+            solution = solve_symmetric(matrix, forces)
+            if pressed := [load for load in self.loads if load.load.bearing is not None]:
+                solution, self._pressing = Pressing(self, pressed).solved(solution)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"

@@ -156,6 +156,16 @@ class Switches:
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
 
+    def next_mode(self, further: int = 0) -> Scalar:
+        """The mode that `add` will give, for a function that depends on its own mode.
+
+        Parameters
+        ----------
+        further
+            How many others are added before it.
+        """
+        return self._model.inputs.mode(len(self.switches) + further)
+
     def memory(self, name: str, node: Scalar) -> Scalar:
         """The value that a node had when a switch rose last, or at the start.
 

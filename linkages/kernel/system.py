@@ -160,6 +160,11 @@ class System:
         """Loads must have a value at the start, as the laws of drives must."""
         found = []
         for load in self.model.loads:
+            if load.load.bearing is not None and self.topology.redundant:
+                places = self.topology.redundant_places
+                message = f"constraints at {places} are redundant: rigid bodies do not determine "
+                found.append((load.load.path, f"{message}the reaction that friction follows"))
+                continue
             given = np.isfinite(self._place.values(load.given, self.assembly))
             rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
             if not given.all() or (not rated[:1].all() and rated[1:].all()):

@@ -107,6 +107,20 @@ Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
+class Bearing:
+    """Where the reaction is that presses the surfaces of a friction together.
+
+    Parameters
+    ----------
+    body, point
+        It acts on a body at a joint; or at the point of a slider's axis, across that axis.
+    """
+
+    body: str
+    point: str
+
+
+@dataclass(frozen=True)
 class Load:
     """A force or torque along a measure.
 
@@ -129,6 +143,8 @@ class Load:
         all terms without v and t, or a function of internal states.
     states
         Internal states that belong to it; their rates are functions like the law.
+    bearing
+        Whose reaction the law is a multiple of, if it depends on one.
     """
 
     measure: Measure
@@ -138,6 +154,7 @@ class Load:
     applied: bool = False
     stores: Function | None = None
     states: tuple[InternalState, ...] = ()
+    bearing: Bearing | None = None
 
     def __post_init__(self) -> None:
         """What the law senses of its own measure is its value and its rate."""

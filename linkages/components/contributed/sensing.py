@@ -6,6 +6,7 @@ from collections.abc import Collection
 from typing import assert_never
 
 from linkages.components.contributed.functions import (
+    PRESSED,
     Function,
     Internal,
     Measured,
@@ -115,6 +116,8 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
             return f"{parameter.value:.6g}", ATOM if parameter.value >= 0.0 else 1
         case Time():
             return "t", ATOM
+        case Measured() if function == PRESSED:
+            return "reaction", ATOM
         case Measured(order, measure):
             return words(own if measure is None else measure, order), ATOM
         case Internal(name):
@@ -147,6 +150,7 @@ def named(function: Function, own: Measure | None = None) -> list[str]:
     found = dict.fromkeys(
         "xv"[leaf.order] if (of := leaf.measure or own) is None else words(of, leaf.order)
         for leaf in measured_in(function)
+        if leaf != PRESSED
     )
     ordered = [name for name in ("x", "v") if name in found]
     timed = ["t"] if "t" in variables(function) else []

@@ -5,7 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function, Internal, Measured, Operation
+from linkages.components.contributed.functions import (
+    PRESSED,
+    Function,
+    Internal,
+    Measured,
+    Operation,
+)
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
 from linkages.components.contributed.state_laws import everywhere, internal, measured_in, rated
@@ -23,6 +29,12 @@ Forces = list[tuple[str | None, str, Vector]]
 
 Torques = list[tuple[str | None, Scalar]]
 """Bodies (None: the ground) and the torques on them."""
+
+
+JAMMED = (
+    "it jams: the force that presses grows with the friction by as much, so that none or two go "
+    "with the motion (self-locking, Painlevé's paradox); expected a smaller coefficient or radius"
+)
 
 
 class Velocities(Protocol):
@@ -83,6 +95,8 @@ class LoadNodes(Acting):
 
     def __init__(self, model: Model, load: Load, index: int) -> None:
         self.model = model
+        if load.bearing is not None:
+            self.undefined = JAMMED
         self.graph = model.graph
         self.load = load
         self.index = index
@@ -121,7 +135,9 @@ class LoadNodes(Acting):
         return self.model.sense(found)
 
     def measured(self, order: int) -> Scalar:
-        """The displacement, or its actual rate."""
+        """The displacement, its actual rate, or the force that presses surfaces together (3)."""
+        if order == PRESSED.order:
+            return self.model.pressing[self.index]
         return self.rate(self.model.velocities) if order else self.displacement
 
     def _power(self, law: Function, velocities: Velocities) -> Scalar:
@@ -171,9 +187,10 @@ class LoadNodes(Acting):
     def doubtful(self) -> list[Scalar]:
         """Its force, then what it depends on, if it may have no value where all of that has one."""
         force = self.load.force
-        if everywhere(force) or not rated(force):
+        if (everywhere(force) and self.load.bearing is None) or not rated(force):
             return []
-        return [self.value(force), *map(self.sensed, dict.fromkeys(measured_in(force)))]
+        known = dict.fromkeys(leaf for leaf in measured_in(force) if leaf != PRESSED)
+        return [self.value(force), *map(self.sensed, known)]
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""

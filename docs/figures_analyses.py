@@ -24,11 +24,11 @@ from figures_stability import write
 
 import linkages
 from linkages.chaos.growth.lyapunov import characteristic_period
-from linkages.chaos.sweeps.sweep import Threads
 from linkages.chaos.verdicts.report import verdict
 from linkages.kernel.system import System
 from linkages.solution.moving.plan import build_flow
 from linkages.solvers.integration import integrate
+from linkages.sweeps.running import Threads
 
 NUMBERS = STATIC / "analyses.json"
 MASSES = np.array([0.5, 0.51, 0.52, 0.53])

@@ -11,12 +11,12 @@ import xarray as xr
 from figures import ROOT, STATIC, write_small
 
 import linkages
-from linkages.chaos.sweeps.varied import parse_range
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos import bifurcations, exponents, maps, sections
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
+from linkages.sweeps.axes import parse_range
 
 DAMPING = "dampers[0].damping"
 

@@ -14,11 +14,11 @@ from figures import ROOT, STATIC, write_small
 from matplotlib.figure import Figure
 
 import linkages
-from linkages.chaos.sweeps.varied import parse_range
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos import bifurcations
 from linkages.plots.motion import phase
 from linkages.plots.style import style
+from linkages.sweeps.axes import parse_range
 
 
 def last_definition(page: str) -> Mechanism:

@@ -49,11 +49,13 @@ from linkages.registering import unregister as unregister
 from linkages.solution.functions.propagator import Propagator as Propagator
 from linkages.solution.functions.rhs import Equations as Equations
 from linkages.solution.functions.rhs import compile as compile  # noqa: A004
+from linkages.solution.measuring.measure import measure as measure
 from linkages.solution.opened import Opened as Opened
 from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
+from linkages.sweeps.sweep import sweep as sweep
 
 __version__: str
 

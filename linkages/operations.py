@@ -62,7 +62,8 @@ class Elementary:
     python, c
         How one language alone writes it.
     llvm
-        LLVM's instruction or intrinsic function; a call by its name if there is none.
+        LLVM's instruction or intrinsic function (without the type in its name); a call by its name
+        if there is none.
     tangent
         ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
         partial derivatives times rates.
@@ -144,9 +145,9 @@ _ROWS = (
     _function("tanh", "tanh", lambda apply, f, x: 1.0 - f * f),
     _function("exp", "exp", lambda apply, f, x: f),
     _function("log", "log", lambda apply, f, x: 1.0 / x),
-    _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS, llvm="llvm.sqrt.f64"),
+    _function("sqrt", "sqrt", lambda apply, f, x: 0.5 / f, ROOTS, llvm="llvm.sqrt"),
     Elementary("floor", OTHERS, math.floor, "floor", lambda apply, f, x: (0.0,),
-               llvm="llvm.floor.f64"),
+               llvm="llvm.floor"),
     Elementary("atan2", TURNS, math.atan2, "arctan2", _atan2, 2, formula=True),
     # the first value where the condition is not negative, otherwise the second
     Elementary("select", OTHERS, lambda c, a, b: a if c >= 0.0 else b,

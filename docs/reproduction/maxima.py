@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import linkages
-from linkages.chaos.sweeps.sweep import Executor, sweep
 from linkages.plots.motion.curves import turning_points
+from linkages.sweeps.running import Executor, sweep
 from reproduction.reported import ANGLE, CRANKS, OUTPUTS, PRINTED, REPORTED
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 import linkages
-from linkages.chaos.sweeps.sweep import Executor
+from linkages.sweeps.running import Executor
 from reproduction.reported import ANGLE, DRIVES, SIZE, SPEED_RANGE, STARTS, press
 
 if TYPE_CHECKING:

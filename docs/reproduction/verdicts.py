@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import linkages
-from linkages.chaos.sweeps.sweep import Executor, sweep
 from linkages.chaos.verdicts.report import ChaosReport
+from linkages.sweeps.running import Executor, sweep
 from reproduction.reported import ANGLE, SIZE, press, speeds
 
 

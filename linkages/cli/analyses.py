@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Moving, Start
+from linkages.cli.options import Drawing, Moving, Start
 from linkages.cli.verb import computes
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
@@ -20,6 +20,13 @@ RANGE = "PATH=FIRST:LAST:COUNT"
 
 Cores = Annotated[
     int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
+]
+
+Measures = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="MEASURE", help="A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable."
+    ),
 ]
 
 
@@ -38,6 +45,7 @@ def simulate(
             "default: for adaptive methods of high order."
         ),
     ] = None,
+    measure: Measures = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 
@@ -157,6 +165,44 @@ def map_(
     """Map an indicator of chaos over two parameters or a plane of initial states."""
 
 
+@computes(SimulationOptions, without=("figures",))
+def sweep(
+    measure: Measures = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATH=VALUES",
+            help="An axis, e.g. clearances.r1.size=0.01mm:0.5mm:200 or bars.rod.length=1m,2m,5m; "
+            "a grid if there are several.",
+        ),
+    ] = None,
+    sample: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATH=DISTRIBUTION", help="Draw it, e.g. bars.rod.length=normal(40mm, 0.02mm)."
+        ),
+    ] = None,
+    draws: Annotated[int | None, typer.Option(min=1, help="How often samples are drawn.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the draws.")] = 0,
+    sequence: Annotated[
+        Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
+    ] = Drawing.RANDOM,
+    store: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Keep results there as they come; go on with them."),
+    ] = None,
+    time_per_point: Annotated[
+        float | None,
+        typer.Option(metavar="<time>", help="Seconds after which a point is given up."),
+    ] = None,
+    status: Annotated[
+        bool, typer.Option("--status", help="Say what the store FILE holds, and compute nothing.")
+    ] = False,
+    cores: Cores = None,
+) -> None:
+    """Take measures of the motion at many values, alone, as a grid or drawn at random."""
+
+
 @computes(VerdictOptions)
 def chaos(
     periods: Annotated[
@@ -177,5 +223,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, chaos, bench
+    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep, chaos,
+    bench,
 )  # fmt: skip

@@ -83,6 +83,14 @@ class Moving(StrEnum):
     MP4 = "mp4"
 
 
+class Drawing(StrEnum):
+    """How numbers of a sweep are drawn."""
+
+    RANDOM = "random"
+    SOBOL = "sobol"
+    LATIN_HYPERCUBE = "latin-hypercube"
+
+
 class Start(StrEnum):
     """Where each value of a sweep starts."""
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from linkages.chaos.sweeps.varied import Axis
+    from linkages.sweeps.axes import Axis
 
 NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
 """A comma before another assignment; commas within a value are followed by no equals sign."""
@@ -103,7 +103,7 @@ class Request:
     @contextmanager
     def computing(
         self, label: str, what: str = "of simulated time"
-    ) -> Iterator[Callable[[float], None]]:
+    ) -> Iterator[Callable[..., None]]:
         """Show the progress of a computation; turn what it raises into what the program says.
 
         Arguments that make no sense are a ValueError of an analysis: that is wrong input. What an
@@ -236,7 +236,7 @@ def ranges(option: str, texts: Sequence[str]) -> Axis:
     InputError
         Lists all that cannot be read.
     """
-    from linkages.chaos.sweeps.varied import parse_range, together
+    from linkages.sweeps.axes import parse_range, together
 
     axes = each_read(option, texts, parse_range)
     return each_read(option, [axes], together)[0]

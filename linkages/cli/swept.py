@@ -13,12 +13,14 @@ import numpy as np
 from linkages.chaos.sections.free_states import PAIRS
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import print_notes
+from linkages.cli.terminal import number, print_notes
 from linkages.errors import Interrupted
 
 if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
+
+    from linkages.sweeps.running import Progress
 
 INTERRUPTED = "interrupted: what was computed up to then is in"
 TOO_EARLY = "interrupted before anything was computed"
@@ -34,12 +36,17 @@ def failures(data: xr.Dataset) -> dict[str, int]:
 
 def counted(texts: Iterable[str]) -> dict[str, int]:
     """Text → how often, the most frequent first; numbers in texts make no difference."""
+    return counted_texts(Counter(texts))
+
+
+def counted_texts(texts: Mapping[str, int]) -> dict[str, int]:
+    """The same of texts that have been counted one by one."""
     first: dict[str, str] = {}
     counts: Counter[str] = Counter()
-    for text in texts:
+    for text, count in texts.items():
         kind = _NUMBER.sub("#", text)
         first.setdefault(kind, text)
-        counts[kind] += 1
+        counts[kind] += count
     return {first[kind]: count for kind, count in counts.most_common()}
 
 
@@ -52,12 +59,18 @@ def result(request: Request, label: str, what: str, task: Callable[..., xr.Datas
     """What a sweep returns that reports its progress, or after Ctrl-C what there is of it."""
     with request.computing(f"{label} of", f"of {what}s") as update:
         try:
-            return task(watch=lambda progress: update(progress.done / progress.total))
+            return task(watch=lambda found: update(found.done / found.total, _words(found)))
         except Interrupted as error:
             if not error.kept:  # in the set-up
                 raise
             (data,) = error.kept.values()
             return cast("xr.Dataset", data)
+
+
+def _words(found: Progress) -> str:
+    """How fast a sweep is, and what failed so far."""
+    failed = [f"{count} {word.replace('_', ' ')}" for word, count in found.failures.items()]
+    return ", ".join([f"{number(found.rate)} per second", *failed])
 
 
 def publish(
@@ -86,6 +99,8 @@ def publish(
 
 def any_computed(data: xr.Dataset) -> bool:
     """Whether a sweep has a result: an indicator, or the first point of a section."""
+    if "outcome" in data:
+        return bool((data["outcome"] == 0).any())
     if "indicator" in data:
         return bool(np.isfinite(data["indicator"]).any())
     return any(

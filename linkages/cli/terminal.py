@@ -137,10 +137,10 @@ def number(value: float) -> str:
 @contextmanager
 def progress(
     label: str, shown: bool, what: str = "of simulated time"
-) -> Iterator[Callable[[float], None]]:
+) -> Iterator[Callable[..., None]]:
     """A progress bar on standard error for anything that takes more than a second.
 
-    Yields a function that takes the fraction done; `what` says of what.
+    Yields a function that takes the fraction done, and words on it; `what` says of what.
     """
     from rich.progress import (
         BarColumn,
@@ -164,13 +164,14 @@ def progress(
     begin = time.monotonic()
     started = False
 
-    def update(fraction: float) -> None:
+    def update(fraction: float, words: str = "") -> None:
         nonlocal started
         keep_from_now_on()
         if visible and not started and time.monotonic() - begin > PATIENCE:
             started = True  # first: an interrupt may come while it starts
             bar.start()
-        bar.update(task, completed=fraction)
+        said = f"{label}: {escape(words)}" if words else label
+        bar.update(task, completed=fraction, description=said)
 
     try:
         yield update

@@ -7,16 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, ClassVar, Literal
 
-from linkages.components.contributed.component import Component, component
-from linkages.components.contributed.contact_laws import ContactName, contact_laws
+from linkages.components.contributed.component import component
 from linkages.components.contributed.contacts import (
     Contact,
-    ContactLaw,
-    GapFriction,
+    PinInHole,
     offset_names,
     stiffness_of_spheres,
 )
-from linkages.components.contributed.functions import Number, V, applied
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
     ZERO,
@@ -27,33 +24,22 @@ from linkages.components.contributed.terms import (
     Parameter,
     Path,
 )
-from linkages.spec import dimensions
+from linkages.components.contributed.touching import Ratio, Touching
 from linkages.spec.dimensions import Bound, Dimension
-from linkages.spec.powers import ContactStiffness, exponent_of, stiffness_unit
 from linkages.spec.quantities import (
-    Damping,
     Name,
     Point,
     PositiveLength,
-    PositiveNumber,
-    PositiveSpeed,
     Quantity,
     Speed,
 )
 
-Dissipation = Annotated[float, Quantity(Dimension("dissipation", "s/m", "s/m"), Bound.NON_NEGATIVE)]
+Viscosity = Annotated[float, Quantity(Dimension("viscosity", "Pa*s", "Pa·s"), Bound.POSITIVE)]
 Modulus = Annotated[float, Quantity(Dimension("modulus", "Pa", "pascals"), Bound.POSITIVE)]
-Ratio = Annotated[float, Quantity(dimensions.NUMBER, Bound.NON_NEGATIVE)]
-
-USUAL_RATE = 1e-3
-"""Touches are no slower than this in laws that divide by their rate (m/s)."""
-
-
-_KEYS = ("stiffness", "exponent", "dissipation", "restitution", "least_rate", "damping")
 
 
 @component
-class ContactClearance(Component):
+class ContactClearance(Touching):
     """The end of one bar moves freely within ``size`` around its pin, and presses where it touches.
 
     The offset from pin to end has two free coordinates, ``name.x`` and ``name.y``, along the axes
@@ -61,8 +47,6 @@ class ContactClearance(Component):
 
     Parameters
     ----------
-    name
-        Clearance name.
     joint
         The joint with clearance.
     bar
@@ -70,31 +54,17 @@ class ContactClearance(Component):
         ``joint.name`` in the results.
     size
         Radial clearance in metres, > 0.
-    contact
-        Law of the force between pin and hole.
-    stiffness
-        K of the force K·dⁿ at an indentation d, in N/mⁿ.
     modulus, poisson
         Young's modulus in Pa and Poisson's ratio of pin and hole, in the place of the stiffness:
         that of a sphere of the radius of the pin in one of the hole's.
-    exponent
-        n; 1.5 if not given.
-    dissipation
-        a of the factor 1 + a·d' in s/m.
-    restitution
-        Wanted ratio of the rates after and before an impact, in (0, 1].
-    least_rate
-        Rate of a touch that slower ones count as, in m/s; 1 mm/s if not given.
-    damping
-        D of the force D·d' in N·s/m.
     carries
         What the bar has: the ``hole``, or the ``pin``.
     pin_radius
         Radius of the pin in metres.
-    friction
-        Coulomb's coefficient of friction between pin and hole.
-    slip
-        Velocity of slip over which friction rises, in m/s.
+    viscosity
+        Dynamic viscosity of the oil in Pa·s, > 0.
+    width
+        Of pin and hole along their axis, in metres.
     offset, rate
         From the pin to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
@@ -103,67 +73,51 @@ class ContactClearance(Component):
     section: ClassVar[str] = "clearances"
     told_by: ClassVar[str] = "contact"
 
-    name: Name
     joint: Name
     bar: Name
-    size: PositiveLength
-    contact: ContactName
-    stiffness: ContactStiffness | None = None
     modulus: Modulus | None = None
     poisson: Ratio = 0.3
-    exponent: PositiveNumber | None = None
-    dissipation: Dissipation | None = None
-    restitution: PositiveNumber | None = None
-    least_rate: PositiveSpeed | None = None
-    damping: Damping | None = None
     carries: Literal["hole", "pin"] = "hole"
     pin_radius: PositiveLength | None = None
-    friction: Ratio = 0.0
-    slip: PositiveSpeed | None = None
+    viscosity: Viscosity | None = None
+    width: PositiveLength | None = None
     offset: Point = (0.0, 0.0)
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
-    @property
-    def law(self) -> ContactLaw:
-        """The law of the normal force."""
-        return contact_laws()[self.contact]
-
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Keys that the law has or lacks, numbers out of its range, a start outside the hole."""
-        found = [*self._of_the_law(), *self._of_friction()]
-        if not self._reachable:
-            message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
-            found.append(("restitution", message))
-        apart = math.hypot(*self.offset)
-        if apart > 2.0 * self.size:
-            message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
-            found.append(("offset", f"{message}; expected at most the size, {self.size:g} m"))
+        found = [*self.contact_problems()]
+        if self.modulus is not None:
+            found += self._of_the_material()
+        found += self._of_the_start()
         return tuple(((*self.path, key), message) for key, message in found)
 
-    @property
-    def _reachable(self) -> bool:
-        return self.restitution is None or self.restitution <= 1.0
+    def _of_the_start(self) -> Iterator[tuple[str, str]]:
+        apart, film = math.hypot(*self.offset), "viscosity" in self.law.needs
+        if film and self.pin_radius is None:
+            yield "contact", f"missing key 'pin_radius', which {self.law.name} needs"
+        if film and apart >= self.size:
+            message = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
+            yield "offset", f"{message}; expected less than the size, {self.size:g} m"
+        elif apart > 2.0 * self.size:
+            message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
+            yield "offset", f"{message}; expected at most the size, {self.size:g} m"
 
-    def _of_the_law(self) -> Iterator[tuple[str, str]]:
-        law = self.law
-        if self.modulus is not None:
-            yield from self._of_the_material()
-        for key in _KEYS:
-            given = getattr(self, key) is not None
-            if key == "stiffness" and self.modulus is not None:
-                continue
-            if key in law.needs and not given:
-                yield "contact", f"missing key {key!r}, which {law.name} needs"
-            elif given and key not in (*law.needs, *law.takes):
-                known = ", ".join((*law.needs, *law.takes))
-                yield key, f"{law.name} has no {key!r}; it takes {known}"
-        written, expected = exponent_of(self.stiffness), self.stiffness_exponent
-        if written is not None and written != expected:
-            yield (
-                "stiffness",
-                f"expected a stiffness in {stiffness_unit(expected)}, for the exponent is "
-                f"{expected:g}; found {stiffness_unit(written)}",
-            )
+    @property
+    def supplied(self) -> dict[str, float | None]:
+        """The numbers that laws may need; moduli stand for a stiffness."""
+        found = super().supplied | {"viscosity": self.viscosity, "width": self.width}
+        if self.modulus is not None and "stiffness" in self.law.needs:
+            found["stiffness"] = self._of_spheres
+        return found
+
+    @property
+    def _of_spheres(self) -> float:
+        """The stiffness that follows from a modulus; 1 where `problems` says that it does not."""
+        if self.modulus is None or self.pin_radius is None or self.poisson > 0.5:
+            return 1.0
+        radii = (self.pin_radius + self.size, self.pin_radius)
+        return stiffness_of_spheres(self.modulus, self.poisson, *radii)
 
     def _of_the_material(self) -> Iterator[tuple[str, str]]:
         if self.stiffness is not None:
@@ -176,21 +130,11 @@ class ContactClearance(Component):
         if self.poisson > 0.5:
             yield "poisson", f"expected a ratio of at most 0.5, found {self.poisson:g}"
 
-    def _of_friction(self) -> Iterator[tuple[str, str]]:
-        if not self.friction:
-            return
-        if "stiffness" not in self.law.needs:
-            yield "friction", f"{self.law.name} has no friction; expected the law of a force"
-            return
-        for key, words in (("pin_radius", "radius of the pin"), ("slip", "velocity of slip")):
-            if getattr(self, key) is None:
-                yield "friction", f"missing key {key!r}: friction needs the {words}"
-
-    @property
-    def stiffness_exponent(self) -> float:
-        """The exponent n of the force K·dⁿ."""
-        usual = 1.5 if "exponent" in self.law.takes else 1.0
-        return usual if self.exponent is None else self.exponent
+    def friction_problems(self) -> Iterator[tuple[str, str]]:
+        """What friction lacks."""
+        yield from super().friction_problems()
+        if self.friction and self.pin_radius is None and "stiffness" in self.law.needs:
+            yield "friction", "missing key 'pin_radius': friction needs the radius of the pin"
 
     def at(self, state: Mapping[str, tuple[float, float]]) -> ContactClearance:
         """The same with another offset where a state names it."""
@@ -233,45 +177,20 @@ class ContactClearance(Component):
         )
 
     def _contact(self, displaced: str) -> Contact:
-        return Contact(
-            name=self.name,
+        radius = self.pin_radius or 0.0
+        geometry = PinInHole(
+            clearance=self.name,
             joint=self.joint,
             displaced=displaced,
             body=self.bar,
             size=Parameter((*self.path, "size"), self.size),
-            normal=self.law.force(self._numbers),
             hole=self.carries == "hole",
-            pin_radius=Parameter(
-                (*self.path, "pin_radius"), self.pin_radius or 0.0, structural=True
-            ),
-            friction=self._friction,
+            pin_radius=Parameter((*self.path, "pin_radius"), radius, structural=True),
+        )
+        return Contact(
+            name=self.name,
+            geometry=geometry,
+            normal=self.normal,
+            friction=self.rubbing,
             path=self.path,
         )
-
-    @property
-    def _numbers(self) -> dict[str, Parameter]:
-        """The numbers of the law: the damping factor in the place of the restitution.
-
-        What is missing or out of range, as `problems` says, is 1 here.
-        """
-        values = {key: getattr(self, key) for key in _KEYS}
-        values["exponent"] = self.stiffness_exponent
-        if self.modulus is not None and self.pin_radius is not None and self.poisson <= 0.5:
-            radii = (self.pin_radius + self.size, self.pin_radius)
-            values["stiffness"] = stiffness_of_spheres(self.modulus, self.poisson, *radii)
-        values["least_rate"] = USUAL_RATE if self.least_rate is None else self.least_rate
-        factor = self.law.restitution
-        if factor is not None and self.restitution is not None and self._reachable:
-            values["restitution"] = factor(self.restitution)
-        return {
-            key: Parameter((*self.path, key), 1.0 if value is None else float(value))
-            for key, value in values.items()
-        }
-
-    @property
-    def _friction(self) -> GapFriction | None:
-        coefficient = self.number("friction")
-        if coefficient.absent:
-            return None
-        scale = Number(Parameter((*self.path, "slip"), self.slip or 1.0))
-        return GapFriction(applied("neg", Number(coefficient) * applied("tanh", V / scale)))

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.component import Section, component
+from linkages.components.contributed.friction_laws import stribeck
 from linkages.components.contributed.functions import (
     PRESSED,
     Function,
@@ -93,9 +94,8 @@ class _Dry(ListedComponent):
         """
         size: Function = Number(self.number(self.size))
         if self.static is not None and self.stribeck_speed is not None:
-            speed = V / self._number("stribeck_speed")
-            more = Number(self.number("static")) - size
-            size = size + more * applied("exp", applied("neg", speed**2))
+            static = Number(self.number("static"))
+            size = stribeck(size, static, self._number("stribeck_speed"))
         if self.bristle_stiffness is not None:
             return self._bristles(size, self.bristle_stiffness)
         if self.slip_speed is None:

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple, assert_never
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact, NormalForce, RigidContact
+from linkages.components.contributed.contacts import (
+    Contact,
+    CornerAtWall,
+    Film,
+    NormalForce,
+    PinInHole,
+    RigidContact,
+)
 from linkages.components.contributed.functions import FIRST, Internal, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
+from linkages.equations.films import FilmForces
 from linkages.equations.laws import Select, law_of
 from linkages.equations.loads import Forces
 from linkages.equations.places import Places
@@ -35,7 +44,7 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
         normal = contact.normal
         if isinstance(normal, RigidContact):
             why = "impacts change rates at once, by no force"
-        elif FIRST in leaves(normal.force):
+        elif isinstance(normal, NormalForce) and FIRST in leaves(normal.force):
             why = "the force depends on the rate at which each contact began"
         else:
             continue
@@ -69,7 +78,12 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     definitions: list[Definition] = []
     total: Forces = {}
     for contact in mechanism.contacts:
-        own = _Contact(contact, mechanism, symbols, places)
+        about = mechanism, symbols, places
+        own: _Contact | FilmForces
+        if isinstance(contact.normal, Film):
+            own = FilmForces(contact, contact.normal, *about)
+        else:
+            own = _Contact(contact, *about)
         definitions += own.definitions
         for q, rate in symbols.rates.items():
             total[q] = total.get(q, sp.S.Zero) + own.along(rate)
@@ -86,8 +100,17 @@ def _picked(*values: sp.Expr) -> Callable[[Measured | Internal], sp.Expr]:
     return value
 
 
+class _Gap(NamedTuple):
+    """What tells whether two bodies touch, the indentation, its rate, and slip."""
+
+    touch: sp.Expr
+    depth: sp.Expr
+    rate: sp.Expr
+    slip: sp.Expr
+
+
 class _Contact:
-    """One contact; where its gap is open the distance counts as its size: nothing is 0/0."""
+    """One contact."""
 
     def __init__(
         self, contact: Contact, mechanism: Mechanism, symbols: Symbols, places: Places
@@ -96,38 +119,60 @@ class _Contact:
         self.definitions: list[Definition] = []
         normal, name = contact.normal, contact.name
         assert isinstance(normal, NormalForce)
-        x, y = (symbols.coordinates[axis] for axis in contact.axes)
-        dx, dy = symbols.rates[x], symbols.rates[y]
-        size, radius = symbols.parameter(contact.size), symbols.parameter(contact.pin_radius)
-        touch = x**2 + y**2 - size**2
-        apart = self._define("D", name, Select(touch, sp.sqrt(x**2 + y**2), size))
-        other = mechanism.carrier(contact.joint)
-        bodies = (other, contact.body) if contact.hole else (contact.body, other)
-        pin, hole = map(self._turning, bodies)
-        self._deepening = (x * dx + y * dy) / apart
-        self._slip = (x * dy - y * dx) / apart + radius * pin - (radius + apart) * hole
-        measured = _picked(apart - size, self._define("v", name, self._deepening))
+        match contact.geometry:
+            case PinInHole():
+                gap = self._pin(contact.geometry, mechanism.carrier(contact.geometry.joint))
+            case CornerAtWall():
+                gap = self._corner(contact.geometry, name)
+            case _:
+                assert_never(contact.geometry)
+        self._deepening, self._slip = gap.rate, gap.slip
+        measured = _picked(gap.depth, self._define("v", name, gap.rate))
         force = law_of(normal.force, symbols, measured)
         if normal.pressing is not None:
             force = Select(law_of(normal.pressing, symbols, measured), force, sp.S.Zero)
-        self._force = self._define("N", name, Select(touch, force, sp.S.Zero))
+        self._force = self._define("N", name, Select(gap.touch, force, sp.S.Zero))
         self._friction: sp.Expr = sp.S.Zero
         if contact.friction is not None:
             slip = self._define("w", name, self._slip)
-            part = law_of(contact.friction.coefficient, symbols, _picked(slip, slip))
+            part = law_of(contact.friction, symbols, _picked(slip, slip))
             self._friction = self._define("F", name, self._force * part)
+
+    def _pin(self, pin: PinInHole, other: str | None) -> _Gap:
+        """Where the gap is open the distance counts as its size: nothing is 0/0."""
+        symbols = self._symbols
+        x, y = (symbols.coordinates[axis] for axis in pin.axes)
+        dx, dy = symbols.rates[x], symbols.rates[y]
+        size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
+        touch = x**2 + y**2 - size**2
+        apart = self._define("D", pin.clearance, Select(touch, sp.sqrt(x**2 + y**2), size))
+        bodies = (other, pin.body) if pin.hole else (pin.body, other)
+        of_pin, of_hole = map(self._places.turning, bodies)
+        slip = (x * dy - y * dx) / apart + radius * of_pin - (radius + apart) * of_hole
+        return _Gap(touch, apart - size, (x * dx + y * dy) / apart, slip)
+
+    def _corner(self, corner: CornerAtWall, name: str) -> _Gap:
+        """A corner of a block and a wall of its guide."""
+        symbols, play = self._symbols, corner.play
+        across, tilt = (symbols.coordinates[own] for own in (play.offset, play.tilt))
+        half = (
+            side * symbols.parameter(size) / 2
+            for side, size in ((corner.along, corner.length), (corner.across, corner.height))
+        )
+        arm = sp.rot_ccw_axis3(tilt)[:2, :2] * sp.Matrix([*half])
+        wall = symbols.parameter(corner.height) / 2 + symbols.parameter(corner.size)
+        depth = self._define("D", name, corner.across * (across + arm[1]) - wall)
+        slid = self._rate(self._places.coordinate(play.slider) + arm[0])
+        return _Gap(depth, depth, corner.across * self._rate(across + arm[1]), slid)
 
     def _define(self, letter: str, name: str, value: sp.Expr) -> sp.Symbol:
         symbol = self._symbols.define(letter, name)
         self.definitions.append(Definition(symbol, value))
         return symbol
 
-    def _turning(self, body: str | None) -> sp.Expr:
-        """Angular speed of a body (None: the ground)."""
-        if body is None:
-            return sp.S.Zero
-        angle = self._places.orientation(body)
-        return sp.Add(*(sp.diff(angle, q) * rate for q, rate in self._symbols.rates.items()))
+    def _rate(self, value: sp.Expr) -> sp.Expr:
+        """Rate of a function of the coordinates."""
+        return sp.Add(*(sp.diff(value, q) * rate for q, rate in self._symbols.rates.items()))
 
     def along(self, rate: sp.Symbol) -> sp.Expr:
         """Work of both forces per unit of a coordinate with this rate."""

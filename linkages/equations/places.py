@@ -65,6 +65,13 @@ class Places:
             return carrier + self._angle(guide.angle, whole_turns=False)
         return self.coordinate(name)
 
+    def turning(self, name: str | None) -> sp.Expr:
+        """Angular speed of a body (None: the ground)."""
+        if name is None:
+            return sp.S.Zero
+        angle = self.orientation(name)
+        return sp.Add(*(sp.diff(angle, q) * rate for q, rate in self._symbols.rates.items()))
+
     def coordinate(self, name: str) -> sp.Expr:
         """A body's own coordinate: its angle in radians, or its displacement in metres."""
         if name in self._topology.slaves:

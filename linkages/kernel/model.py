@@ -11,8 +11,8 @@ from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
-from linkages.kernel.forces.contacts import ContactNodes
-from linkages.kernel.forces.impacts import contact_nodes
+from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.across_gaps import gap_nodes
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
@@ -116,9 +116,9 @@ class Model:
         return self.sensed[found.measure].measured(found.order)
 
     @cached_property
-    def contacts(self) -> list[ContactNodes]:
+    def contacts(self) -> list[GapNodes]:
         """What presses in clearances that open."""
-        return [contact_nodes(self, contact) for contact in self.mechanism.contacts]
+        return [gap_nodes(self, contact) for contact in self.mechanism.contacts]
 
     @property
     def acting(self) -> list[Acting]:
@@ -263,6 +263,13 @@ class Model:
         return self.changes[: len(self.topology.free)]
 
     @cached_property
+    def unheld(self) -> Accelerations:
+        """The accelerations as if no rigid contact pressed."""
+        return self._accelerations(
+            dict(zip(self.topology.free, self.unheld_accelerations, strict=True))
+        )
+
+    @cached_property
     @section("accelerations of the free coordinates")
     def changes(self) -> list[Scalar]:
         """Second derivatives of the free coordinates, then the rates of internal states."""
@@ -285,7 +292,10 @@ class Model:
         Springs are left out: what they store is in the potential energy.
         """
         free = dict(zip(self.topology.free, self.free_accelerations, strict=True))
-        return self._driven_power(self._accelerations(free)) + self.load_power
+        found = self._driven_power(self._accelerations(free)) + self.load_power
+        if not self.switches.equivalent:
+            return found
+        return found + self.switches.held(self.driven_power + self.load_power)
 
     @property
     def driven_power(self) -> Scalar:

@@ -140,8 +140,13 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
     if dim in LOADS:
         return tuple(load.label for load in model.loads if load.dimension == dim)
     if dim == "clearance":
-        return tuple(term.name for term in model.mechanism.displacements)
-    kinds = {"bar": ("bar", "plate"), "slider": ("slider",), "offset": ("offset",)}[dim]
+        return model.mechanism.clearance_names
+    kinds = {
+        "bar": ("bar", "plate"),
+        "slider": ("slider",),
+        "offset": ("offset",),
+        "tilt": ("tilt",),
+    }[dim]
     return tuple(n for n, body in model.mechanism.bodies.items() if body.kind in kinds)
 
 

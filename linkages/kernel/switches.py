@@ -282,6 +282,16 @@ class Switches:
             for change, row in zip(changes, effects, strict=True)
         ]
 
+    def held(self, value: Scalar) -> Scalar:
+        """What forces that hold a motion where it sticks add to something affine in the modes.
+
+        The accelerations, which are inputs of it, have been built.
+        """
+        modes = [self._model.inputs.mode(number) for number in self.equivalent]
+        (slopes,) = derivative([value], modes)
+        pairs = zip(slopes, self.equivalent.values(), strict=True)
+        return self._model.graph.total(slope * found for slope, found in pairs)
+
     @property
     def nodes(self) -> list[Scalar]:
         """All that changes of modes depend on."""

@@ -33,7 +33,7 @@ def _of_clearances(order: int) -> Callable[[Model], list[Scalar]]:
     )[order]
 
     def nodes(model: Model) -> list[Scalar]:
-        turned = {nodes.contact.name: nodes.turned(order) for nodes in model.contacts}
+        turned = {nodes.contact.name: nodes.gap.turned(order) for nodes in model.contacts}
         names = labels(model, "clearance")
         return [turned[name] if name in turned else of_link(model, name) for name in names]
 

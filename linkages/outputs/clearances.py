@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from linkages.kernel.forces.contacts import ContactNodes
+from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 
 
-def _contacts(model: Model) -> dict[str, ContactNodes]:
+def _contacts(model: Model) -> dict[str, GapNodes]:
     return {nodes.contact.name: nodes for nodes in model.contacts}
 
 
@@ -22,27 +22,39 @@ def _vectors(field: str) -> Callable[[Model], list[Scalar]]:
     """From the joint to the displaced point, or the rate of that."""
 
     def nodes(model: Model) -> list[Scalar]:
-        found, contacts = [], _contacts(model)
-        for term in model.mechanism.displacements:
-            if term.name in contacts:
-                own = contacts[term.name]
-                vector = own.offset if field == "positions" else own.offset_rate(model.velocities)
+        contacts = _contacts(model)
+        links = {term.name: term for term in model.mechanism.displacements}
+        found: list[Vector] = []
+        for name in labels(model, "clearance"):
+            if name in contacts:
+                own = contacts[name].gap
+                found.append(
+                    own.offset if field == "positions" else own.offset_rate(model.velocities)
+                )
             else:
                 points: dict[str, Vector] = getattr(model, field).joints
-                vector = points[term.renamed] - points[term.joint]
-            found += [vector.x, vector.y]
-        return found
+                found.append(points[links[name].renamed] - points[links[name].joint])
+        return [value for vector in found for value in (vector.x, vector.y)]
 
     return nodes
 
 
-def _scalars(value: Callable[[ContactNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
+def _scalars(value: Callable[[GapNodes], Scalar]) -> Callable[[Model], list[Scalar]]:
     """One value of each clearance that opens, and zero of the others."""
 
     def nodes(model: Model) -> list[Scalar]:
         contacts = _contacts(model)
         names = labels(model, "clearance")
         return [value(contacts[n]) if n in contacts else model.graph.zero for n in names]
+
+    return nodes
+
+
+def _tilts(field: str) -> Callable[[Model], list[Scalar]]:
+    def nodes(model: Model) -> list[Scalar]:
+        if field == "positions":
+            return [model.positions.angle(name) for name in labels(model, "tilt")]
+        return [getattr(model, field).bodies[name] for name in labels(model, "tilt")]
 
     return nodes
 
@@ -67,7 +79,7 @@ OUTPUTS = {
     ),
     "clearance_indentation": Variable(
         ("clearance",), "m", "indentation, negative where the gap is open",
-        _scalars(lambda contact: contact.indentation),
+        _scalars(lambda contact: contact.gap.indentation),
         default=True, opening=True, rate="clearance_indentation_rate",
     ),
     "clearance_indentation_rate": Variable(
@@ -80,7 +92,7 @@ OUTPUTS = {
     ),
     "clearance_slip": Variable(
         ("clearance",), "m/s", "velocity of slip of the pin in its hole",
-        _scalars(lambda contact: contact.slip(contact.model.velocities)),
+        _scalars(lambda contact: contact.gap.slip(contact.model.velocities)),
         default=True, opening=True, smooth=False,
     ),
     "clearance_normal_loss": Variable(
@@ -100,4 +112,11 @@ OUTPUTS = {
         coordinate=True, rate="offset_rate",
     ),
     "offset_rate": Variable(("offset",), "m/s", "rate of an offset", _offsets("velocities")),
+    "tilt_angle": Variable(
+        ("tilt",), "rad", "angle of a block in its guide", _tilts("positions"),
+        coordinate=True, rate="tilt_speed",
+    ),
+    "tilt_speed": Variable(
+        ("tilt",), "rad/s", "angular speed of a block in its guide", _tilts("velocities"),
+    ),
 }  # fmt: skip

@@ -30,7 +30,7 @@ def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> di
     plain = [name for name in names if not VARIABLES[name].whole]
     found = {}
     for event, met in crossings.items():
-        motion = Motion(pieces=tuple(_accelerated(piece) for piece in met.pieces))
+        motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
         values = evaluate_variables(motion, plain)
         if REACTION in names:
             values[REACTION] = joint_reactions(motion)
@@ -40,7 +40,7 @@ def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> di
     return found
 
 
-def _accelerated(piece: Piece) -> Piece:
+def accelerated(piece: Piece) -> Piece:
     """A piece with the accelerations that follow from its states."""
     if piece.samples is not None or not len(piece.acceleration):
         return piece

@@ -50,15 +50,21 @@ def save_events(times: Mapping[str, NDArray[np.float64]], path: Path) -> Path:
 
 def save_netcdf(data: xr.Dataset, path: Path) -> Path:
     """Write a dataset as NetCDF 4: into memory first, for HDF5 does not survive a full disk."""
+    content = netcdf_bytes(data)
+    with replaced(path) as temporary:
+        temporary.write_bytes(content)
+    return path
+
+
+def netcdf_bytes(data: xr.Dataset) -> memoryview:
+    """A dataset as NetCDF 4: equal datasets have equal bytes."""
     import h5netcdf
     from xarray.backends import H5NetCDFStore
 
     memory = io.BytesIO()
     with closing(H5NetCDFStore(h5netcdf.File(memory, "w"))) as store:
         data.dump_to_store(store)
-    with replaced(path) as temporary:
-        temporary.write_bytes(memory.getbuffer())
-    return path
+    return memory.getbuffer()
 
 
 def stamp(path: Path, attributes: Mapping[str, str]) -> None:

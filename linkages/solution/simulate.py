@@ -101,7 +101,7 @@ def simulate(
         watch=watch,
         events=parse_events(system, events or {}),
     )
-    _require_inertia(system)
+    require_inertia(system)
     notes = [*assumptions(system), *doubts(mechanism)]
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is found at the end
         motion = compute_motion(system, settings)
@@ -134,7 +134,7 @@ def simulate(
     return solution
 
 
-def _require_inertia(system: System) -> None:
+def require_inertia(system: System) -> None:
     """A free coordinate whose motion moves no mass has no equation of motion.
 
     Raises

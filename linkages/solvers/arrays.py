@@ -9,19 +9,27 @@ from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
-    KEEP,
-    NODE,
-    STEP_END,
+    ACTIVE,
+    END,
+    FRAME,
+    PACE,
+    RTOL,
     WORD,
+    Control,
     Nodes,
     Record,
     System,
+    T,
     Table,
     Tangents,
 )
 
+BEGIN_MOTION = Loaded("linkages.solvers.loops.adaptive_steps", "begin_motion")
+CONCLUDE_STEP = Loaded("linkages.solvers.loops.adaptive_steps", "conclude_step")
 WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
 
 
@@ -37,6 +45,7 @@ class Memory:
     def __init__(self) -> None:
         self.arrays: list[NDArray] = []
         self.copies: list[tuple[int, int]] = []
+        self.codes: list[object] = []
 
     def floats(self, values: object) -> int:
         """Address of numbers as float64."""
@@ -46,24 +55,47 @@ class Memory:
         """Address of numbers as int64."""
         return self._keep(np.ascontiguousarray(values, dtype=np.int64))
 
+    def keep(self, code: object) -> None:
+        """Keep functions alive as well."""
+        self.codes.append(code)
+
     def _keep(self, array: NDArray) -> int:
         self.arrays.append(array)
         return array.ctypes.data
 
 
-def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
-    """Addresses and numbers of a job's flow, with room for what its clock writes."""
-    flow = job.flow
+def system(
+    memory: Memory, job: Job, rows: NDArray[np.float64], tableau: Tableau, gain: float = 0.0
+) -> System:
+    """Addresses and numbers of a job's flow, with room for what its clock writes.
+
+    `gain` is that of the control of steps, see `linkages.solvers.printed.control.next_factor`.
+    """
+    flow, code = job.flow, compiled_step(tableau, Shape.of(job.flow), gain)
+    memory.keep(code)
     # what is held stands behind the parameters proper
-    parameters = memory.floats(job.parameters)
+    parameters, pace = memory.floats(job.parameters), np.zeros(PACE)
+    pace[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
+    frame = {
+        "clock": flow.clock,
+        "rates": flow.rates,
+        "parameters": parameters,
+        "timed": memory.floats(np.zeros(flow.timed_size)),
+        "rows": memory.floats(rows),
+        "pace": memory.floats(pace),
+        "atol": memory.floats(job.atol),
+        "scale": memory.floats(flow.margin_scale),
+        "smallest": memory.floats(flow.smallest_margins),
+        "turns": memory.integers(job.final_turns),
+    }
     return System(
         clock=flow.clock,
         rates=flow.rates,
         parameters=parameters,
-        timed=memory.floats(np.zeros(flow.timed_size)),
+        timed=frame["timed"],
         rotates=memory.integers(flow.rotates),
-        margin_scale=memory.floats(flow.margin_scale),
-        smallest_margins=memory.floats(flow.smallest_margins),
+        margin_scale=frame["scale"],
+        smallest_margins=frame["smallest"],
         n=flow.coordinates,
         blocks=len(flow.margin_scale),
         first_carried=flow.first_carried,
@@ -72,8 +104,26 @@ def system(memory: Memory, job: Job, rows: NDArray[np.float64]) -> System:
         backward=int(job.end < job.start),
         holding=flow.held,
         held=parameters + WORD * (len(job.parameters) - flow.held),
-        rows=memory.floats(rows),
+        rows=frame["rows"],
         width=rows.shape[1],
+        frame=memory.integers([frame[name] for name in FRAME]),
+        pace=frame["pace"],
+        attempt=code.address("attempt"),
+        further=code.address("further"),
+    )
+
+
+def control(memory: Memory, job: Job, tableau: Tableau, gain: float) -> Control:
+    """What an adaptive loop needs beside the rest."""
+    code = compiled_step(tableau, Shape.of(job.flow), gain)
+    return Control(
+        advance=code.address("advance"),
+        begin=BEGIN_MOTION.address,
+        conclude=CONCLUDE_STEP.address,
+        atol=memory.floats(job.atol),
+        zeros=memory.floats(np.zeros(len(job.state))),
+        order=tableau.error_order,
+        budget=job.max_steps,
     )
 
 
@@ -94,17 +144,11 @@ def table(memory: Memory, tableau: Tableau, flow: Flow) -> Table:
     A, end = tableau.extended_A, tableau.stages
     rows, columns = np.nonzero(A)
     width = workspace_width(flow)
-    # Missing error estimates are rows of zeros.
-    error = np.zeros((2, end + 1))
-    if tableau.error.size:
-        error[: len(tableau.error)] = tableau.error
     return Table(
         starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
         places=memory.integers(columns * width + flow.coordinates),
         weights=memory.floats(A[rows, columns]),
-        clocks=memory.integers(_clocks(tableau)),
         c=memory.floats(tableau.extended_c),
-        error=memory.floats(error),
         dense=memory.floats(tableau.dense),
         rows=len(A),
         end=end,
@@ -131,17 +175,6 @@ def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
         next_carry=memory.floats(np.zeros(2 * n)),
         held=memory.floats(np.zeros(2 * n)),
     )
-
-
-def _clocks(tableau: Tableau) -> NDArray[np.int64]:
-    """When each row is evaluated; see `views.KEEP`."""
-    c = tableau.extended_c
-    clocks = np.where(c == 1.0, STEP_END, NODE)
-    clocks[1:][c[1:] == c[:-1]] = KEEP
-    # Before these rows, samples or another trial may have moved the clock.
-    for row in (1, tableau.stages + 1):
-        clocks[row : row + 1][c[row : row + 1] < 1.0] = NODE
-    return clocks
 
 
 def record(memory: Memory, job: Job, system: System) -> Record:

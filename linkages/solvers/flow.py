@@ -140,6 +140,9 @@ class Flow:
         Compiles the derivatives of the accelerations; called by methods that need them.
     switching
         Modes that change on the way; None if there are none.
+    wide
+        Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
+        behind the arguments; None if there are no such functions.
     """
 
     clock: int
@@ -156,6 +159,7 @@ class Flow:
     keepalive: object = None
     linearise: Callable[[], Companion] | None = None
     switching: Switching | None = None
+    wide: Callable[[int], Companion] | None = None
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

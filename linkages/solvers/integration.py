@@ -7,6 +7,8 @@ import logging
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +20,7 @@ from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import Method
 from linkages.solvers.methods.named import METHODS
+from linkages.solvers.outcome import Outcome
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
@@ -28,7 +31,77 @@ LOGGER = logging.getLogger(__name__)
 LEAST_RTOL = 1e-14
 
 
+@dataclass(frozen=True, eq=False)
+class Request:
+    """An integration that is asked for, after validation.
+
+    Parameters
+    ----------
+    method, choice
+        How it is to be integrated, and why so.
+    job
+        What is asked for.
+    """
+
+    method: Method
+    choice: Choice
+    job: Job
+
+    def trajectory(self, outcome: Outcome) -> Trajectory:
+        """The results, once the loop has returned."""
+        return self.job.trajectory(outcome, self.choice)
+
+
 def integrate(
+    flow: Flow,
+    state: ArrayLike,
+    times: ArrayLike,
+    *,
+    watch: Callable[[float], None] | None = None,
+    **options: Any,
+) -> Trajectory:
+    """Integrate the equations of motion and sample the motion at given times.
+
+    Parameters
+    ----------
+    flow, state, times, options
+        As `request` takes them.
+    watch
+        Called about 20 times a second, and once at the end, with the fraction of simulated time
+        that is done.
+
+    Returns
+    -------
+    Trajectory
+        Samples and how the integration ended; a failure is no exception but an `Outcome`.
+
+    Raises
+    ------
+    ValueError
+        For arguments that make no sense.
+    """
+    return carry_out(request(flow, state, times, **options), watch)
+
+
+def carry_out(asked: Request, watch: Callable[[float], None] | None = None) -> Trajectory:
+    """Integrate what is asked for; see `integrate`."""
+    job, clock = asked.job, time.perf_counter()
+    loop = asked.method.prepare(job)
+
+    def look() -> None:
+        if watch is not None:
+            watch(job.fraction)
+
+    result, interrupted = supervise(loop, job.stop, look)
+    found = asked.trajectory(Outcome.INTERRUPTED if interrupted else Outcome(result))
+    LOGGER.info(
+        "%s from t = %g s to %g s: %d evaluations, %.2f s",
+        found.method, job.start, job.end, found.evaluations, time.perf_counter() - clock,
+    )  # fmt: skip
+    return found
+
+
+def request(
     flow: Flow,
     state: ArrayLike,
     times: ArrayLike,
@@ -43,9 +116,8 @@ def integrate(
     angles: NDArray[np.float64] | None = None,
     tangents: Renormalisation | None = None,
     holds: NDArray[np.float64] | None = None,
-    watch: Callable[[float], None] | None = None,
-) -> Trajectory:
-    """Integrate the equations of motion and sample the motion at given times.
+) -> Request:
+    """Ask for an integration of the equations of motion.
 
     Parameters
     ----------
@@ -78,14 +150,6 @@ def integrate(
         Which coordinates are tangents, and after how many samples each time they are renormalised.
     holds : (h,)
         Modes and what is remembered at the start, of a flow that has modes.
-    watch
-        Called about 20 times a second, and once at the end, with the fraction of simulated time
-        that is done.
-
-    Returns
-    -------
-    Trajectory
-        Samples and how the integration ended; a failure is no exception but an `Outcome`.
 
     Raises
     ------
@@ -117,13 +181,7 @@ def integrate(
         tangents=tangents,
         holds=_holds(flow, holds, chosen),
     )
-    clock = time.perf_counter()
-    found = job.trajectory(supervise(chosen, job, watch), choice)
-    LOGGER.info(
-        "%s from t = %g s to %g s: %d evaluations, %.2f s",
-        choice.name, begin, samples[-1], found.evaluations, time.perf_counter() - clock,
-    )  # fmt: skip
-    return found
+    return Request(chosen, choice, job)
 
 
 def _method(name: str) -> Method:

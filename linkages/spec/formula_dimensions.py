@@ -21,7 +21,7 @@ Powers: TypeAlias = dict[str, Fraction]
 
 PURE: Powers = {}
 _ALIKE = ("add", "sub", "min", "max", "where", "atan2")
-_TIME: Powers = {"second": Fraction(1)}
+TIME: Powers = {"second": Fraction(1)}
 _SYMBOLS = {"meter": "m", "kilogram": "kg", "second": "s", "kelvin": "K", "ampere": "A"}
 
 
@@ -87,11 +87,11 @@ class _Measuring:
                     return powers(found)
                 return None if value == 0.0 else PURE
             case Clock():
-                return _TIME
+                return TIME
             case Sensed():
                 return powers(unit(self._unit_of(node)))
             case Call("power", (base, Constant(exponent))):
-                return _raised(self.of(base), Fraction(int(exponent)))
+                return raised(self.of(base), Fraction(int(exponent)))
             case Call(name, arguments, _, span):
                 return self._called(name, arguments, span)
             case _:
@@ -108,16 +108,16 @@ class _Measuring:
                 first, second = found
                 if first is None or second is None:
                     return None
-                return _times(first, _raised(second, Fraction(1 if name == "mul" else -1)) or PURE)
+                return times(first, raised(second, Fraction(1 if name == "mul" else -1)) or PURE)
             case "sqrt":
-                return _raised(found[0], Fraction(1, 2))
+                return raised(found[0], Fraction(1, 2))
             case _ if name in _ALIKE:
                 alike = self._alike(found[1:] if name == "where" else found, span)
                 return PURE if name == "atan2" else alike
         for argument in found:
             if argument:
                 message = f"{name!r} takes an angle or a pure number, found {described(argument)}"
-                hint = "; multiply it by a rate, such as 2 rad/s" if argument == _TIME else ""
+                hint = "; multiply it by a rate, such as 2 rad/s" if argument == TIME else ""
                 raise NumberError(f"{message} in {self._at(span)}{hint}", at=span[0])
         return PURE
 
@@ -133,18 +133,20 @@ class _Measuring:
         return repr(self._text[slice(*span)].strip())
 
 
-def _raised(found: Powers | None, exponent: Fraction) -> Powers | None:
+def raised(found: Powers | None, exponent: Fraction) -> Powers | None:
+    """The dimension of a power."""
     return None if found is None else {base: power * exponent for base, power in found.items()}
 
 
 def product(first: Powers, *others: tuple[Powers, int]) -> Powers:
     """A dimension times whole powers of others."""
     for other, exponent in others:
-        first = _times(first, _raised(other, Fraction(exponent)) or PURE)
+        first = times(first, raised(other, Fraction(exponent)) or PURE)
     return first
 
 
-def _times(first: Powers, second: Powers) -> Powers:
+def times(first: Powers, second: Powers) -> Powers:
+    """The dimension of a product."""
     total = {base: first.get(base, Fraction(0)) + second.get(base, Fraction(0))
              for base in dict.fromkeys((*first, *second))}  # fmt: skip
     return {base: power for base, power in total.items() if power}

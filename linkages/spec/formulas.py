@@ -129,7 +129,7 @@ def formula(text: str, refused: str = "") -> Formula:
     # Printed formulas carry U+2212; it means nothing else.
     plain = text.replace("−", "-")
     try:
-        tree, end = parsed(plain, _Trees(refused))
+        tree, end = parsed(plain, FormulaTrees(refused))
         if isinstance(tree, Call) and tree.name in _ORDER:
             raise _misplaced(tree)
         if end < len(plain.rstrip()):
@@ -146,27 +146,34 @@ def formula(text: str, refused: str = "") -> Formula:
 _ORDER = ("<", "<=", ">", ">=")
 
 
-class _Trees(Builder[Node]):
+class FormulaTrees(Builder[Node]):
+    """Builds trees; `refused` is as `formula` takes it."""
+
     longest: ClassVar[int] = LONGEST
 
     def __init__(self, refused: str) -> None:
         self._refused = refused
 
     @property
-    def functions(self) -> Mapping[str, int]:
+    def functions(self) -> Mapping[str, int | tuple[int, ...]]:
+        """Functions of formulas."""
         return {**formula_functions(), "rate": 1}
 
     @property
     def named(self) -> Mapping[str, int]:
+        """What is called with two names."""
         return CALLED
 
     def number(self, value: float) -> Node:
+        """A literal."""
         return Constant(Numbers().number(value))
 
     def unit_end(self, text: str, at: int) -> int:
+        """Where a unit ends."""
         return unit_end(text, at)
 
     def measured(self, value: float, unit: str) -> Node:
+        """A literal with its unit."""
         try:
             found = _unit(unit)
         except UnitError as error:
@@ -174,6 +181,7 @@ class _Trees(Builder[Node]):
         return Constant(Numbers().number(found.convert(value)), found)
 
     def word(self, word: str) -> Node | None:
+        """The time, or a constant."""
         if word == "t":
             return Clock()
         if word in CONSTANTS:
@@ -182,6 +190,7 @@ class _Trees(Builder[Node]):
         raise NumberError(f"unknown name {word!r}", f"; expected t or pi{hint}")
 
     def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Node:
+        """A quantity of the mechanism."""
         called = word in CALLED and len(names) > 1
         written = f"{word}({', '.join(names)})" if called else ".".join((*names, word))
         if word in _LATER:
@@ -196,6 +205,7 @@ class _Trees(Builder[Node]):
         return Sensed(word, names, span=span)
 
     def operation(self, name: str, arguments: tuple[Node, ...], span: Span = (0, 0)) -> Node:
+        """A call, or the number that it is."""
         if name == "where":
             return self._where(arguments, span)
         for argument in arguments:

@@ -6,12 +6,13 @@ Nothing is ever evaluated as code. With the precedence of Python::
     product  = signed {("*" | "/") signed}
     signed   = ("+" | "-") signed | power
     power    = atom ["**" signed]
-    atom     = NUMBER [UNIT] | WORD | name "." WORD | call | "(" sum ")"
+    atom     = NUMBER [UNIT] | WORD | SERIES | name "." WORD | call | "(" sum ")"
     call     = WORD "(" argument {"," argument} ")" | WORD "(" name {"," name} ")"
     argument = sum [("<=" | ">=" | "<" | ">") sum]
     name     = WORD | "'" TEXT "'" | '"' TEXT '"'
 
-Units, names and calls stand in formulas only; see `linkages.spec.formulas`.
+Units, names and calls stand in formulas only, see `linkages.spec.formulas`, and the names of series
+in measures only, see `linkages.spec.measures`.
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ class Builder(ABC, Generic[Value]):
     longest: ClassVar[int] = 200
 
     @property
-    def functions(self) -> Mapping[str, int]:
-        """Names that may be called, with their numbers of arguments."""
+    def functions(self) -> Mapping[str, int | tuple[int, ...]]:
+        """Names that may be called, with their numbers of arguments, all that are possible."""
         return {}
 
     @property
@@ -79,6 +80,14 @@ class Builder(ABC, Generic[Value]):
     def unit_end(self, text: str, at: int) -> int:  # noqa: ARG002
         """Return where a unit ends that stands behind a number at an index: there without one."""
         return at
+
+    def series_end(self, text: str, at: int) -> int:  # noqa: ARG002
+        """Return where the name of a series ends that begins at an index: there without one."""
+        return at
+
+    def series(self, name: str, span: Span) -> Value:
+        """Return what the name of a series stands for, where `series_end` finds one."""
+        raise NumberError(f"unknown name {name!r}", at=span[0])
 
     def measured(self, value: float, unit: str) -> Value:
         """Return the value of a literal with a unit, where `unit_end` finds one."""
@@ -151,6 +160,10 @@ class _Reader(Generic[Value]):
             value = self.sum()
             self._close()
             return value
+        if (end := self.builder.series_end(self.text, start)) > start:
+            self.at = end
+            self._skip()
+            return self.builder.series(self.text[start:end], (start, end))
         if self.builder.named and (name := self._name(followed=".")) is not None:
             return self._quantity(name, start)
         if word := self._match(_WORD):
@@ -239,9 +252,10 @@ class _Reader(Generic[Value]):
             raise self._expected("a name")
         return name
 
-    def _count(self, word: str, start: int, count: int, found: int) -> None:
-        if found != count:
-            wanted = f"{count} argument{'s' if count > 1 else ''}"
+    def _count(self, word: str, start: int, count: int | tuple[int, ...], found: int) -> None:
+        counts = (count,) if isinstance(count, int) else count
+        if found not in counts:
+            wanted = f"{' or '.join(map(str, counts))} argument{'s' if max(counts) > 1 else ''}"
             raise NumberError(f"{word!r} takes {wanted}, found {found}", at=start)
 
     def _argument(self) -> Value:

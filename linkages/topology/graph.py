@@ -20,10 +20,11 @@ def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
 def single_joints(mechanism: Mechanism) -> dict[str, str]:
     """Joint that one body has only → that body; a ground joint that none uses is not one.
 
-    Nor is a joint whose other body a clearance has displaced.
+    Nor is a joint whose other body a clearance has displaced, or a place on the axis of a block.
     """
     meeting = bodies_at(mechanism).items()
     left = {term.joint for term in mechanism.displacements} | {GROUND}
+    left |= {play.slider for play in mechanism.plays}
     return {j: first for j, (first, *others) in meeting if not others and not left & {j, first}}
 
 

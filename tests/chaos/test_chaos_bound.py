@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import linkages
-from linkages.chaos.sweeps.sweep import Threads
 from linkages.kernel.varying import Varying
+from linkages.sweeps.running import Threads
 
 GAP = {"clearances": {"gap": {"joint": "B", "bar": "rod", "size": "0.1 mm"}}}
 SIZES = {"clearances.gap.size": [1e-4, 2e-4, 4e-4]}

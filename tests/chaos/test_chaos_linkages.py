@@ -12,8 +12,6 @@ from linkages.chaos.growth.exponents import FURTHEST_APART, lyapunov_spectrum
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.contact import contact_check
 from linkages.chaos.sweeps.maps import chaos_map
-from linkages.chaos.sweeps.sweep import Threads, sweep
-from linkages.chaos.sweeps.varied import parse_range, together
 from linkages.chaos.verdicts.report import verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError
@@ -25,6 +23,8 @@ from linkages.reading.document import parse
 from linkages.solution.values.surface import parse_section
 from linkages.solvers.methods.foreign import caller
 from linkages.solvers.methods.named import FIXED_STEP_METHODS, METHODS
+from linkages.sweeps.axes import parse_range, together
+from linkages.sweeps.running import Threads, sweep
 
 # The starts of the reproduction: θ1 = 15°, θ4 = 150°, at rest in the clearance.
 START = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}

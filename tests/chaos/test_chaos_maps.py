@@ -6,9 +6,9 @@ import pytest
 import linkages
 from linkages.chaos.growth.exponents import Exponents
 from linkages.chaos.sweeps.maps import sign_of
-from linkages.chaos.sweeps.varied import parse_range, together
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
+from linkages.sweeps.axes import parse_range, together
 
 # θ'' = −sin θ, so that what turns over is known; the torque of nothing gives it a period.
 FREE = """\

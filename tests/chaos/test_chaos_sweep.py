@@ -7,11 +7,11 @@ import pytest
 
 import linkages
 from linkages.chaos.sweeps.maps import chaos_map
-from linkages.chaos.sweeps.sweep import Threads, reason_of
-from linkages.chaos.sweeps.varied import parse_range
 from linkages.components.mechanisms.definition import from_document
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.reading.document import parse
+from linkages.sweeps.axes import parse_range
+from linkages.sweeps.running import Threads, reason_of
 
 PENDULUM = """\
 name: Driven pendulum

@@ -9,7 +9,6 @@ import pytest
 
 import linkages
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sweeps.sweep import Threads, attempt
 from linkages.chaos.verdicts.evidence import PER_PERIOD
 from linkages.chaos.verdicts.report import tightened, verdict
 from linkages.components.mechanisms.definition import from_document
@@ -17,6 +16,7 @@ from linkages.errors import Interrupted, UnfinishedError
 from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.solution.options import options_of
+from linkages.sweeps.running import Threads, attempt
 
 PENDULUM = """\
 name: Driven pendulum

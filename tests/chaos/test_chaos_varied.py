@@ -6,12 +6,12 @@ import pytest
 
 import linkages
 from linkages.chaos.sweeps.maps import chaos_map
-from linkages.chaos.sweeps.varied import axis, axis_of, parse_range
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.reading.document import parse
 from linkages.reading.paths import dotted
+from linkages.sweeps.axes import axis, axis_of, parse_range
 
 SHIPPED = sorted((Path(__file__).parents[2] / "mechanisms").glob("*.yaml"))
 

@@ -545,3 +545,24 @@ def test_places_of_a_driven_motion_count_as_steps(cli):
     assert "drives turn by 5.73e+04 degrees" in result.err
     assert "max_steps beyond 50000" in result.err
     assert cli("simulate", *fast, "--max-steps", "60000", "--no-figures").code == 0
+
+
+def test_simulate_shows_measures(cli):
+    measures = ["--measure", "stroke(piston.position)", "--measure", "max(abs(B.x reaction))"]
+    none = ["--measure", "1/(max(t) - max(t))"]
+    found = cli("simulate", "slider-crank.yaml", "--no-figures", "--json", *measures, *none)
+    stroke, reaction, undefined = json.loads(found.out)["measures"]
+    assert stroke["value"] == pytest.approx(0.08, rel=1e-11)
+    assert stroke["units"] == "m"
+    assert reaction["units"] == "N"
+    assert reaction["value"] > 0
+    assert undefined["value"] is None
+    assert "divides by zero" in undefined["reason"]
+    assert "Measures" in cli("simulate", "slider-crank.yaml", "--no-figures", *measures).out
+
+
+def test_simulate_refuses_measures_before_it_computes(cli):
+    found = cli("simulate", "slider-crank.yaml", "--measure", "max(crank.efort)")
+    assert found.code == 2
+    assert "did you mean 'effort'" in found.err
+    assert not found.files

@@ -58,7 +58,7 @@ def test_its_offset_has_two_free_coordinates():
     path = ("clearances", "gap")
     assert (x, y) == (Initial("gap.x", 1e-5, 0.1, path), Initial("gap.y", -2e-5, 0.2, path))
     assert isinstance(contact, Contact)
-    assert contact.hole
+    assert contact.geometry.hole
 
 
 def test_another_state_moves_the_offset_alone():

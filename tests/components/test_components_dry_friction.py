@@ -55,6 +55,24 @@ def test_coulombs_oscillator_loses_the_same_way_every_half_cycle():
     assert abs(data.energy_residual.to_numpy()).max() < 1e-8
 
 
+def test_a_drive_works_against_friction_that_holds():
+    """A wheel on a driven arm is carried along: the drive makes half of I ω²."""
+    text = """
+joints: {O: [0, 0]}
+bars:
+  arm: {joints: [O, A], length: 0.1}
+  wheel: {points: {A: [0, 0], P: [0.1, 0]}, mass: 4, center: [0, 0], inertia: 0.02}
+drives: {arm: {law: 0.5*sin(2*pi*t)}}
+free: {wheel: {angle: 0, speed: 3.141592653589793}}
+friction: [{joint: A, torque: 2}]
+"""
+    data = linkages.simulate(linkages.loads(text), end=0.5, samples=51, outputs="all").data
+    angle = 0.5 * np.sin(2 * np.pi * data.time.to_numpy())
+    # friction holds up to 2 N m; 0.02 kg m² need at most 0.4 N m
+    assert data.bar_angle.sel(bar="wheel").to_numpy() == pytest.approx(angle, abs=1e-9)
+    assert abs(data.energy_residual.to_numpy()).max() < 1e-9 * float(data.kinetic_energy.max())
+
+
 def test_it_comes_to_rest_and_breaks_away():
     """It rests at v²·m/(2·F), holds what pulls at it, and slides where that is more than F."""
     text = block(0, 3).replace("stiffness: 50", "stiffness: 0")

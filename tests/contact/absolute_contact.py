@@ -136,7 +136,7 @@ class AbsoluteContact:
         """
         gap, force = self.gaps[k], self.force(k, wall, mode)
         elastic = gap.stiffness * max(wall.rho - gap.size, 0.0) ** gap.exponent
-        along = -gap.friction * force * math.tanh(wall.slip / gap.slip) if gap.friction else 0.0
+        along = -force * gap.rub(wall.slip)
         powers[LOST] += (force - elastic) * wall.speed
         powers[RUBBED] -= along * wall.slip
         side = 1.0 if gap.carries == "pin" else -1.0  # n from hole to pin is side·n

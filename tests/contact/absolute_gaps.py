@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import yaml
 from contact_laws import DAMPING_FACTORS
+from friction_formulas import FORMULAS
 
 UNITS = {"mm": 1e-3, "mm/s": 1e-3, "rpm": math.tau / 60, "deg": math.pi / 180}
+FRICTION = ("friction", "static", "slip", "least_slip", "stribeck_speed")
 FREE, CONTACT, SLACK = "free", "contact", "slack"
 
 
@@ -21,7 +23,7 @@ def number(value: object, default: float = 0.0) -> float:
 
 @dataclass(frozen=True)
 class Gap:
-    """One clearance: F = K dᵖ (1 + factor·d′) in contact, −mu F tanh(slip/vs) along the wall.
+    """One clearance: F = K dᵖ (1 + factor·d′) in contact, and friction along the wall.
 
     Parameters
     ----------
@@ -43,8 +45,8 @@ class Gap:
     least_rate: float
     carries: str
     pin_radius: float
-    friction: float
-    slip: float
+    friction: dict[str, float]
+    friction_law: str
     offset: tuple[float, float]
     rate: tuple[float, float]
 
@@ -54,6 +56,10 @@ class Gap:
         if self.damping:
             return elastic + self.damping * speed
         return elastic * self.factor(speed, first)
+
+    def rub(self, slip: float) -> float:
+        """Friction against the slip over the normal force."""
+        return FORMULAS[self.friction_law](slip, self.friction) if self.friction else 0.0
 
     def factor(self, speed: float, first: float) -> float:
         """The sign of the push, a smooth function at d = 0 as well (not for Kelvin and Voigt)."""
@@ -77,8 +83,8 @@ def gap_of(name: str, entry: dict) -> Gap:
         least_rate=number(entry.get("least_rate")),
         carries=entry.get("carries", "hole"),
         pin_radius=number(entry.get("pin_radius")),
-        friction=number(entry.get("friction")),
-        slip=number(entry.get("slip"), math.inf),
+        friction={key: number(entry[key]) for key in FRICTION if key in entry},
+        friction_law=entry.get("friction_law", "tanh"),
         offset=tuple(number(v) for v in entry.get("offset", (0, 0))),
         rate=tuple(number(v) for v in entry.get("rate", (0, 0))),
     )

@@ -68,11 +68,28 @@ loads: [{slider: piston, force: -200}]
 assembly: {B: [0.18, 0]}
 """
 
+# as large as to hold the offsets of random states
+FILMS = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap: {joint: A, bar: rod, size: 4 m, contact: lubricated, viscosity: 1.3 Pa*s, width: 2 m,
+        carries: pin, pin_radius: 3 m}
+  end: {joint: B, bar: rod, size: 3 m, contact: lubricated-full, viscosity: 0.7, width: 1 m,
+        pin_radius: 2 m}
+free: {crank: {angle: 0.3, speed: 20}}
+assembly: {B: [0.18, 0]}
+"""
+
 KINDS = ("class-three", "parallelogram-free", "planetary", "floating-guides", "scotch-yoke")
 MECHANISMS = {
     "nine-bar": NINE_BAR,
     "plates": PLATES,
     "opens": OPENS,
+    "films": FILMS,
     **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
 }
 

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 PAIRS = {
     kind: (value := coordinate_of(kind), VARIABLES[value].rate)
-    for kind in ("clearance", "offset", "bar", "slider")
+    for kind in ("clearance", "offset", "tilt", "bar", "slider")
 }
 """Kind of free coordinate → outputs of its value and its rate."""
 
@@ -48,6 +48,16 @@ def free_names(system: System) -> dict[str, list[str]]:
     for name in system.topology.free:
         kind = bodies[name].kind
         found.setdefault("bar" if kind in ("bar", "plate") else kind, []).append(name)
+    return found
+
+
+def state_outputs(system: System) -> dict[str, tuple[str, list[str]]]:
+    """Output → its dimension and its elements: coordinates, rates and internal states."""
+    found = {
+        output: (dim, names) for dim, names in free_names(system).items() for output in PAIRS[dim]
+    }
+    if system.topology.internal:
+        found["internal_state"] = ("internal", list(system.topology.internal))
     return found
 
 

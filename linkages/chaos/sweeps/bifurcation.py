@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -15,11 +15,9 @@ from linkages.chaos.growth.lyapunov import run_exponents
 from linkages.chaos.sections.common_period import NoPeriodError
 from linkages.chaos.sections.section import require_section
 from linkages.chaos.sweeps.continuation import End, crossing_points, stroboscopic_points
-from linkages.chaos.sweeps.diagram import Value, diagram
-from linkages.chaos.sweeps.sweep import Executor, Outcome, Progress, per_period, sweep
-from linkages.chaos.sweeps.varied import Axis, Vary, axis_of, coordinates, first_possible
+from linkages.chaos.sweeps.diagram import Value, answer_of, diagram, value_fields
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, InputError, Interrupted
+from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
@@ -27,6 +25,12 @@ from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
+from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
+from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
+from linkages.sweeps.engine import Computed, Ledger, Watch, computed
+from linkages.sweeps.pointwise import refusal_code, stop_code
+from linkages.sweeps.running import Executor, Threads, per_period, stopping
+from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,13 +45,64 @@ Point = tuple[int, Mapping[str, object], End | None]
 """Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
 
 
-@dataclass(frozen=True)
-class _Request:
-    """What is computed at every value."""
+@dataclass(frozen=True, eq=False)
+class _Request(Question):
+    """What is computed at every value, for one initial state after the other."""
 
     varying: Varying
     axis: Axis
+    initial: tuple[Mapping[str, object], ...]
     given: Mapping[str, Any]
+
+    @property
+    def count(self) -> int:
+        """Number of values, for all initial states."""
+        return len(self.axis) * len(self.initial)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What is asked."""
+        return {
+            "analysis": "bifurcation",
+            "paths": list(self.axis.paths),
+            "initial": [dict(state) for state in self.initial],
+            "options": dict(self.given),
+        }
+
+    def numbers(self) -> Floats:
+        """Numbers of all points."""
+        return np.tile(self.axis.values.T, (len(self.initial), 1))
+
+    @cached_property
+    def first(self) -> System:
+        """The system at the first value that has one; what is wrong everywhere shows here."""
+        return self._checked()
+
+    @cached_property
+    def fields(self) -> Mapping[str, Field]:
+        """Points of the section, exponents and forces in clearances."""
+        return value_fields(self.first, self.options.periods)
+
+    def answers(self, first: int, last: int) -> list[Answer]:
+        """What is found at some points, each from the state of the definition."""
+        size = len(self.axis)
+        return [
+            self.answer((place % size, self.initial[place // size], None))[0]
+            for place in range(first, last)
+        ]
+
+    def answer(self, point: Point) -> tuple[Answer, End | None]:
+        """What is found at a value, and where its motion ended."""
+        if stopping():
+            raise KeyboardInterrupt
+        try:
+            value = self.compute(point)
+        except InputError as error:
+            overrides = {**self.axis.at(point[0]), **point[1]}
+            return Answer.of(error, refusal_code(self.varying, overrides)), None
+        except (LinkagesError, ValueError) as error:
+            return Answer.of(error, stop_code(error)), None
+        return answer_of(value, self.options.periods), value.visited.last
 
     @cached_property
     def options(self) -> BifurcationOptions:
@@ -68,10 +123,9 @@ class _Request:
             return before.system(self.at(index, overrides))
         return self.varying.at({**self.axis.at(index), **overrides})
 
-    def checked(self, initial: Sequence[Mapping[str, object]]) -> System:
-        """The system at the first value that has one; what is wrong everywhere shows here."""
+    def _checked(self) -> System:
         points: list[list[Point]] = [
-            [(index, over, None) for index in range(len(self.axis))] for over in initial
+            [(index, over, None) for index in range(len(self.axis))] for over in self.initial
         ]
         system = first_possible(self.system, points[0])
         for others in points[1:]:
@@ -84,9 +138,6 @@ class _Request:
                 points[0],
                 (InputError, NoPeriodError),
             )
-        Plan.of(system).bind(
-            system
-        )  # compiled here, once, and not by every thread that waits for it
         return system
 
     def compute(self, point: Point) -> Value:
@@ -152,7 +203,8 @@ def bifurcation(
     *,
     initial: Sequence[Mapping[str, object]] = ({},),
     executor: Executor | None = None,
-    watch: Callable[[Progress], None] | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
     **options: Unpack[BifurcationKeywords],
 ) -> xr.Dataset:
     """Section points for every value of a parameter, or of several in lockstep.
@@ -170,6 +222,9 @@ def bifurcation(
         as ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
     executor
         Where values are computed; the cores that this process may use if not given.
+    store
+        Folder in which results are kept as they come; the same call goes on there. Not where each
+        value goes on from the one before.
     watch
         Called after each value with the progress.
     options
@@ -180,10 +235,10 @@ def bifurcation(
     Dataset with the free coordinates and their rates (start, value, crossing, …), and with
     `exponent` and its `error` (start, value) if asked for. What is varied is a coordinate, in the
     unit of its attribute ``units``: SI, or that of the range. `reason` (start, value) says why a
-    value could not be computed, which leaves nan, and `stop_time` when its motion stopped; points
-    before that are there. `warning` (start, value) says where there are fewer points than asked
-    for. With clearances, `contact_lost` and `least_force` (start, value, clearance) as
-    `linkages.poincare` has them.
+    value could not be computed, which leaves nan, `outcome` (start, value) says it by a code, and
+    `stop_time` when its motion stopped; points before that are there. `warning` (start, value) says
+    where there are fewer points than asked for. With clearances, `contact_lost` and `least_force`
+    (start, value, clearance) as `linkages.poincare` has them.
 
     Raises
     ------
@@ -197,77 +252,59 @@ def bifurcation(
     values = axis_of(vary)
     if isinstance(initial, Mapping | str):
         raise TypeError(f"initial must be a list of mappings, found {initial!r}")
-    request = _Request(Varying(mechanism), values, options)
-    asked = request.options
-    system = request.checked(initial)
-    compute = _independent if asked.start == "same" else _continued
-    found, interrupted = compute(request, initial, executor, watch)
+    given = {name: value for name, value in options.items() if value is not None}
+    question = _Request(Varying(mechanism), values, tuple(initial), given)
+    asked, system = question.options, question.first
+    require_feasible(question.count)
+    # compiled here, once, and not by every thread that waits for it
+    Plan.of(system).bind(system)
+    if asked.start != "same" and store is not None:
+        raise ValueError(
+            f"start {asked.start!r} goes from value to value, which a store cannot take up again; "
+            "expected start 'same' with a store"
+        )
     shape = len(initial), len(values)
-    attributes = {**request.attributes, "interrupted": int(interrupted)}
-    data = diagram(
-        system,
-        found,
-        shape,
-        asked.periods,
-        asked.exponent,
-        coordinates(mechanism, values, "value"),
-        attributes,
-    )
-    if interrupted:
-        done = sum(outcome is not None for outcome in found)
-        message = f"interrupted after {done} of {len(found)} values"
+    with stored(store, mechanism, question) as place:
+        if asked.start == "same":
+            found = computed(question, executor=executor, store=place, watch=watch)
+        else:
+            found = _continued(question, executor, watch)
+        data = diagram(
+            system,
+            found.arrays,
+            shape,
+            asked.exponent,
+            coordinates(mechanism, values, "value"),
+            {**question.attributes, "interrupted": int(found.interrupted)},
+        )
+        if place is not None and not found.interrupted:
+            place.finish(data)
+    if found.interrupted:
+        message = f"interrupted after {found.done} of {question.count} values"
         raise Interrupted(message, kept={"bifurcation": data})
     return data
 
 
-Found = tuple[list[Outcome | None], bool]
-"""For one start after the other the outcomes at all values, and whether that is not all."""
-
-
-def _independent(
-    request: _Request,
-    initial: Sequence[Mapping[str, object]],
-    executor: Executor | None,
-    watch: Callable[[Progress], None] | None,
-) -> Found:
-    """Every value from the state of the definition."""
-    points: list[Point] = [(i, over, None) for over in initial for i in range(len(request.axis))]
-    swept = sweep(request.compute, points, executor=executor, watch=watch)
-    return list(swept.outcomes), swept.interrupted
-
-
-def _continued(
-    request: _Request,
-    initial: Sequence[Mapping[str, object]],
-    executor: Executor | None,
-    watch: Callable[[Progress], None] | None,
-) -> Found:
+def _continued(question: _Request, executor: Executor | None, watch: Watch | None) -> Computed:
     """Every value from the last state of its neighbour, all initial states side by side."""
-    count = len(request.axis)
-    order = range(count) if request.options.start == "forward" else range(count - 1, -1, -1)
-    ends: list[End | None] = [None for _ in initial]
-    found: list[Outcome | None] = [None] * (len(initial) * count)
-    begun = time.monotonic()
-    for done, index in enumerate(order):
-        swept = sweep(
-            request.compute,
-            [(index, *start) for start in zip(initial, ends, strict=True)],
-            executor=executor,
-            watch=_onwards(watch, done * len(initial), count * len(initial), begun),
-        )
-        for row, outcome in enumerate(swept.outcomes):
-            found[row * count + index] = outcome
-            if outcome is not None and outcome.value is not None:
-                ends[row] = outcome.value.visited.last or ends[row]
-        if swept.interrupted:
-            return found, True
-    return found, False
-
-
-def _onwards(
-    watch: Callable[[Progress], None] | None, before: int, total: int, begun: float
-) -> Callable[[Progress], None] | None:
-    """Progress of one value as progress of all."""
-    if watch is None:
-        return None
-    return lambda progress: watch(Progress.after(before + progress.done, total, begun))
+    size, starts = len(question.axis), len(question.initial)
+    forward = question.options.start == "forward"
+    ends: list[End | None] = [None] * starts
+    whole = question.nothing(question.count)
+    ledger = Ledger(question.count, watch)
+    try:
+        for index in range(size) if forward else range(size - 1, -1, -1):
+            points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
+            for outcome in (executor or Threads()).run(question.answer, points):
+                if outcome.value is None:
+                    raise ComputationError(str(outcome.reason), time=outcome.stop_time)
+                row, (answer, end) = outcome.index, outcome.value
+                part, place = stacked(question.fields, [answer]), row * size + index
+                for name, array in part.items():
+                    whole[name] = inserted(whole[name], place, array[0])
+                ends[row] = end or ends[row]
+                ledger.add((place, place + 1), part)
+                ledger.tell()
+    except KeyboardInterrupt:
+        return Computed(whole, True)
+    return Computed(whole, False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
-from linkages.chaos.sections.free_states import PAIRS, free_names
+from linkages.chaos.sections.free_states import state_outputs
 from linkages.chaos.sweeps.continuation import Visited
-from linkages.chaos.sweeps.sweep import INTERRUPTED, Outcome, reason_of
+from linkages.chaos.sweeps.map_data import longest
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
+from linkages.sweeps.answers import CODES, Answer, Arrays, Field, reasons
+from linkages.sweeps.pointwise import stop_code
+from linkages.sweeps.running import reason_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,27 +47,58 @@ class Value:
     refusal: ComputationError | None = None
 
 
+def value_fields(system: System, points: int) -> dict[str, Field]:
+    """What is found at a value: at most so many points, and what goes with them."""
+    clearances = (len(links(system.model)),)
+    return {
+        **{
+            output: Field(shape=(points, len(elements)))
+            for output, (_, elements) in state_outputs(system).items()
+        },
+        "exponent": Field(), "error": Field(), "warning": Field("U"), "interval": Field(),
+        **{name: Field(shape=clearances) for name in CONTACT},
+    }  # fmt: skip
+
+
+def answer_of(value: Value, points: int) -> Answer:
+    """The answer at a value, padded with nan where fewer points were found."""
+    visited, (exponent, error) = value.visited, value.exponent
+    found: dict[str, Any] = {
+        name: array if name in CONTACT else _padded(array, points)
+        for name, array in visited.values.items()
+    }
+    found |= {"exponent": exponent, "error": error}
+    found |= {"warning": visited.warning, "interval": visited.interval}
+    if value.refusal is None:
+        return Answer(found)
+    refusal = value.refusal
+    return Answer(found, stop_code(refusal), reason_of(refusal), refusal.time)
+
+
+def _padded(rows: Floats, points: int) -> Floats:
+    found = np.full((points, *rows.shape[1:]), np.nan)
+    found[: len(rows)] = rows
+    return found
+
+
 def diagram(
     system: System,
-    found: Sequence[Outcome | None],
+    found: Arrays,
     shape: tuple[int, int],
-    points: int,
     exponent: bool,
     varied: Mapping[str, Any],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Arrays padded with nan where fewer points were found.
+    """Points of sections over what is varied, as labelled arrays.
 
     Parameters
     ----------
     system
         The mechanism at one of the values.
     found
-        Outcomes with a `Value`, for one start after the other; None where there is none yet.
+        Values of `value_fields`, for one start after the other.
     shape
         Numbers of starts and of values.
-    points
-        Most points at a value.
     exponent
         Whether exponents were computed.
     varied
@@ -74,68 +108,27 @@ def diagram(
     """
     import xarray as xr
 
-    values: list[Value | None] = [None if o is None else o.value for o in found]
-    names = free_names(system)
+    dims = ("start", "value")
+    grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
     variables: dict[str, Any] = {}
-    outputs = [(dim, output) for dim in names for output in PAIRS[dim]]
-    if system.topology.internal:
-        names["internal"] = list(system.topology.internal)
-        outputs.append(("internal", "internal_state"))
-    for dim, output in outputs:
-        elements = names[dim]
+    own = state_outputs(system)
+    for output, (dim, _) in own.items():
         units, long_name = VARIABLES[output].described(system.model)
         attrs = {"units": units, "long_name": long_name}
-        rows = _padded(values, output, points, len(elements))
-        dims = ("start", "value", "crossing", dim)
-        variables[output] = (dims, rows.reshape(*shape, points, -1), attrs)
+        variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
     if exponent:
-        pairs = [NOTHING if value is None else value.exponent for value in values]
-        words = {"exponent": "largest Lyapunov exponent", "error": "its standard error"}
-        for (name, text), column in zip(words.items(), np.array(pairs).T, strict=True):
-            attrs = {"units": "1/s", "long_name": text}
-            variables[name] = (("start", "value"), column.reshape(shape), attrs)
-    variables |= _contact(system, values, shape)
-    reasons, times = zip(*(_reason(outcome) for outcome in found), strict=True)
-    warnings = ["" if value is None else value.visited.warning for value in values]
-    for name, texts in (("reason", reasons), ("warning", warnings)):
-        variables[name] = (("start", "value"), np.array(texts, dtype=object).reshape(shape))
+        for name, text in (
+            ("exponent", "largest Lyapunov exponent"),
+            ("error", "its standard error"),
+        ):
+            variables[name] = (dims, grid[name], {"units": "1/s", "long_name": text})
+    if links(system.model):
+        contact = {name: grid[name] for name in CONTACT}
+        variables |= contact_variables(contact, longest(grid["interval"]), dims)
+    variables["outcome"] = (dims, grid["outcome"], CODES)
+    variables["reason"] = (dims, reasons(grid))
+    variables["warning"] = (dims, grid["warning"].astype(object))
     attrs = {"units": "s", "long_name": "time at which the motion stopped"}
-    variables["stop_time"] = (("start", "value"), np.reshape(times, shape), attrs)
-    members = {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
+    variables["stop_time"] = (dims, grid["stop_time"], attrs)
+    members = {dim: np.array(elements, dtype=object) for dim, elements in own.values()}
     return xr.Dataset(variables, {**varied, **members}, attributes)
-
-
-def _padded(values: Sequence[Value | None], output: str, points: int, width: int) -> Floats:
-    rows = np.full((len(values), points, width), np.nan)
-    for row, value in zip(rows, values, strict=True):
-        if value is not None:
-            found = value.visited.values[output]
-            row[: len(found)] = found
-    return rows
-
-
-def _contact(
-    system: System, values: Sequence[Value | None], shape: tuple[int, int]
-) -> dict[str, Any]:
-    names = links(system.model)
-    if not names:
-        return {}
-    nothing = np.full(len(names), np.nan)
-    arrays = {
-        name: np.stack(
-            [nothing if value is None else value.visited.values[name] for value in values]
-        ).reshape(*shape, -1)
-        for name in CONTACT
-    }
-    intervals = [value.visited.interval for value in values if value is not None]
-    return contact_variables(arrays, max(intervals, default=np.nan), ("start", "value"))
-
-
-def _reason(outcome: Outcome | None) -> tuple[str, float]:
-    """Why there is no result or only part of one, and when the motion stopped."""
-    if outcome is None:
-        return INTERRUPTED, np.nan
-    reason, time = outcome.reason or "", outcome.stop_time
-    if outcome.value is not None and outcome.value.refusal is not None:
-        reason, time = reason_of(outcome.value.refusal), outcome.value.refusal.time
-    return reason, np.nan if time is None else time

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,9 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact import Contact
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
-from linkages.chaos.sweeps.sweep import Swept
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
+from linkages.sweeps.answers import CODES, Arrays, Field, reasons
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,32 +25,37 @@ INDICATORS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class MapPoint:
-    """What was found at a point.
+def free_names_of_angles(system: System) -> list[str]:
+    """Free coordinates that are angles."""
+    bodies = system.mechanism.bodies
+    return [name for name in system.topology.free if bodies[name].rotates]
 
-    Parameters
-    ----------
-    indicator, error, sign
-        Its value, and of an exponent the standard error and the sign, 0 if it cannot be told.
-    kinds
-        What each free angle does.
-    contacts, interval
-        Forces in clearances, and the time between two looks at them.
-    """
 
-    indicator: float
-    error: float
-    sign: int
-    kinds: Mapping[str, str]
-    contacts: tuple[Contact, ...]
-    interval: float
+def map_fields(system: System) -> dict[str, Field]:
+    """What is found at a point: an indicator, its error and its sign, 0 if it cannot be told; what
+    each free angle does; forces in clearances, and the time between two looks at them.
+    """  # noqa: D205
+    clearances = (len(links(system.model)),)
+    return {
+        "indicator": Field(), "error": Field(), "sign": Field("i1"), "interval": Field(),
+        "rotation": Field("U", (len(free_names_of_angles(system)),)),
+        **{name: Field(shape=clearances) for name in CONTACT},
+    }  # fmt: skip
+
+
+def free_angles(
+    system: System, kinds: Mapping[str, str], contacts: Sequence[Contact]
+) -> dict[str, Any]:
+    """What each free angle does, and forces in clearances, as `map_fields` has them."""
+    names = links(system.model)
+    rotation = [kinds.get(name, "") for name in free_names_of_angles(system)]
+    return {"rotation": rotation, **contact_values(contacts, names)}
 
 
 def map_data(
     first: System,
-    swept: Swept,
-    shape: tuple[int, int],
+    found: Arrays,
+    shape: tuple[int, ...],
     indicator: str,
     varied: Mapping[str, Any],
     attributes: Mapping[str, Any],
@@ -62,8 +66,8 @@ def map_data(
     ----------
     first
         The mechanism at one of the points.
-    swept
-        Outcomes with a `MapPoint`, row by row.
+    found
+        Values of `map_fields`, row by row.
     shape
         Numbers of rows and of columns.
     indicator
@@ -75,42 +79,30 @@ def map_data(
     """
     import xarray as xr
 
-    found: list[MapPoint | None] = [None if o is None else o.value for o in swept.outcomes]
-
-    def grid(values: Sequence[Any], dtype: Any = float) -> NDArray[Any]:
-        return np.array(values, dtype=dtype).reshape(shape)
-
-    bodies = first.mechanism.bodies
-    angles = [name for name in first.topology.free if bodies[name].rotates]
-    kinds = np.empty((len(found), len(angles)), dtype=object)
-    for row, point in zip(kinds, found, strict=True):
-        row[:] = ["" if point is None else point.kinds.get(name, "") for name in angles]
     words, units = INDICATORS[indicator]
-    values = grid([math.nan if point is None else point.indicator for point in found])
+    grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
     stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     variables: dict[str, Any] = {
-        "indicator": (("y", "x"), values, {"units": units, "long_name": words}),
-        "rotation": (("y", "x", "coordinate"), kinds.reshape(*shape, len(angles))),
-        "reason": (("y", "x"), grid(swept.reasons, object)),
-        "stop_time": (("y", "x"), grid(swept.stop_times), stopped),
+        "indicator": (("y", "x"), grid["indicator"], {"units": units, "long_name": words}),
+        "rotation": (("y", "x", "coordinate"), grid["rotation"].astype(object)),
+        "outcome": (("y", "x"), grid["outcome"], CODES),
+        "reason": (("y", "x"), reasons(grid)),
+        "stop_time": (("y", "x"), grid["stop_time"], stopped),
     }
     if indicator == "exponent":
-        errors = grid([math.nan if point is None else point.error for point in found])
-        signs = grid([0 if point is None else point.sign for point in found], np.int8)
         error = {"units": units, "long_name": "standard error"}
         sign = {"long_name": "sign of the exponent, 0 where it cannot be told from zero"}
-        variables |= {"error": (("y", "x"), errors, error), "sign": (("y", "x"), signs, sign)}
-    members = {"coordinate": np.array(angles, dtype=object)}
+        variables["error"] = (("y", "x"), grid["error"], error)
+        variables["sign"] = (("y", "x"), grid["sign"], sign)
+    members = {"coordinate": np.array(free_names_of_angles(first), dtype=object)}
     if names := links(first.model):
-        variables |= _contact(names, found, shape)
+        interval = longest(grid["interval"])
+        variables |= contact_variables({n: grid[n] for n in CONTACT}, interval, ("y", "x"))
         members["clearance"] = np.array(names, dtype=object)
     return xr.Dataset(variables, {**varied, **members}, attributes)
 
 
-def _contact(
-    names: Sequence[str], found: Sequence[MapPoint | None], shape: tuple[int, int]
-) -> dict[str, Any]:
-    pairs = [contact_values(() if point is None else point.contacts, names) for point in found]
-    arrays = {name: np.reshape([pair[name] for pair in pairs], (*shape, -1)) for name in CONTACT}
-    interval = max((point.interval for point in found if point is not None), default=math.nan)
-    return contact_variables(arrays, interval, ("y", "x"))
+def longest(intervals: NDArray[np.float64]) -> float:
+    """The longest interval between two looks; nan if there was none."""
+    known = intervals[np.isfinite(intervals)]
+    return float(known.max()) if known.size else math.nan

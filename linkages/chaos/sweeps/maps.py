@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.indicators import CHAOTIC_POWER, fast_indicators
@@ -16,16 +18,7 @@ from linkages.chaos.growth.lyapunov import characteristic_period
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
-from linkages.chaos.sweeps.map_data import MapPoint, map_data
-from linkages.chaos.sweeps.sweep import Executor, Progress, per_period, sweep
-from linkages.chaos.sweeps.varied import (
-    Axis,
-    Vary,
-    axis_of,
-    coordinates,
-    first_possible,
-    require_different,
-)
+from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -34,6 +27,13 @@ from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
+from linkages.sweeps.answers import Answer, Field, Question
+from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
+from linkages.sweeps.engine import Watch, computed
+from linkages.sweeps.points import Points
+from linkages.sweeps.pointwise import answered, first_system
+from linkages.sweeps.running import Executor, per_period
+from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,12 +48,37 @@ ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
 
 
-@dataclass(frozen=True)
-class _Request:
+@dataclass(frozen=True, eq=False)
+class _Mapped(Question):
+    """An indicator at every point of a grid, row by row."""
+
     varying: Varying
-    x: Axis
-    y: Axis
+    points: Points
     given: Mapping[str, Any]
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.points.count
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """What is asked."""
+        return {"analysis": "map", "options": dict(self.given), **self.points.described}
+
+    def numbers(self) -> NDArray[np.float64]:
+        """Numbers of all points."""
+        return self.points.matrix(0, self.count)
+
+    @cached_property
+    def first(self) -> System:
+        """The first system that can be built; what is wrong everywhere shows there."""
+        return first_system(self.varying, self.points)
+
+    @cached_property
+    def fields(self) -> Mapping[str, Field]:
+        """The indicator, what free angles do, forces in clearances."""
+        return map_fields(self.first)
 
     @cached_property
     def options(self) -> MapOptions:
@@ -65,19 +90,18 @@ class _Request:
         options = options_of(MapOptions, mechanism, self.given)
         return per_period(options, options.periods)
 
-    def system(self, point: tuple[int, int]) -> System:
-        """The mechanism at a column and a row, assembled."""
-        column, row = point
-        return self.varying.at({**self.x.at(column), **self.y.at(row)})
-
     @property
     def tangents(self) -> int:
         """How many tangents the indicator needs."""
         return 2 if self.options.indicator == "gali" else 1
 
-    def compute(self, point: tuple[int, int]) -> MapPoint:
+    def answers(self, first: int, last: int) -> list[Answer]:
+        """What is found at some points."""
+        along = self.varying.along(self.points.overrides(first, last))
+        return [answered(along, k, self._of) for k in range(len(along))]
+
+    def _of(self, system: System) -> Answer:
         """The indicator, what every free angle does, and forces in clearances."""
-        system = self.system(point)
         options, count = self.options_at(system.mechanism), self.tangents
         looked = check_interval(system)
         log = None if looked is None else ContactLog(looked)
@@ -93,18 +117,20 @@ class _Request:
             series = fast_indicators(tangents, intervals=intervals, interval=interval, count=count)
             value = float((series.fli if options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
-        return MapPoint(value, error, told, kinds(tangents), contacts, looked or 0.0)
+        found = {"indicator": value, "error": error, "sign": told, "interval": looked or 0.0}
+        return Answer(found | free_angles(system, kinds(tangents), contacts))
 
     @property
     def attributes(self) -> dict[str, Any]:
         """What was asked for, as attributes of a dataset."""
         run, mechanism = self.options, self.varying.mechanism
+        y, x = self.points.axes
         return {
             "name": mechanism.name,
             "source": mechanism.source,
             "kind": run.indicator,
-            "x": self.x.label,
-            "y": self.y.label,
+            "x": x.label,
+            "y": y.label,
             "periods": run.periods,
             **run.how,
             "max_steps": run.most_steps,
@@ -146,7 +172,8 @@ def chaos_map(
     y: Vary,
     *,
     executor: Executor | None = None,
-    watch: Callable[[Progress], None] | None = None,
+    store: str | Path | None = None,
+    watch: Watch | None = None,
     **options: Unpack[MapKeywords],
 ) -> xr.Dataset:
     """An indicator of chaos over a grid: of two parameters, or of an initial state.
@@ -158,7 +185,7 @@ def chaos_map(
     x, y
         As `linkages.bifurcation` takes what is varied: two parameters, or ``clearances.r1.angle``
         and ``clearances.r1.speed`` for the plane of initial states.
-    executor, watch
+    executor, store, watch
         As `linkages.bifurcation` takes them.
     options
         As `MapOptions` describes them.
@@ -170,6 +197,7 @@ def chaos_map(
     Exponents have a standard `error` (y, x) and a `sign` (y, x): 1 or −1, or 0 where they cannot be
     told from zero. What is varied is a coordinate, in the unit of its attribute ``units``. With
     clearances, `contact_lost` and `least_force` (y, x, clearance) as `linkages.poincare` has them.
+    `outcome` (y, x) is a code for what became of a point.
 
     Raises
     ------
@@ -181,23 +209,25 @@ def chaos_map(
         After Ctrl-C; ``kept["map"]`` has the points so far.
     """
     axes = axis_of(x), axis_of(y)
-    request = _Request(Varying(mechanism), *axes, options)
-    indicator = request.options.indicator
+    given = {name: value for name, value in options.items() if value is not None}
+    across, up = axes
+    question = _Mapped(Varying(mechanism), Points((up, across), {}, 1, 0, "random"), given)
+    indicator = question.options.indicator
     require_different(axes)
-    points = [(column, row) for row in range(len(request.y)) for column in range(len(request.x))]
-    first = first_possible(request.system, points)  # what is wrong everywhere shows here
+    require_feasible(question.count)
+    first = question.first
     require_free(first)
-    Plan.of(first, tangents=request.tangents).bind(first)  # compiled here, once
-    swept = sweep(request.compute, points, executor=executor, watch=watch)
-    shape = len(request.y), len(request.x)
-    varied_along = {
-        **coordinates(mechanism, request.x, "x"),
-        **coordinates(mechanism, request.y, "y"),
-    }
-    attributes = {**request.attributes, "interrupted": int(swept.interrupted)}
-    data = map_data(first, swept, shape, indicator, varied_along, attributes)
-    if swept.interrupted:
-        done = sum(outcome is not None for outcome in swept.outcomes)
-        message = f"interrupted after {done} of {len(points)} points"
+    Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
+    varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
+    with stored(store, mechanism, question) as place:
+        found = computed(question, executor=executor, store=place, watch=watch)
+        attributes = {**question.attributes, "interrupted": int(found.interrupted)}
+        data = map_data(
+            first, found.arrays, question.points.shape, indicator, varied_along, attributes
+        )
+        if place is not None and not found.interrupted:
+            place.finish(data)
+    if found.interrupted:
+        message = f"interrupted after {found.done} of {question.count} points"
         raise Interrupted(message, kept={"map": data})
     return data

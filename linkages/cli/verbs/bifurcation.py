@@ -16,7 +16,7 @@ from linkages.cli.terminal import number, table
 from linkages.cli.verbs.lyapunov import BEYOND
 
 if TYPE_CHECKING:
-    from linkages.chaos.sweeps.varied import Axis
+    from linkages.sweeps.axes import Axis
 
 BOTH = "both"
 
@@ -57,7 +57,7 @@ def _compute(
 ) -> xr.Dataset:
     """One sweep, or one in either direction put together; starts have names."""
     from linkages.chaos.sweeps.bifurcation import bifurcation
-    from linkages.chaos.sweeps.sweep import Threads
+    from linkages.sweeps.running import Threads
 
     starts = ("forward", "backward") if start == BOTH else (str(start),)
     parts: list[xr.Dataset] = []

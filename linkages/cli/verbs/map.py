@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def run(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
     """Compute a map; returns the exit code."""
     from linkages.chaos.sweeps.maps import chaos_map
-    from linkages.chaos.sweeps.sweep import Threads
+    from linkages.sweeps.running import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
     task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)

@@ -14,6 +14,7 @@ from rich.markup import escape
 from linkages.cli.requests import Request
 from linkages.cli.simulated import as_far_as_possible, how_far
 from linkages.cli.terminal import number, print_notes, table
+from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
@@ -52,12 +53,20 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 """What it shows besides where no slider tells how the mechanism moves."""
 
 
-def run(request: Request, outputs: str | None, verify: bool | None) -> int:
+def run(
+    request: Request, outputs: str | None, verify: bool | None, measure: Sequence[str] | None
+) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
     with request.computing("simulating") as watch:
-        given = {**request.given, "outputs": names, "watch": watch}
+        computed: Sequence[str] | None = names
+        if measure:
+            from linkages.solution.measuring.measure import with_measured
+
+            computed = with_measured(request.mechanism, names, measure)
+        given = {**request.given, "outputs": computed, "watch": watch}
         solution, failure, interrupted = as_far_as_possible(request.mechanism, **given)
+        measured = _measured(solution, measure or ())
     horizon = None
     if not interrupted:  # whoever interrupts wants no second run
         try:
@@ -86,7 +95,10 @@ def run(request: Request, outputs: str | None, verify: bool | None) -> int:
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)
-        print_notes(notes, screen)
+        if measured:
+            cells = [[row["measure"], row["value"], row["units"]] for row in measured]
+            screen.print(table("Measures", ["measure", "value", "unit"], cells))
+        print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
 
     content = {
         **how_far(solution, failure),
@@ -96,9 +108,28 @@ def run(request: Request, outputs: str | None, verify: bool | None) -> int:
         "cost": solution.motion.cost,
         "horizon": None if horizon is None else asdict(horizon),
         "maxima": solution.maxima,
+        "measures": measured,
         "notes": notes,
     }
     return request.report(content, place.files, show, failure=failure)
+
+
+def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
+    """A row for each measure, with its value and unit."""
+    if not texts or not solution.data.sizes["time"]:
+        return []
+    from linkages.solution.measuring.measure import measure, unit_of
+
+    rows: list[dict[str, Any]] = []
+    for text in texts:
+        value, why = None, None
+        try:
+            value = measure(solution, text)
+        except ComputationError as error:
+            why = str(error)
+        units = unit_of(solution, text)
+        rows.append({"measure": text, "value": value, "units": units, "reason": why})
+    return rows
 
 
 def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:

@@ -22,6 +22,7 @@ from linkages.components.contributed.terms import (
     Initial,
     Parameter,
     Path,
+    Play,
     PointMass,
     Prescribed,
     Relation,
@@ -33,6 +34,7 @@ Term = (
     Body
     | GroundPin
     | Displacement
+    | Play
     | Relation
     | CamSize
     | PointMass

@@ -15,7 +15,7 @@ from linkages.components.contributed.functions import (
     X,
     applied,
 )
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, Play
 
 Numbers = Mapping[str, Parameter]
 """Keys of a clearance → their numbers."""
@@ -70,6 +70,29 @@ class RigidContact:
 
 
 @dataclass(frozen=True)
+class Film:
+    """Oil that fills the gap between a pin and its hole, and keeps them apart.
+
+    Parameters
+    ----------
+    viscosity
+        Dynamic viscosity η in Pa·s.
+    width
+        Of the bearing along its axis (m).
+    whole
+        Whether the film bears tension, and reaches all around; otherwise it is where it presses.
+    """
+
+    viscosity: Parameter
+    width: Parameter
+    whole: bool
+
+
+Across = NormalForce | RigidContact | Film
+"""What acts across a gap."""
+
+
+@dataclass(frozen=True)
 class ContactLaw:
     """A law of contact as definition files name it.
 
@@ -80,14 +103,14 @@ class ContactLaw:
     needs, takes
         Keys of a clearance that it must have, and further ones that it may have.
     force
-        The force, from the numbers at these keys.
+        What acts, from the numbers at these keys.
     restitution
         Damping factor χ over wanted restitution, for a law that has one.
     """
 
     name: str
     needs: tuple[str, ...]
-    force: Callable[[Numbers], NormalForce | RigidContact]
+    force: Callable[[Numbers], Across]
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
 
@@ -136,6 +159,15 @@ def viscous_law(name: str) -> ContactLaw:
     return ContactLaw(name, ("stiffness", "damping"), force, ())
 
 
+def film_law(name: str, *, whole: bool) -> ContactLaw:
+    """The film of a short journal bearing."""
+
+    def force(numbers: Numbers) -> Film:
+        return Film(numbers["viscosity"], numbers["width"], whole)
+
+    return ContactLaw(name, ("viscosity", "width"), force, ())
+
+
 def elastic_part(numbers: Numbers) -> tuple[Function, Function, tuple[Parameter, Parameter]]:
     """Force K dⁿ and energy K dⁿ⁺¹/(n + 1) for d > 0, and their numbers K and n."""
     stiffness, exponent = numbers["stiffness"], numbers["exponent"]
@@ -164,54 +196,99 @@ def raised(exponent: Parameter) -> Function:
 
 
 @dataclass(frozen=True)
-class GapFriction:
-    """Coulomb's friction between pin and hole: −μ F g(vt/vs) for a slip velocity vt.
-
-    Parameters
-    ----------
-    coefficient
-        Force on the pin over the normal force, as a function of the slip velocity `V` (m/s).
-    """
-
-    coefficient: Function
-
-
-@dataclass(frozen=True)
-class Contact:
+class PinInHole:
     """A pin that may leave its hole, fly, hit its wall and follow it.
 
     Parameters
     ----------
-    name
-        Of the clearance.
+    clearance
+        Name of the clearance.
     joint, displaced
         The joint, and what the point of the displaced body is called.
     body
         The displaced body.
     size
         Radial clearance (m).
-    normal
-        The force that presses.
     hole
         Whether the displaced body has the hole; otherwise it has the pin.
     pin_radius
         In metres.
+    """
+
+    clearance: str
+    joint: str
+    displaced: str
+    body: str
+    size: Parameter
+    hole: bool
+    pin_radius: Parameter
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """The bodies whose displacements are the offset."""
+        return offset_names(self.clearance)
+
+
+CORNERS = ((-1, 1), (1, 1), (-1, -1), (1, -1))
+"""On which sides of the middle of a block its corners are, along the guide and across it."""
+
+
+@dataclass(frozen=True)
+class CornerAtWall:
+    """A corner of a block, and the wall of its guide on that side.
+
+    Parameters
+    ----------
+    play
+        What moves in the guide.
+    along, across
+        The sides on which the corner is: +1 or −1.
+    size
+        Distance of a block in the middle of its guide from each wall (m).
+    length, height
+        Of the block along the guide and across it (m).
+    """
+
+    play: Play
+    along: int
+    across: int
+    size: Parameter
+    length: Parameter
+    height: Parameter
+
+
+Geometry = PinInHole | CornerAtWall
+"""What touches what."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two bodies that may touch at one place.
+
+    Parameters
+    ----------
+    name
+        What results call it.
+    geometry
+        What touches what.
+    normal
+        The force that presses.
     friction
-        Of slip along the wall, if there is any.
+        Force along the slip over the normal force, as a function of the slip `V`; None without any.
     path
         Where it stands in the definition file.
     """
 
     name: str
-    joint: str
-    displaced: str
-    body: str
-    size: Parameter
-    normal: NormalForce | RigidContact
-    hole: bool
-    pin_radius: Parameter
-    friction: GapFriction | None
+    geometry: Geometry
+    normal: Across
+    friction: Function | None
     path: Path
+
+    @property
+    def size(self) -> Parameter:
+        """Length that indentations are compared with (m)."""
+        return self.geometry.size
 
     @property
     def rigid(self) -> bool:
@@ -222,14 +299,9 @@ class Contact:
     def dissipates(self) -> bool:
         """Whether impacts or slip lose energy."""
         normal = self.normal
-        if isinstance(normal, RigidContact):
+        if not isinstance(normal, NormalForce):
             return True
         return normal.force != normal.elastic or self.friction is not None
-
-    @property
-    def axes(self) -> tuple[str, str]:
-        """The bodies whose displacements are the offset."""
-        return offset_names(self.name)
 
 
 def offset_names(clearance: str) -> tuple[str, str]:

@@ -159,6 +159,47 @@ class Displacement:
     links: tuple[Body, ...]
 
 
+PLAYING = ("clearance", "offset", "tilt")
+"""Kinds of bodies whose coordinates are those of clearances: they are always free."""
+
+
+@dataclass(frozen=True)
+class Play:
+    """A slider that moves across its guide and turns in it.
+
+    What the slider carries is then the block's, a body of its own; the slider is the place of the
+    block along the guide.
+
+    Parameters
+    ----------
+    name
+        Of the clearance.
+    slider
+        What has room in its guide.
+    path
+        Where it stands in the definition file.
+    """
+
+    name: str
+    slider: str
+    path: Path
+
+    @property
+    def offset(self) -> str:
+        """The massless body that slides across the guide."""
+        return f"{self.name}.offset"
+
+    @property
+    def tilt(self) -> str:
+        """The massless body whose angle is that of the block in the guide."""
+        return f"{self.name}.tilt"
+
+    @property
+    def block(self) -> str:
+        """The body with the mass of the slider."""
+        return f"{self.name}.block"
+
+
 @dataclass(frozen=True)
 class Relation:
     """The coordinate of a body follows from others: q = offset + f(Σ ratio·q_other).

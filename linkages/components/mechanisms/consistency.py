@@ -114,6 +114,7 @@ def _repeated_entries(components: Sequence[Component]) -> list[Finding]:
 def _repeated_names(declared: Declared) -> list[Finding]:
     places = [(path, body.name) for path, body in declared.bodies]
     places += [(path, term.name) for path, term in declared.displacements]
+    places += [(path, term.name) for path, term in declared.plays]
     counts = Counter(name for _, name in places)
     seen: set[str] = set()
     found: list[Finding] = []

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
 
+from linkages.components.contributed.blocks import loosened, turned, ways
 from linkages.components.contributed.component import Term
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.friction import resolved
@@ -22,6 +23,7 @@ from linkages.components.contributed.terms import (
     Hint,
     Initial,
     Parameter,
+    Play,
     PointMass,
     Prescribed,
     Relation,
@@ -56,15 +58,26 @@ class Contributions:
         return tuple(t for t in self.terms if isinstance(t, Displacement))
 
     @cached_property
+    def plays(self) -> tuple[Play, ...]:
+        """Sliders with room in their guides."""
+        return tuple(t for t in self.terms if isinstance(t, Play))
+
+    @cached_property
+    def _given(self) -> dict[str, Body]:
+        """What moves and is no part of a clearance alone."""
+        return loosened({t.name: t for t in self.terms if isinstance(t, Body)}, self.plays)
+
+    @cached_property
     def bodies(self) -> dict[str, Body]:
         """All moving bodies; clearances have displaced the ends of their bars.
 
         The origin of every guide of theirs is resolved to coordinates in the frame that carries it;
         the axes of an offset go through the joint itself.
         """
-        given = {t.name: t for t in self.terms if isinstance(t, Body)}
+        given = self._given
         bodies = [self._resolved(body, given) for body in given.values()]
         links = [link for term in self.displacements for link in term.links]
+        links += [way for play in self.plays for way in ways(given, play)]
         return {body.name: body for body in [*bodies, *links]}
 
     def _resolved(self, body: Body, given: dict[str, Body]) -> Body:
@@ -115,7 +128,7 @@ class Contributions:
     @cached_property
     def loads(self) -> tuple[Load, ...]:
         """Forces, torques, springs and dampers; friction has found its two bodies."""
-        bodies = {t.name: t for t in self.terms if isinstance(t, Body)}
+        bodies = self._given
         sliders = {name for name, body in bodies.items() if not body.rotates}
         found = (
             resolved(t, bodies, self.ground, self.displacements) if isinstance(t, Friction) else t
@@ -151,6 +164,12 @@ class Contributions:
         """What presses in clearances that open."""
         return tuple(t for t in self.terms if isinstance(t, Contact))
 
+    @property
+    def clearance_names(self) -> tuple[str, ...]:
+        """What results call clearances: pins by their names, then corners of blocks."""
+        pins = [term.name for term in self.displacements]
+        return tuple(dict.fromkeys([*pins, *(contact.name for contact in self.contacts)]))
+
     @cached_property
     def point_masses(self) -> tuple[PointMass, ...]:
         """Masses at joints."""
@@ -158,9 +177,10 @@ class Contributions:
 
     @cached_property
     def relations(self) -> tuple[Relation, ...]:
-        """Welds, gears and racks."""
+        """Welds, gears and racks, and what turns blocks."""
         known = {*self.prescribed, *self.initial}
-        return tuple(oriented((t for t in self.terms if isinstance(t, Relation)), known))
+        found = oriented((t for t in self.terms if isinstance(t, Relation)), known)
+        return (*found, *(turned(self._given, play) for play in self.plays))
 
     @cached_property
     def cams(self) -> dict[str, CamSize]:

@@ -14,6 +14,7 @@ from linkages.components.contributed.terms import (
     Hint,
     Initial,
     Path,
+    Play,
     Prescribed,
     Relation,
     oriented,
@@ -52,13 +53,15 @@ class Declared:
         known = {*self.driven, *self.free}
         self.relations = oriented((t for _, t in terms if isinstance(t, Relation)), known)
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
-        self.opening = {t.name for _, t in terms if isinstance(t, Contact)}
+        self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
+        self.opening = {t.name for _, t in terms if isinstance(t, Contact | Play)}
         self.rigid = [t for _, t in terms if isinstance(t, Contact) and t.rigid]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}
         built = [(body.name, body.kind) for _, body in self.bodies]
         built += [(term.name, "clearance") for _, term in self.displacements]
+        built += [(term.name, "clearance") for _, term in self.plays]
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.complete = complete

@@ -142,9 +142,9 @@ def _unknown(node: Sensed, declared: Declared) -> str:
 
 def _other_kind(name: str, word: str, declared: Declared) -> str:
     kinds, wanted = declared.kinds.get(name, set()), _OF[word]
-    if any(term.name == name and len(term.links) > 1 for _, term in declared.displacements):
+    if name in declared.opening:
         return (
-            f"clearance {name!r} has 'contact': its pin moves in two directions, and has no "
+            f"clearance {name!r} has 'contact': what moves in it has two coordinates, and no "
             f"{word!r}; expected quantities of the joint or of bodies"
         )
     if kinds & set(wanted):

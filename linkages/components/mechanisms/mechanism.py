@@ -14,10 +14,12 @@ from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.listed import numbered
 from linkages.components.contributed.terms import (
+    PLAYING,
     Body,
     Path,
 )
 from linkages.components.free import FreeAngle, FreePosition
+from linkages.components.guide_clearance import GuideClearance
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.gathered import read_components
@@ -262,12 +264,12 @@ class Mechanism(Contributions):
             if isinstance(component, Clearance) and component.name in state:
                 angle, speed = state[component.name]
                 kept.append(replace(component, angle=angle, speed=speed))
-            elif isinstance(component, ContactClearance):
+            elif isinstance(component, ContactClearance | GuideClearance):
                 kept.append(component.at(state))
             elif not isinstance(component, FreeAngle | FreePosition):
                 kept.append(component)
         for name, (value, rate) in state.items():
-            if self.bodies[name].kind in ("clearance", "offset"):
+            if self.bodies[name].kind in PLAYING:
                 continue
             if self.bodies[name].rotates:
                 kept.append(FreeAngle(name=name, angle=value, speed=rate))
@@ -277,7 +279,7 @@ class Mechanism(Contributions):
 
     def ideal(self) -> Mechanism:
         """The same mechanism without its clearances and the friction in them."""
-        gone = (Clearance, ContactClearance, ClearanceDamper)
+        gone = (Clearance, ContactClearance, GuideClearance, ClearanceDamper)
         kept = tuple(c for c in self.components if not isinstance(c, gone))
         return replace(self, components=kept, name=f"{self.name} (ideal)")
 

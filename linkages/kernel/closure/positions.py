@@ -17,6 +17,7 @@ from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.inputs import Inputs
 from linkages.kernel.numbers.laws import Law, law_of, value_of
 from linkages.topology.blocks import ITERATED, Block, Loop
+from linkages.topology.orientation import is_unit
 from linkages.topology.topology import Topology
 
 
@@ -159,10 +160,17 @@ class Positions:
         return unit.times(own)
 
     def _follower(self, name: str) -> Vector:
-        """Unit vector of a body that gears turn."""
+        """Unit vector of a body that gears turn, or that turns against another one."""
         if name not in self._followers:
-            angle = self.angle(name)
-            self._followers[name] = Vector(self.graph.cos(angle), self.graph.sin(angle))
+            relation = self.topology.slaves[name]
+            if all(is_unit(ratio) for _, ratio in relation.parts):
+                turned = self.frames.direction(relation.offset)
+                for other, _ in relation.parts:
+                    turned = turned.times(self.unit(other))
+                self._followers[name] = turned
+            else:
+                angle = self.angle(name)
+                self._followers[name] = Vector(self.graph.cos(angle), self.graph.sin(angle))
         return self._followers[name]
 
     def angle(self, name: str) -> Scalar:

@@ -1,44 +1,64 @@
-"""Instructions of LLVM's assembly language, one after the other.
+"""Instructions of LLVM's assembly language, one after the other, for one state or several lanes.
 
 Numbers are operands: names of values, or constants. All operations are those of IEEE 754 with one
 rounding each and no flags, so that nothing may be reordered or contracted.
+
+With W lanes an operand is a vector of W numbers, and an array consists of rows of W numbers: entry
+r of lane l stands at place W·r + l. Lanes do not know each other; each gets the bits that it would
+get alone.
 """
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 DOUBLE = "double"
-
-
-def constant(value: float) -> str:
-    """A number as an operand, to the last bit."""
-    (bits,) = struct.unpack(">Q", struct.pack(">d", value))
-    return f"0x{bits:016X}"
+INTEGER = "i64"
+TRUTH = "i1"
+ALIGNMENT = 64
+"""Of arrays, in bytes: a line of the cache. Others work as well, and take longer."""
 
 
 class Instructions:
     """The body of a function, written line by line.
 
+    Parameters
+    ----------
+    lanes
+        Number W of states side by side.
+    strides
+        Argument → how many numbers apart its entries are; W, if not given. With one lane it may be
+        a column of an array of several.
+
     Attributes
     ----------
+    number, integer, truth
+        Types of operands.
     block
         Name of the block that is being written.
     declared
         Signature of each function of the outside that is called.
     """
 
-    def __init__(self) -> None:
-        self._lines: list[str] = ["entry:"]
+    def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
+        self.lanes = lanes
+        self._strides = {f"%{name}": stride for name, stride in (strides or {}).items()}
+        self.number, self.integer, self.truth = map(self._each, (DOUBLE, INTEGER, TRUTH))
+        self._reserved: list[str] = []
+        self._lines: list[str] = []
         self._count = 0
+        self._sound, self._status = "", self.whole(0)
         self.block = "entry"
         self.declared: dict[str, str] = {}
+
+    def _each(self, kind: str) -> str:
+        return kind if self.lanes == 1 else f"<{self.lanes} x {kind}>"
 
     @property
     def text(self) -> str:
         """All lines."""
-        return "\n".join(self._lines) + "\n"
+        return "\n".join(["entry:", *self._reserved, *self._lines]) + "\n"
 
     def say(self, line: str) -> None:
         """Write an instruction without a result."""
@@ -65,6 +85,18 @@ class Instructions:
 
         return fill
 
+    def constant(self, value: float) -> str:
+        """A number as an operand, to the last bit."""
+        (bits,) = struct.unpack(">Q", struct.pack(">d", value))
+        return self._same(DOUBLE, f"0x{bits:016X}")
+
+    def whole(self, value: int) -> str:
+        """An integer as an operand."""
+        return self._same(INTEGER, str(value))
+
+    def _same(self, kind: str, value: str) -> str:
+        return value if self.lanes == 1 else f"splat ({kind} {value})"
+
     def new_label(self, name: str) -> str:
         """A name for a block that no other has."""
         self._count += 1
@@ -76,20 +108,43 @@ class Instructions:
         self.block = label
 
     def branch(self, condition: str, yes: str, no: str) -> None:
-        """Go on in one of two blocks."""
+        """Go on in one of two blocks, by a condition that is one for all lanes."""
         self.say(f"br i1 {condition}, label %{yes}, label %{no}")
 
-    def leave_unless(self, condition: str, status: int) -> None:
-        """Return a status where a condition does not hold."""
-        leave, go_on = self.new_label("leave"), self.new_label("on")
-        self.branch(condition, go_on, leave)
-        self.begin(leave)
-        self.say(f"ret i64 {status}")
-        self.begin(go_on)
+    @property
+    def sound(self) -> str:
+        """In which of several lanes no condition has been missed yet."""
+        return self._sound or self._same(TRUTH, "true")
+
+    def require(self, condition: str, status: int) -> None:
+        """Return a status where a condition does not hold.
+
+        Several lanes go on: those that have missed a condition compute what nobody reads, and
+        their status is that of the first one.
+        """
+        if self.lanes == 1:
+            leave, go_on = self.new_label("leave"), self.new_label("on")
+            self.branch(condition, go_on, leave)
+            self.begin(leave)
+            self.say(f"ret i64 {status}")
+            self.begin(go_on)
+            return
+        still = self.all_of([self.sound, condition])
+        fails = self.give(f"xor {self.truth} {self.sound}, {still}")
+        self._status = self.select(fails, self.whole(status), self._status, self.integer)
+        self._sound = still
+
+    def end(self) -> None:
+        """Return: 0, or write the status of each lane to its row."""
+        if self.lanes == 1:
+            self.say("ret i64 0")
+            return
+        self.say(f"store {self.integer} {self._status}, ptr %status, align 8")
+        self.say("ret void")
 
     def binary(self, operation: str, a: str, b: str) -> str:
-        """``fadd``, ``fsub``, ``fmul``, ``fdiv`` or ``frem``."""
-        return self.give(f"{operation} {DOUBLE} {a}, {b}")
+        """``fadd``, ``fsub``, ``fmul`` or ``fdiv``."""
+        return self.give(f"{operation} {self.number} {a}, {b}")
 
     def add(self, a: str, b: str) -> str:
         """The sum."""
@@ -109,47 +164,180 @@ class Instructions:
 
     def negate(self, a: str) -> str:
         """The opposite."""
-        return self.give(f"fneg {DOUBLE} {a}")
+        return self.give(f"fneg {self.number} {a}")
 
     def fused(self, a: str, b: str, c: str) -> str:
         """The value a·b + c with one rounding."""
-        return self.call("llvm.fma.f64", a, b, c)
+        return self.call("llvm.fma", a, b, c)
 
     def absolute(self, a: str) -> str:
         """The absolute value."""
-        return self.call("llvm.fabs.f64", a)
+        return self.call("llvm.fabs", a)
+
+    def everywhere(self, integer: str) -> str:
+        """An integer that is the same in all lanes."""
+        return self.lane_by_lane(lambda _: integer, [], result=INTEGER)
+
+    def on_integers(self, operation: str, a: str, b: str) -> str:
+        """An operation on integers, such as ``add`` or ``shl``."""
+        return self.give(f"{operation} {self.integer} {a}, {b}")
 
     def compare(self, relation: str, a: str, b: str) -> str:
         """A relation such as ``oge``, false if a number is nan."""
-        return self.give(f"fcmp {relation} {DOUBLE} {a}, {b}")
+        return self.give(f"fcmp {relation} {self.number} {a}, {b}")
 
-    def select(self, condition: str, a: str, b: str, kind: str = DOUBLE) -> str:
+    def select(self, condition: str, a: str, b: str, kind: str = "") -> str:
         """One of two values."""
-        return self.give(f"select i1 {condition}, {kind} {a}, {kind} {b}")
+        kind = kind or self.number
+        return self.give(f"select {self.truth} {condition}, {kind} {a}, {kind} {b}")
 
     def all_of(self, conditions: Sequence[str]) -> str:
         """Whether all conditions hold."""
         result = conditions[0]
         for condition in conditions[1:]:
-            result = self.give(f"and i1 {result}, {condition}")
+            result = self.give(f"and {self.truth} {result}, {condition}")
         return result
 
+    def any_of(self, one: str, other: str) -> str:
+        """Whether one of two conditions holds."""
+        return self.give(f"or {self.truth} {one}, {other}")
+
+    def opposite(self, condition: str) -> str:
+        """Whether a condition does not hold."""
+        return self.give(f"xor {self.truth} {condition}, {self._same(TRUTH, 'true')}")
+
+    def in_any_lane(self, condition: str) -> str:
+        """Whether a condition holds in any lane, to branch by."""
+        if self.lanes == 1:
+            return condition
+        name = f"llvm.vector.reduce.or.v{self.lanes}i1"
+        self.declared[name] = f"i1 @{name}({self.truth})"
+        return self.give(f"call i1 @{name}({self.truth} {condition})")
+
     def call(self, name: str, *operands: str) -> str:
-        """The result of a function of numbers."""
-        self.declared[name] = f"{DOUBLE} @{name}({', '.join([DOUBLE] * len(operands))})"
-        given = ", ".join(f"{DOUBLE} {operand}" for operand in operands)
-        return self.give(f"call {DOUBLE} @{name}({given})")
+        """The result of a function of numbers: an intrinsic, or lane by lane one of a library."""
+        if not name.startswith("llvm."):
+            return self.lane_by_lane(lambda _, *each: self._called(DOUBLE, name, each), operands)
+        suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
+        return self._called(self.number, f"{name}.{suffix}", operands)
+
+    def _called(self, kind: str, name: str, operands: Sequence[str]) -> str:
+        self.declared[name] = f"{kind} @{name}({', '.join([kind] * len(operands))})"
+        given = ", ".join(f"{kind} {operand}" for operand in operands)
+        return self.give(f"call {kind} @{name}({given})")
+
+    def lane_by_lane(
+        self,
+        function: Callable[..., str],
+        operands: Sequence[str],
+        given: str = DOUBLE,
+        result: str = DOUBLE,
+    ) -> str:
+        """What a function of one lane gives for each.
+
+        Parameters
+        ----------
+        function
+            Writes what becomes of a lane's number and its operands; returns the name of that.
+        operands
+            Of all lanes.
+        given, result
+            Type of a single operand and of a single result.
+        """
+        if self.lanes == 1:
+            return function(0, *operands)
+        every = "poison"
+        for lane in range(self.lanes):
+            each = [
+                self.give(f"extractelement {self._each(given)} {o}, i32 {lane}") for o in operands
+            ]
+            one = f"{result} {function(lane, *each)}"
+            every = self.give(f"insertelement {self._each(result)} {every}, {one}, i32 {lane}")
+        return every
+
+    def reserve(self, entries: int) -> str:
+        """Address of an array of the function's own; what stands in it at first is unknown."""
+        array = self.name()
+        size = entries * self.lanes
+        self._reserved.append(f"  {array} = alloca {DOUBLE}, i64 {size}, align {ALIGNMENT}")
+        return array
 
     def address(self, array: str, offset: int | str) -> str:
         """Address of an entry of an array."""
         if offset == 0:
             return array
-        return self.give(f"getelementptr {DOUBLE}, ptr {array}, i64 {offset}")
+        stride = self._strides.get(array, self.lanes)
+        row = DOUBLE
+        if isinstance(offset, int):
+            offset *= stride
+        elif stride > 1:
+            row = f"[{stride} x {DOUBLE}]"
+        place = self.give(f"getelementptr {row}, ptr {array}, i64 {offset}")
+        self._strides[place] = stride
+        return place
 
     def load(self, array: str, offset: int | str) -> str:
         """An entry of an array."""
-        return self.give(f"load {DOUBLE}, ptr {self.address(array, offset)}")
+        place = self.address(array, offset)
+        return self.give(f"load {self.number}, ptr {place}{self._alignment}")
 
     def store(self, value: str, array: str, offset: int | str) -> None:
         """Set an entry of an array."""
-        self.say(f"store {DOUBLE} {value}, ptr {self.address(array, offset)}")
+        place = self.address(array, offset)
+        self.say(f"store {self.number} {value}, ptr {place}{self._alignment}")
+
+    @property
+    def _alignment(self) -> str:
+        """Rows of lanes need not stand at multiples of their length."""
+        return "" if self.lanes == 1 else ", align 8"
+
+    def gather(self, array: str, offsets: str) -> str:
+        """Entries of an array, for each lane another one of its own."""
+        if self.lanes == 1:
+            return self.load(array, offsets)
+        row = f"[{self.lanes} x {DOUBLE}]"
+
+        def one(lane: int, offset: str) -> str:
+            return self.give(f"load {DOUBLE}, ptr {self._entry(row, array, offset, lane)}")
+
+        return self.lane_by_lane(one, [offsets], INTEGER)
+
+    def _entry(self, row: str, array: str, offset: str, lane: int) -> str:
+        return self.give(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
+
+
+class Loop:
+    """Instructions that are repeated as long as a condition holds, and values that they change.
+
+    What is written between making a loop and `repeat` is repeated.
+
+    Parameters
+    ----------
+    code
+        Where it is written.
+    starts
+        Types of the values, and what these are at first.
+
+    Attributes
+    ----------
+    values
+        Names within the loop.
+    """
+
+    def __init__(self, code: Instructions, starts: Sequence[tuple[str, str]]) -> None:
+        self._code, self._starts = code, starts
+        self._before, self._label = code.block, code.new_label("again")
+        code.say(f"br label %{self._label}")
+        code.begin(self._label)
+        self.values = [code.name() for _ in starts]
+        self._heads = [code.later() for _ in starts]
+
+    def repeat(self, condition: str, ends: Sequence[str]) -> None:
+        """Begin again if a condition holds that is one for all lanes, with other values."""
+        code, done = self._code, self._code.new_label("done")
+        code.branch(condition, self._label, done)
+        for head, name, (kind, start), end in zip(
+            self._heads, self.values, self._starts, ends, strict=True
+        ):
+            head(f"{name} = phi {kind} [ {start}, %{self._before} ], [ {end}, %{code.block} ]")
+        code.begin(done)

@@ -19,7 +19,7 @@ LOGGER = logging.getLogger(__name__)
 
 _FORMAT = "2"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
-_DEFINED = re.compile(r"^define (i64|double) @(\w+)\((.*)\) {$", re.MULTILINE)
+_DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
 _NEEDED = ("fma", "floor", "rint", "fmod", "pow", "memset", "memcpy", "memmove")
 """By intrinsics, where the processor has no instruction for them."""
@@ -27,6 +27,7 @@ _TYPES: dict[str, Any] = {
     "i64": ctypes.c_int64,
     "double": ctypes.c_double,
     "ptr": ctypes.c_void_p,
+    "void": None,
 }
 
 _MEMORY: dict[str, Any] = {

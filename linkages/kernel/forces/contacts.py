@@ -1,4 +1,4 @@
-"""What a pin and its hole do to each other: normal force and friction at one point of contact."""
+"""What bodies that touch do to each other: normal force and friction at one point of contact."""
 
 from __future__ import annotations
 
@@ -8,164 +8,56 @@ from typing import TYPE_CHECKING
 
 from linkages.components.contributed.contacts import Contact, NormalForce
 from linkages.components.contributed.functions import Function, Internal, Measured
-from linkages.kernel.forces.loads import Acting, Forces, Torques, Velocities
+from linkages.kernel.forces.across import GapNodes
+from linkages.kernel.forces.loads import Forces, Torques, Velocities
+from linkages.kernel.forces.slip import friction_force
 from linkages.kernel.graph.scalars import Scalar
-from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
 
-NEAREST = 1e-9
-"""Offset over size below which it has no direction."""
-
 LEAST = 1e-30
 """Indentation in metres that a smaller one counts as, so that roots and logarithms exist."""
 
 
-class ContactNodes(Acting):
-    """A contact: its offset, the forces that it causes, and what they store and dissipate.
-
-    Both bodies touch at one point C, a radius of the pin away from its centre in the direction n_h
-    from the centre of the hole to that of the pin. Slip is the velocity of the pin's body against
-    the hole's at C, along n_h turned by +90°.
-    """
-
-    def __init__(self, model: Model, contact: Contact) -> None:
-        self.model, self.graph, self.contact = model, model.graph, contact
-        self.other = model.mechanism.carrier(contact.joint)
-        self.size = model.inputs.parameter(contact.size)
-        self.radius = model.inputs.parameter(contact.pin_radius)
-
-    @cached_property
-    def offset(self) -> Vector:
-        """From the pin of the joint to the displaced point."""
-        x, y = (self.model.positions.displacements[name] for name in self.contact.axes)
-        return Vector(x, y)
-
-    def offset_rate(self, velocities: Velocities) -> Vector:
-        """Its rate, at velocities that may be partial ones."""
-        x, y = (velocities.moving(name) for name in self.contact.axes)
-        return Vector(x, y)
-
-    @cached_property
-    def distance(self) -> Scalar:
-        """Length of the offset; some small number where that has no direction."""
-        least = self.size * NEAREST
-        square = self.offset.square
-        return self.graph.sqrt(self.graph.select(square - least * least, square, least * least))
-
-    @cached_property
-    def normal(self) -> Vector:
-        """Direction of the offset; shorter than 1 where that has none."""
-        return self.offset * (1.0 / self.distance)
-
-    @cached_property
-    def _squares(self) -> Scalar:
-        """Difference of squares, which keeps the digits of a difference of lengths."""
-        return self.offset.square - self.size * self.size
-
-    @cached_property
-    def indentation(self) -> Scalar:
-        """Negative where the gap is open."""
-        return self._squares / (self.distance + self.size)
-
-    def rate(self, velocities: Velocities) -> Scalar:
-        """Rate of the indentation."""
-        return self.normal.dot(self.offset_rate(velocities))
-
-    def slip(self, velocities: Velocities) -> Scalar:
-        """Slip of the pin in the hole."""
-        body, other = self._turning(velocities)
-        pin, hole = (other, body) if self.contact.hole else (body, other)
-        along = self.normal.turned.dot(self.offset_rate(velocities))
-        return along + self.radius * pin - (self.radius + self.distance) * hole
-
-    def _turning(self, velocities: Velocities) -> tuple[Scalar, Scalar]:
-        """Angular speeds of the displaced body and of the other one."""
-        other = self.graph.zero if self.other is None else velocities.turning(self.other)
-        return velocities.turning(self.contact.body), other
-
-    def turned(self, order: int) -> Scalar:
-        """Direction of the offset (`order` 0) and its rates; 0 where it has no direction."""
-        if order == 0:
-            return self.graph.apply("atan2", self.offset.y, self.offset.x)
-        across = self.normal.turned * (1.0 / self.distance)
-        turning = across.dot(self.offset_rate(self.model.velocities))
-        if order == 1:
-            return turning
-        pushed = across.dot(self.offset_rate(self.model.accelerations))
-        return pushed - 2.0 * turning * self.speed / self.distance
-
-    @property
-    def touch(self) -> str:
-        """Name of the mode of touching."""
-        return f"{self.contact.name}: touch"
-
-    @property
-    def gap(self) -> Scalar:
-        """What the sign of the indentation is seen from (m): it is smooth where that is not."""
-        return self._squares * (0.5 / self.size)
+class ContactNodes(GapNodes):
+    """A contact: a normal force, and friction under it."""
 
     @property
     @abstractmethod
-    def touching(self) -> Scalar:
-        """Mode: whether pin and hole touch."""
-
-    @property
-    @abstractmethod
-    def force(self) -> Scalar:
-        """Normal force, positive where it presses."""
-
-    @property
-    @abstractmethod
-    def normal_loss(self) -> Scalar:
-        """Power lost across the wall."""
-
-    @cached_property
-    def speed(self) -> Scalar:
-        """The actual rate of the indentation."""
-        return self.rate(self.model.velocities)
+    def pressing(self) -> Scalar:
+        """Mode: whether a force presses."""
 
     @cached_property
     def friction(self) -> Scalar:
-        """Force of friction on the pin along the direction of slip."""
+        """Force of friction along the direction of slip."""
         if self.contact.friction is None:
             return self.graph.zero
-        slip = self.slip(self.model.velocities)
-        law = self.contact.friction.coefficient
-        return self.force * value_of(law, self.model.inputs, lambda _: slip)
+        slip, law = self.gap.slip(self.model.velocities), self.contact.friction
+        return friction_force(
+            self.model, self.contact.name, law, normal=self.force, slip=slip, active=self.pressing
+        )
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power at some velocities: its generalised force if they are partial ones."""
-        found = -(self.force * self.rate(velocities))
+        found = -(self.force * self.gap.rate(velocities))
         if self.contact.friction is None:
             return found
-        return found + self.friction * self.slip(velocities)
+        return found + self.friction * self.gap.slip(velocities)
 
     @cached_property
     def friction_loss(self) -> Scalar:
         """Power lost along the wall."""
-        return -(self.friction * self.slip(self.model.velocities))
-
-    @property
-    def working(self) -> Scalar:
-        """Power of all but the elastic part, at the actual velocities."""
-        return -(self.normal_loss + self.friction_loss)
+        return -(self.friction * self.gap.slip(self.model.velocities))
 
     def forces(self) -> Forces:
-        """On the displaced body through its offset, and the opposite at the joint."""
-        contact = self.contact
-        force = self.normal.turned * self.friction - self.normal * self.force
-        return [(contact.axes[1], contact.displaced, force), (self.other, contact.joint, -force)]
+        """On both bodies."""
+        return self.gap.forces(self.force, self.friction)
 
     def torques(self) -> Torques:
-        """Of the friction at C, about the centres of pin and hole."""
-        on_pin = self.radius * self.friction
-        on_hole = -(self.radius + self.distance) * self.friction
-        bodies = (self.other, self.contact.body)
-        pin, hole = bodies if self.contact.hole else bodies[::-1]
-        return [(pin, on_pin), (hole, on_hole)]
+        """Of the same, about the points where they act."""
+        return self.gap.torques(self.force, self.friction)
 
 
 class PressingNodes(ContactNodes):
@@ -177,8 +69,8 @@ class PressingNodes(ContactNodes):
 
     @property
     def touching(self) -> Scalar:
-        """Mode: whether pin and hole touch."""
-        return self.model.switches.add(self.touch, self.gap)
+        """Mode: whether they touch."""
+        return self.model.switches.add(self.touch, self.gap.smooth)
 
     @property
     def pressing(self) -> Scalar:
@@ -192,7 +84,9 @@ class PressingNodes(ContactNodes):
     @cached_property
     def pressed(self) -> Scalar:
         """The indentation where they touch, as laws take it."""
-        return self.graph.select(self.indentation - LEAST, self.indentation, self.graph.lift(LEAST))
+        return self.graph.select(
+            self.gap.indentation - LEAST, self.gap.indentation, self.graph.lift(LEAST)
+        )
 
     def value(self, law: Function) -> Scalar:
         """What a law gives, such as the force or the energy."""

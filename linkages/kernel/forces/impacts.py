@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.contacts import Contact, RigidContact
-from linkages.kernel.forces.contacts import ContactNodes, PressingNodes
+from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.symmetric import solve_symmetric
 
@@ -42,7 +42,7 @@ class RigidNodes(ContactNodes):
     @cached_property
     def _moved(self) -> tuple[list[Scalar], Scalar]:
         """J⁻¹Nᵀ, and the mass 1/(N J⁻¹Nᵀ) that resists along the indentation."""
-        along = [self.rate(partial) for partial in self.model.partials]
+        along = [self.gap.rate(partial) for partial in self.model.partials]
         moved = solve_symmetric(self.model.mass_matrix, along)
         inverse = self.graph.total(a * b for a, b in zip(along, moved, strict=True))
         # concentric, the offset has no direction: any mass will do where nothing touches
@@ -66,17 +66,15 @@ class RigidNodes(ContactNodes):
         """Mode: whether contact is closed."""
         rate = self.speed / (RESTING * self.model.inputs.parameter(self.law.least_rate))
         square = rate * rate  # twice squared: flat where the pin is at rest, so that its rate tells
-        resting = NEAR * self.size * self.graph.apply("exp", -(square * square))
-        return self.model.switches.add(self.touch, self.gap + resting, jump=self.rates_behind)
+        resting = NEAR * self.gap.size * self.graph.apply("exp", -(square * square))
+        return self.model.switches.add(
+            self.touch, self.gap.smooth + resting, jump=self.rates_behind
+        )
 
     @cached_property
     def _pressed(self) -> Scalar:
         """Acceleration into the wall if nothing held there."""
-        free = dict(zip(self.model.topology.free, self.model.unheld_accelerations, strict=True))
-        x, y = (free[name] for name in self.contact.axes)
-        pushed = self.normal.x * x + self.normal.y * y
-        along = self.offset_rate(self.model.velocities).square - self.speed * self.speed
-        return pushed + along / self.distance
+        return self.gap.pushed(self.model.unheld)
 
     @property
     def _holding(self) -> Scalar:
@@ -87,16 +85,20 @@ class RigidNodes(ContactNodes):
         touching, pressed = self.touching, self._pressed
         least = self.graph.lift(LEAST)
         held = self.graph.select(pressed - least, pressed, least)
-        swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.size))
-        settling = swing * (2.0 * self.speed + swing * self.indentation)
+        swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.gap.size))
+        settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self._moved[1] * self.graph.select(touching, pressed + settling, pressed)
+
+    @property
+    def pressing(self) -> Scalar:
+        """Mode: whether a closed contact presses."""
+        touching, name = self.touching, f"{self.contact.name}: press"
+        return self.model.switches.add(name, self._holding, active=touching)
 
     @cached_property
     def force(self) -> Scalar:
         """Normal force of a closed contact."""
-        touching, holding = self.touching, self._holding
-        pressing = self.model.switches.add(f"{self.contact.name}: press", holding, active=touching)
-        return self.graph.select(pressing, holding, self.graph.zero)
+        return self.graph.select(self.pressing, self._holding, self.graph.zero)
 
     @property
     def potential(self) -> Scalar:
@@ -107,10 +109,3 @@ class RigidNodes(ContactNodes):
     def normal_loss(self) -> Scalar:
         """Constraints lose nothing; impacts lose at once."""
         return self.graph.zero
-
-
-def contact_nodes(model: Model, contact: Contact) -> ContactNodes:
-    """The nodes of a contact."""
-    if isinstance(contact.normal, RigidContact):
-        return RigidNodes(model, contact, contact.normal)
-    return PressingNodes(model, contact, contact.normal)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Body
+from linkages.components.contributed.terms import PLAYING, Body
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.style import CLEARANCE, DRIVEN, FREE, GREY, PASSIVE
@@ -31,7 +31,7 @@ def outlines(pose: Pose) -> Iterator[tuple[Body, Array]]:
     Bodies that carry a slot reach to its ends. Clearances and plain blocks are left out.
     """
     for name, body in pose.mechanism.bodies.items():
-        if body.kind in ("clearance", "offset"):
+        if body.kind in (*PLAYING, "block"):
             continue
         places = [np.array(list(pose.shown(name).values())).reshape(-1, 2)]
         if body.rotates:

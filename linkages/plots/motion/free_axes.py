@@ -52,6 +52,7 @@ class Free(NamedTuple):
 _KINDS = {
     "clearance": (Output("clearance_angle", "angle α"), Output("clearance_speed", "speed dα/dt")),
     "offset": (Output("offset_position", "offset e"), Output("offset_rate", "rate de/dt")),
+    "tilt": (Output("tilt_angle", "tilt φ"), Output("tilt_speed", "rate dφ/dt")),
     "bar": (Output("bar_angle", "angle θ"), Output("bar_speed", "speed dθ/dt")),
     "slider": (
         Output("slider_position", "displacement s"),

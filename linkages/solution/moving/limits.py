@@ -14,7 +14,7 @@ from linkages.kernel.system import System
 from linkages.solution.moving.motion import Settings
 from linkages.solution.moving.passage import vanishes
 
-_GRID_ANGLE = math.radians(1.0)
+GRID_ANGLE = math.radians(1.0)
 _CHUNK = 8192
 _REFINEMENT, _DEPTH = 65, 8
 _NEAR = 0.06
@@ -50,7 +50,7 @@ def chunks(
     times: Floats,
     fastest: float,
     begun: float,
-    angle: float = _GRID_ANGLE,
+    angle: float = GRID_ANGLE,
     most: float = math.inf,
 ) -> Iterator[Floats]:
     """Times to look at in the order of the motion, from `begun` to the last sample.
@@ -125,7 +125,7 @@ class Limits:
         reached = int(np.argmax(failing)) if failing.any() else len(times)
         aligned = (np.abs(margins[:, :reached]) < LEAST_MARGIN).any(axis=0)
         passed = int(np.argmax(aligned)) if aligned.any() else reached
-        for index in np.flatnonzero(self._suspicious(times, margins, rates)):
+        for index in np.flatnonzero(suspicious(times, margins, rates)):
             if index + 1 >= passed:
                 break
             stop = self._inspect(times[index], times[index + 1], depth)
@@ -186,18 +186,6 @@ class Limits:
         rows = [margins[self._margin_blocks.index(block)] for block in blocks]
         return all(vanishes(times, row, crossing) for row in rows)
 
-    @staticmethod
-    def _suspicious(
-        times: NDArray[np.float64], margins: NDArray[np.float64], rates: NDArray[np.float64]
-    ) -> NDArray[np.bool_]:
-        """Per interval: whether a margin heads for zero within it, seen from both of its ends."""
-        span = np.diff(times)
-        sign = np.sign(margins[:, :-1])
-        with np.errstate(invalid="ignore"):  # at a change point rates are infinite
-            ahead = sign * (margins[:, :-1] + 1.1 * rates[:, :-1] * span)
-            behind = sign * (margins[:, 1:] - 1.1 * rates[:, 1:] * span)
-        return np.any((ahead < 0) & (behind < 0), axis=0)
-
     def _inspect(self, start: float, end: float, depth: int) -> Stop | None:
         """Look closer, until the interval cannot be divided or no margin heads for zero."""
         if depth > _DEPTH or abs(end - start) <= 1e-14 * max(abs(start), abs(end)):
@@ -221,3 +209,21 @@ class Limits:
         radicands, _, _ = self._values(np.array([bad]))
         first = int(np.argmax(~(radicands[:, 0] >= 0)))
         return Stop(float(bad), self._reach_blocks[first], singular=False)
+
+
+def suspicious(times: Floats, margins: Floats, rates: Floats) -> NDArray[np.bool_]:
+    """Per interval: whether a margin heads for zero within it, seen from both of its ends.
+
+    Parameters
+    ----------
+    times
+        Shape (times,).
+    margins, rates
+        Shape (blocks, …, times).
+    """
+    span = np.diff(times)
+    sign = np.sign(margins[..., :-1])
+    with np.errstate(invalid="ignore"):  # at a change point rates are infinite
+        ahead = sign * (margins[..., :-1] + 1.1 * rates[..., :-1] * span)
+        behind = sign * (margins[..., 1:] - 1.1 * rates[..., 1:] * span)
+    return np.any((ahead < 0) & (behind < 0), axis=0)

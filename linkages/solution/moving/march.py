@@ -7,7 +7,7 @@ motion is led through a change point, or it ends. Tangents go along, and guards 
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +34,7 @@ from linkages.solution.moving.tolerances import TANGENT_ATOL, absolute_tolerance
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
 from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow, Switching
-from linkages.solvers.integration import integrate
+from linkages.solvers.integration import Request, carry_out, request
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 
@@ -248,6 +248,23 @@ class March:
         watch
             Called now and then with the fraction of the time that is done.
         """
+        going = self.advancing(times, guards=guards, renormalised=renormalised)
+        asked = next(going)
+        while True:
+            try:
+                asked = going.send(carry_out(asked, self._progress(watch)))
+            except StopIteration as end:
+                motion: Motion = end.value
+                return motion
+
+    def advancing(
+        self,
+        times: Floats,
+        *,
+        guards: Sequence[Guard] = (),
+        renormalised: Renormalised | None = None,
+    ) -> Generator[Request, Trajectory, Motion]:
+        """As `advance`, but asks for integrations instead of carrying them out."""
         self._times, self._taken = times, 0
         self._direction = 1.0 if times[-1] >= self.time else -1.0
         if self._direction < 0.0 and self._plan.switching is not None:
@@ -260,7 +277,7 @@ class March:
         self._watched = [Watched(guard) for guard in guards]
         self._least = self._thresholds()
         while True:
-            trajectory = self._integrate(watch)
+            trajectory = yield from self._integrated()
             if not self._goes_on(trajectory):
                 failure = failure_text(self.system, trajectory, self._way_on)
                 stop_time = trajectory.stop_time
@@ -292,14 +309,14 @@ class March:
                 time=self.time,
             )
 
-    def _integrate(self, watch: Watch | None) -> Trajectory:
-        """Integrate until something happens, and keep the samples."""
-        trajectory = self._trajectory(watch)
+    def _integrated(self) -> Generator[Request, Trajectory, Trajectory]:
+        """Have it integrated until something happens, and keep the samples."""
+        trajectory = yield self._request()
         while trajectory.outcome is Outcome.EVENT and not self._met(trajectory):
             # what does not count has used up the room; steps must not depend on how much there was
             for watched in self._watched:
                 watched.widen()
-            trajectory = self._trajectory(watch)
+            trajectory = yield self._request()
         for key in self.cost:
             self.cost[key] += getattr(trajectory, key)
         self._keep(trajectory)
@@ -309,11 +326,11 @@ class March:
         self._angles = trajectory.final_angles
         return trajectory
 
-    def _trajectory(self, watch: Watch | None) -> Trajectory:
-        """Integrate from the present state on."""
+    def _request(self) -> Request:
+        """Ask for an integration from the present state on."""
         used = self.cost["steps"] + self.cost["rejected"]
         tangents = self._renormalised
-        return integrate(
+        return request(
             self._plan.bind(self.system, self.flipped, self._least),
             self._vector,
             self._times[self._taken :],
@@ -323,7 +340,6 @@ class March:
             events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
             tangents=None if tangents is None else tangents.plan(self.layout),
             holds=self._held,
-            watch=self._progress(watch),
         )
 
     def _met(self, trajectory: Trajectory) -> bool:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.code.compiled import CompiledKernel, Printed, bind_kernel
+from linkages.kernel.code.llvm import write_assembly
+from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program, write_functions_of, write_program
 from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.graph.remembered import Remembered
@@ -281,6 +283,16 @@ class Plan:
         def linearise() -> Companion:
             return _companion(bind_kernel(self._jacobian(system.topology), parameters))
 
+        def wide(lanes: int) -> Companion:
+            code = self._wide(system.topology, lanes)
+            return Companion(
+                clock=code.address("clock"),
+                rates=code.address("rates"),
+                parameters=kernel.parameters,
+                timed_size=kernel.timed,
+                keepalive=code,
+            )
+
         return Flow(
             clock=kernel.clock,
             rates=kernel.rates,
@@ -296,6 +308,7 @@ class Plan:
             keepalive=kernel,
             linearise=linearise,
             switching=self._switching(system, parameters),
+            wide=wide,
         )
 
     def _switching(self, system: System, parameters: Floats) -> Switching | None:
@@ -341,6 +354,15 @@ class Plan:
         program = made() if key is None else _FURTHER.get((self.key, key), made)
         return _companion(bind_kernel(program, _flipped(system, flipped)))
 
+    def _wide(self, topology: Topology, lanes: int) -> MachineCode:
+        """The machine code of the kernel for some lanes."""
+
+        def made() -> MachineCode:
+            source = kernel_source(topology, self.layout)
+            return MachineCode(write_assembly(source.program.routines, lanes))
+
+        return _WIDE.get((self.key, lanes), made)
+
     def _jacobian(self, topology: Topology) -> Printed:
         """The printed derivatives of the accelerations."""
 
@@ -354,6 +376,7 @@ class Plan:
 
 _PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
 _FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
+_WIDE: Remembered[Hashable, MachineCode] = Remembered(MOST_STRUCTURES)
 
 
 def _flipped(system: System, flipped: Collection[int]) -> Floats:

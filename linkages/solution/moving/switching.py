@@ -16,6 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import PLAYING
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
 from linkages.kernel.graph.differentiation import derivative
@@ -24,9 +25,6 @@ from linkages.options.run import RunOptions
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Piece
 from linkages.topology.jacobian import closure_jacobian, distance_from_singular
-
-CLEARANCES = ("clearance", "offset")
-"""Kinds of bodies whose coordinates are always free."""
 
 BETTER = 2.0
 """How much farther from singular other coordinates must be to be worth a change."""
@@ -38,7 +36,7 @@ SAME_PLACE = 1e-6
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
     bodies = system.mechanism.bodies
-    return tuple(name for name in system.topology.free if bodies[name].kind not in CLEARANCES)
+    return tuple(name for name in system.topology.free if bodies[name].kind not in PLAYING)
 
 
 def passes(system: System, run: RunOptions) -> bool:
@@ -175,7 +173,7 @@ class _Configuration:
         candidates = [
             name
             for name in topology.dependent
-            if name not in topology.slaves and bodies[name].kind not in CLEARANCES
+            if name not in topology.slaves and bodies[name].kind not in PLAYING
         ]
         for given in movable(self._system):
             for candidate in candidates:

@@ -6,13 +6,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from linkages.kernel.forces.contacts import ContactNodes
+from linkages.components.contributed.contacts import Film, NormalForce
+from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
 from linkages.solution.values.episodes import STATES, Episodes, episodes
 
 DEEPEST = 0.1
 """Indentation over size above which the laws of small areas of contact are extrapolated."""
+
+THINNEST = 0.05
+"""Thickness of a film over the size below which the eccentricity says that it is none."""
 
 LASTING = 0.5
 """Part of a motion that a contact lasts to be called one that is not lost again."""
@@ -27,19 +31,22 @@ def contact_notes(motion: Motion) -> list[str]:
     return [note for nodes, found in pairs for note in _notes(motion, nodes, found)]
 
 
-def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str]:
+def _notes(motion: Motion, nodes: GapNodes, found: Episodes) -> Iterator[str]:
     name, normal, size = found.name, nodes.contact.normal, nodes.contact.size.value
-    yield f"clearance {name}: {_summary(motion, found)}"
     deepest = max(
-        float(evaluate_nodes(piece, [nodes.indentation]).max(initial=-np.inf))
+        float(evaluate_nodes(piece, [nodes.gap.indentation]).max(initial=-np.inf))
         for piece in motion.pieces
     )
+    if isinstance(normal, Film):
+        yield _of_film(name, -deepest, size)
+        return
+    yield f"clearance {name}: {_summary(motion, found)}"
     if deepest > DEEPEST * size:
         yield (
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
             f"the size; laws of contact are made for less than {DEEPEST:.0%}"
         )
-    remembers = not nodes.contact.rigid and normal.least_rate is not None
+    remembers = isinstance(normal, NormalForce) and normal.least_rate is not None
     if remembers and np.isnan(found.rate[:1]).any():
         yield (
             f"clearance {name} touches from the start, and no state says how fast it was touched: "
@@ -53,6 +60,17 @@ def _notes(motion: Motion, nodes: ContactNodes, found: Episodes) -> Iterator[str
             "damping is what the rate of that touch has made it, so that other starts end on "
             "other motions: hunt-crossley-constant has no such memory"
         )
+
+
+def _of_film(name: str, thinnest: float, size: float) -> str:
+    """How thin a film gets, and whether there would be one."""
+    found = f"clearance {name}: the film is at least {thinnest:.3g} m thick, {thinnest / size:.1%}"
+    if thinnest >= THINNEST * size:
+        return f"{found} of the size"
+    return (
+        f"{found} of the size; below {THINNEST:.0%} real surfaces touch, and the theory of short "
+        "bearings ends: expected more viscosity or width, or a law of contact"
+    )
 
 
 def _summary(motion: Motion, found: Episodes) -> str:

@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import RigidContact
-from linkages.kernel.forces.contacts import ContactNodes
+from linkages.components.contributed.contacts import NormalForce
+from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.impacts import RigidNodes
-from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Changed, Motion, Piece
@@ -78,14 +77,14 @@ def states(motion: Motion) -> NDArray[np.int8]:
 
     Where pin and hole cannot part they follow each other.
     """
-    names = [term.name for term in motion.pieces[0].system.mechanism.displacements]
+    names = motion.pieces[0].system.mechanism.clearance_names
     found = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
     for contact in episodes(motion):
         found[:, names.index(contact.name)] = contact.state(motion.time)
     return found
 
 
-def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
+def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
@@ -109,44 +108,39 @@ def _of_contact(motion: Motion, nodes: ContactNodes) -> Episodes:
     )
 
 
-def _touching_at_start(motion: Motion, nodes: ContactNodes) -> bool:
+def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
     first = next((piece for piece in motion.pieces if len(piece.time)), None)
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: ContactNodes) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: GapNodes) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
+    along = [nodes.gap.rate(partial) for partial in model.partials]
     if not changed.pieces:
         return np.zeros(0), np.zeros(0)
-    found = [
-        evaluate_nodes(piece, [nodes.speed, nodes.normal.x, nodes.normal.y, *rows])
-        for piece in changed.pieces
-    ]
-    speed, x, y, *inertia = np.hstack(found)
-    mass = _effective_mass(model, nodes, np.array([x, y]), np.array(inertia))
+    found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
+    speed, *values = np.hstack(found)
+    mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
     return speed, _duration(nodes, mass, np.abs(speed))
 
 
-def _effective_mass(model: Model, nodes: ContactNodes, normal: Floats, rows: Floats) -> Floats:
+def _effective_mass(along: Floats, rows: Floats) -> Floats:
     """1/(N J⁻¹ Nᵀ) with the derivatives N of the indentation by the free coordinates."""
-    free = model.topology.free
-    count, times = len(free), normal.shape[1]
+    count, times = along.shape
     inertia = np.zeros((times, count, count))
     lower = np.tril_indices(count)
     inertia[:, lower[0], lower[1]] = inertia[:, lower[1], lower[0]] = rows.T
-    along = np.zeros((times, count, 1))
-    for axis, name in enumerate(nodes.contact.axes):
-        along[:, free.index(name), 0] = normal[axis]
-    moved = np.linalg.solve(inertia, along)
-    return np.asarray(1.0 / (along * moved).sum(axis=(1, 2)))
+    column = along.T[:, :, None]
+    moved = np.linalg.solve(inertia, column)
+    return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(nodes: ContactNodes, mass: Floats, speed: Floats) -> Floats:
+def _duration(nodes: GapNodes, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
     normal = nodes.contact.normal
-    if isinstance(normal, RigidContact):
+    if not isinstance(normal, NormalForce):
         return np.zeros(speed.shape)
     stiffness, exponent = normal.numbers
     power = exponent.value + 1.0

@@ -6,12 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.reading.wording import listed, suggestion
 from linkages.solution.values.requests import available
+
+Floats = NDArray[np.float64]
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,11 +54,20 @@ class Series:
 
     def node(self, model: Model) -> Scalar:
         """The series as a node of a model; for variables that are evaluated from nodes."""
+        return VARIABLES[self.variable].evaluated(model)[self.index(model)]
+
+    def index(self, model: Model) -> int:
+        """Its place among all elements of the variable, the last dimension running fastest."""
         index = 0
         for dim, label in self.place.items():
             names = labels(model, dim)
             index = index * len(names) + names.index(label)
-        return VARIABLES[self.variable].evaluated(model)[index]
+        return index
+
+    def picked(self, values: Mapping[str, Floats], model: Model) -> Floats:
+        """The series out of values of variables, which have shape (samples, …) each."""
+        rows = values[self.variable]
+        return rows.reshape(len(rows), -1)[:, self.index(model)]
 
 
 def system_series(system: System) -> dict[str, Series]:

@@ -1,4 +1,8 @@
-"""Compiled loop of steps whose length follows a tolerance."""
+"""Compiled loop of steps whose length follows a tolerance.
+
+Printed code makes them (`linkages.solvers.printed`), until one needs more than arithmetic: that
+step is finished here.
+"""
 
 from __future__ import annotations
 
@@ -17,142 +21,255 @@ from linkages.solvers.loops.commit import (
     margin_outcome,
     outcome_of,
 )
-from linkages.solvers.loops.step_size import (
-    CAUTIOUS,
-    SHRINK_BLOCKED,
-    SHRINK_FRESH,
-    SHRINK_TURNING,
-    error_norm,
-    first_step,
-    next_factor,
+from linkages.solvers.loops.step_size import CAUTIOUS, SHRINK_BLOCKED, SHRINK_FRESH, first_step
+from linkages.solvers.printed.control import SHRINK_TURNING
+from linkages.solvers.steps.compiled import (
+    call_advance,
+    call_hook,
+    call_step,
+    compiled,
+    floats,
+    integers,
+    tuple_at,
 )
-from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
-from linkages.solvers.steps.stages import try_step
+from linkages.solvers.steps.stages import LOWER, status_of
 from linkages.solvers.steps.views import (
+    ACCEPTED,
+    ALWAYS,
+    BEFORE,
+    CARRY,
+    END,
+    ERROR,
     EVALUATIONS,
+    FACTOR,
+    FIRST,
+    FRESH,
+    FROM,
+    KIND,
+    LENGTH,
+    NEXT_CARRY,
+    NOW,
     REJECTED,
+    REJECTED_BEFORE,
+    REJECTIONS,
+    RTOL,
+    SAMPLE,
+    SAMPLES,
+    SMALLEST_STEP,
+    STATUS,
     STEPS,
     STOP,
+    TAKEN,
+    TO,
+    TROUBLE,
+    WORD,
+    Control,
+    H,
     Hook,
     Record,
     Switching,
     System,
+    T,
     Table,
 )
 from linkages.solvers.watched.counting import expect_end
-from linkages.solvers.watched.margins import check_margins, turns_too_far
+from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.sampling import take_samples
 
-# Steps below this many units in the last place of time no longer move it reliably.
-SMALLEST_STEP = 16 * 2.220446049250313e-16
+system_at, table_at, record_at = tuple_at(System), tuple_at(Table), tuple_at(Record)
+hook_at, switching_at, control_at = tuple_at(Hook), tuple_at(Switching), tuple_at(Control)
+TABLE = WORD * len(System._fields)
+RECORD = TABLE + WORD * len(Table._fields)
+HOOK = RECORD + WORD * len(Record._fields)
+SWITCHING = HOOK + WORD * len(Hook._fields)
+CONTROL = SWITCHING + WORD * len(Switching._fields)
+# Trials between two looks at whether to stop.
+TICKS = 64
 
 
 @compiled
-def adaptive_steps(
-    system: System,
-    table: Table,
-    record: Record,
-    hook: Hook,
-    switching: Switching,
-    start: float,
-    end: float,
-    rtol: float,
-    atol: int,
-    zeros: int,
-    order: int,
-    memory: float,
-    budget: int,
-) -> int:
-    """Integrate from start to end with an error estimate of an order kept at a tolerance.
+def set_sample(system: System, record: Record) -> None:
+    """Say when the next sample is to be taken."""
+    pace, taken = floats(system.pace), integers(record.counters)[SAMPLES]
+    never = math.copysign(math.inf, pace[END] - pace[T])
+    pace[SAMPLE] = floats(record.time)[taken] if taken < record.samples else never
 
-    Row 0 holds the state; `atol` and `zeros` are addresses of (2n,) numbers; `memory` weighs the
-    error of the step before in the control of the next one. Returns an
-    `Outcome`; the final state is in row 0, its time in ``control[NOW]``.
-    """
-    exponent = 1.0 / (order + 1)
-    counters, control = integers(record.counters), floats(record.control)
-    outcome = begin(system, record, start, 0.0)
-    if outcome != DONE or start == end:
+
+@compiled
+def first_length(system: System, control: Control, span: float) -> float:
+    """Length of a first step from where the motion is."""
+    pace = floats(system.pace)
+    return first_step(system, pace[T], span, control.order, pace[RTOL], control.atol, control.zeros)
+
+
+@compiled
+def begin_motion(context: int) -> int:
+    """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
+    system, record = system_at(context), record_at(context + RECORD)
+    control, pace = control_at(context + CONTROL), floats(system.pace)
+    hook, switching = hook_at(context + HOOK), switching_at(context + SWITCHING)
+    outcome = begin(system, record, pace[T], 0.0)
+    if outcome != DONE or pace[T] == pace[END]:
         return outcome
-    counters[EVALUATIONS] += 1
-    h = first_step(system, start, end - start, order, rtol, atol, zeros)
-    t, carry, first = start, 0.0, abs(h)
-    trouble, rejected, before = 0, False, 1.0
-    error, fresh, kind = 0.0, False, 0
-    while outcome == DONE and t != end:
-        if control[STOP] != 0.0:
-            return INTERRUPTED
-        if counters[STEPS] + counters[REJECTED] >= budget:
-            return STEP_BUDGET
-        # Time is summed with compensation: `carry` is what t is too large by.
-        moved = h - carry
-        t_end = t + moved
-        next_carry = (t_end - t) - moved
-        remaining = (end - t) + carry
-        finest = SMALLEST_STEP * max(abs(t), first)
-        if 1.01 * abs(h) >= abs(remaining):
-            h, t_end, next_carry = remaining, end, 0.0
-        counters[EVALUATIONS] += table.end
-        status = try_step(system, table, t, h, t_end)
-        factor, accepted = SHRINK_BLOCKED, False
-        if status == 0:
-            error = error_norm(system, table, h, rtol, atol)
-            factor = next_factor(error, before, exponent, memory)
-            accepted = error <= 1.0
-            if accepted and turns_too_far(system, table.end, h):
-                accepted, factor = False, SHRINK_TURNING
-        changing = False
-        if accepted and switching.look != 0:
-            part = call_hook(switching.look, switching.context, t, h, t_end)
-            if part < 0.0 and abs(h) > finest:
-                accepted, factor = False, SHRINK_TURNING
-            changing = 0.0 <= part <= 1.0
-            if 0.0 <= part < 1.0:
-                h *= part
-                t_end = t + h
-                next_carry = (t_end - t) - (h - carry)
-        if accepted and h != 0.0:
-            part = check_margins(system, table, record, t, h, t_end)
-            if part < 1.0:
-                return cut_short(system, table, record, t, h, part, SINGULAR)
-            if hook.function != 0:
-                part = call_hook(hook.function, hook.context, t, h, t_end)
-                if part <= 1.0:
-                    return cut_short(system, table, record, t, h, part, EVENT)
-            status = take_samples(system, table, record, t, h, t_end, 0.0)
-        if status != 0:
-            # A sample that cannot be evaluated belongs to a step that should not be made.
-            accepted, factor, trouble = False, SHRINK_BLOCKED, status
-        if accepted:
-            expect_end(system, table, record, h)
-            commit(system, table, record, t_end)
-            outcome = margin_outcome(system, record)
-            t, carry, before = t_end, next_carry, error
-            if fresh and not changing and t != end:
-                floats(switching.first_steps)[kind] = abs(h)
-            h *= min(factor, 1.0) if rejected else factor
-            trouble, rejected, fresh = 0, False, False
-            if changing and outcome == DONE:
-                outcome = int(call_hook(switching.change, switching.context, t, end - start, t))
-                if outcome == DONE and t != end:
-                    counters[EVALUATIONS] += 1
-                    h = first_step(system, t, end - t, order, rtol, atol, zeros)
-                    kind = integers(switching.kind)[0]
-                    last = floats(switching.first_steps)[kind]
-                    most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
-                    h = math.copysign(min(abs(h), max(most, finest)), h)
-                    before, fresh = 1.0, True
-        else:
-            counters[REJECTED] += 1
-            if switching.look != 0:
-                if fresh:
-                    factor = min(factor, SHRINK_FRESH)
-                elif not rejected:
-                    # beyond a change forces may bend: errors there say nothing of those before
-                    part = call_hook(switching.guess, switching.context, t, h, t_end)
-                    factor = min(factor, max(part, SHRINK_FRESH))
-            rejected = True
-            h *= factor
-            if abs(h) < finest:
-                return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
+    integers(record.counters)[EVALUATIONS] += 1
+    pace[H] = first_length(system, control, pace[END] - pace[T])
+    pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
+    watched = hook.function != 0 or switching.look != 0 or system.counted > 0
+    pace[ALWAYS] = 1.0 if watched else 0.0
+    set_sample(system, record)
+    return outcome
+
+
+@compiled
+def note_steps(system: System, table: Table, record: Record) -> None:
+    """Count the steps that printed code has made."""
+    counters, pace = integers(record.counters), floats(system.pace)
+    taken, rejected = int(pace[TAKEN]), int(pace[REJECTIONS])
+    counters[STEPS] += taken
+    counters[REJECTED] += rejected
+    counters[EVALUATIONS] += table.end * (taken + rejected)
+    pace[TAKEN] = pace[REJECTIONS] = 0.0
+    floats(record.control)[NOW] = pace[T]
+
+
+@compiled
+def change_mode(
+    system: System, record: Record, switching: Switching, control: Control, finest: float
+) -> int:
+    """Make the change of a mode that was found, and begin anew behind it."""
+    pace = floats(system.pace)
+    t, left = pace[T], pace[END] - pace[T]
+    forward = -1.0 if system.backward != 0 else 1.0
+    outcome = int(call_hook(switching.change, switching.context, t, forward, t))
+    if outcome == DONE and left != 0.0:
+        integers(record.counters)[EVALUATIONS] += 1
+        h = first_length(system, control, left)
+        kind = integers(switching.kind)[0]
+        last = floats(switching.first_steps)[kind]
+        most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
+        pace[H] = math.copysign(min(abs(h), max(most, finest)), h)
+        pace[BEFORE], pace[FRESH], pace[KIND] = 1.0, 1.0, float(kind)
+    return outcome
+
+
+@compiled
+def accept(
+    system: System, table: Table, record: Record, switching: Switching, control: Control,
+    h: float, t_end: float, next_carry: float, factor: float, changing: bool,
+) -> int:  # fmt: skip
+    """Make the end of the step in the workspace the start of the next one."""
+    pace = floats(system.pace)
+    expect_end(system, table, record, h)
+    commit(system, table, record, t_end)
+    outcome = margin_outcome(system, record)
+    if pace[FRESH] != 0.0 and not changing and t_end != pace[END]:
+        floats(switching.first_steps)[int(pace[KIND])] = abs(h)
+    pace[H] = h * (min(factor, 1.0) if pace[REJECTED_BEFORE] != 0.0 else factor)
+    finest = SMALLEST_STEP * max(abs(pace[T]), pace[FIRST])
+    pace[T], pace[CARRY], pace[BEFORE] = t_end, next_carry, pace[ERROR]
+    pace[TROUBLE] = pace[REJECTED_BEFORE] = pace[FRESH] = 0.0
+    if changing and outcome == DONE:
+        outcome = change_mode(system, record, switching, control, finest)
+    set_sample(system, record)
+    return outcome
+
+
+@compiled
+def reject(
+    system: System, record: Record, switching: Switching,
+    t: float, h: float, t_end: float, factor: float,
+) -> int:  # fmt: skip
+    """Make the next trial shorter, unless it would be too short."""
+    pace = floats(system.pace)
+    integers(record.counters)[REJECTED] += 1
+    if switching.look != 0:
+        if pace[FRESH] != 0.0:
+            factor = min(factor, SHRINK_FRESH)
+        elif pace[REJECTED_BEFORE] == 0.0:
+            # beyond a change forces may bend: errors there say nothing of those before
+            part = call_hook(switching.guess, switching.context, t, h, t_end)
+            factor = min(factor, max(part, SHRINK_FRESH))
+    pace[REJECTED_BEFORE] = 1.0
+    pace[H] = h * factor
+    if abs(pace[H]) < SMALLEST_STEP * max(abs(t), pace[FIRST]):
+        trouble = int(pace[TROUBLE])
+        return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
+    return DONE
+
+
+@compiled
+def conclude_step(context: int) -> int:
+    """Finish the trial in the workspace; returns an `Outcome`."""
+    system, table, record = (
+        system_at(context),
+        table_at(context + TABLE),
+        record_at(context + RECORD),
+    )
+    hook, switching = hook_at(context + HOOK), switching_at(context + SWITCHING)
+    control, pace = control_at(context + CONTROL), floats(system.pace)
+    t, h, t_end, next_carry = pace[FROM], pace[LENGTH], pace[TO], pace[NEXT_CARRY]
+    factor, accepted, changing = pace[FACTOR], pace[ACCEPTED] > 0.0, False
+    integers(record.counters)[EVALUATIONS] += table.end
+    status = status_of(system, integers(system.pace)[STATUS])
+    if accepted and switching.look != 0:
+        part = call_hook(switching.look, switching.context, t, h, t_end)
+        if part < 0.0 and abs(h) > SMALLEST_STEP * max(abs(t), pace[FIRST]):
+            accepted, factor = False, SHRINK_TURNING
+        changing = 0.0 <= part <= 1.0
+        if 0.0 <= part < 1.0:
+            h *= part
+            t_end = t + h
+            next_carry = (t_end - t) - (h - pace[CARRY])
+    if accepted and h != 0.0:
+        part = check_margins(system, table, record, t, h, t_end)
+        if part < 1.0:
+            return cut_short(system, table, record, t, h, part, SINGULAR)
+        if hook.function != 0:
+            part = call_hook(hook.function, hook.context, t, h, t_end)
+            if part <= 1.0:
+                return cut_short(system, table, record, t, h, part, EVENT)
+        status = take_samples(system, table, record, t, h, t_end, 0.0)
+    if status != 0:
+        # A sample that cannot be evaluated belongs to a step that should not be made.
+        pace[TROUBLE] = float(status)
+        return reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED)
+    if accepted:
+        return accept(
+            system, table, record, switching, control, h, t_end, next_carry, factor, changing
+        )
+    return reject(system, record, switching, t, h, t_end, factor)
+
+
+@compiled
+def go_on(context: int) -> int:
+    """Make some steps, unless the motion is to stop; returns an `Outcome`."""
+    system, table, record = (
+        system_at(context),
+        table_at(context + TABLE),
+        record_at(context + RECORD),
+    )
+    control, counters = control_at(context + CONTROL), integers(record.counters)
+    if floats(record.control)[STOP] != 0.0:
+        return INTERRUPTED
+    left = control.budget - counters[STEPS] - counters[REJECTED]
+    if left <= 0:
+        return STEP_BUDGET
+    found = call_advance(control.advance, system.frame, min(left, TICKS))
+    note_steps(system, table, record)
+    if found & LOWER == 0:
+        return DONE
+    return call_step(control.conclude, context)
+
+
+@compiled
+def adaptive_steps(context: int) -> int:
+    """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
+
+    `context` is the address of a `System`, `Table`, `Record`, `Hook`, `Switching` and `Control` in
+    a row. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
+    """
+    control, pace = control_at(context + CONTROL), floats(system_at(context).pace)
+    outcome = call_step(control.begin, context)
+    while outcome == DONE and pace[T] != pace[END]:
+        outcome = go_on(context)
     return outcome

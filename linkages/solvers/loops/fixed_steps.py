@@ -60,7 +60,7 @@ def fixed_steps(
         made, reached = h, t_end
         while True:
             counters[EVALUATIONS] += table.end
-            status = try_step(system, table, t, made, reached)
+            status = try_step(system, t, made, reached)
             if status == NOT_FINITE:
                 return DIVERGED
             if status != 0:

@@ -112,7 +112,7 @@ def sample_step(
 @compiled
 def fail(system: System, table: Table, record: Record, t: float, h: float, t_end: float) -> int:
     """Find out why a step failed, with an explicit method, and end the run where it is due."""
-    status = try_step(system, table, t, h, t_end)
+    status = try_step(system, t, h, t_end)
     integers(record.counters)[EVALUATIONS] += table.end
     if status == 0:
         return NOT_CONVERGED

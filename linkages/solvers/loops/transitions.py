@@ -100,19 +100,22 @@ def remember(system: System, switches: Switches, switch: int, rate: float) -> No
 
 @compiled
 def wake(system: System, switches: Switches, switch: int, forward: float) -> bool:
-    """Set modes that are watched only while another one is +1; whether there are any.
+    """Set modes that are watched only while another one is +1, in the end this one; whether any.
 
-    Row 0 has been evaluated with the other one.
+    Row 0 has been evaluated with the other one. A mode stands behind the one that it depends on.
     """
     held, active = floats(system.held), integers(switches.active)
     functions = floats(functions_of(system, switches.modes, 0))
     any_of_them = False
     for k in range(switches.modes):
-        if active[k] == switch:
+        owner = active[k]
+        while owner >= 0 and owner != switch:
+            owner = active[owner]
+        if owner == switch:
             any_of_them = True
             value, rate = functions[k], forward * functions[switches.modes + k]
             on = value > 0.0 or (value == 0.0 and rate >= 0.0)
-            held[k] = 1.0 if held[switch] > 0.0 and on else -1.0
+            held[k] = 1.0 if held[active[k]] > 0.0 and on else -1.0
     return any_of_them
 
 

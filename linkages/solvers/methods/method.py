@@ -7,7 +7,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import ClassVar
+from itertools import chain
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,33 +81,53 @@ class RungeKutta(Method):
 
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
+        motion = self.motion(job)
+        if job.step is None:
+            loop = partial(ADAPTIVE_STEPS, motion.context)
+        else:
+            shared = (*motion.words, job.start, job.end)
+            loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
+        return partial(run, loop, job, motion.rows, motion)
+
+    def motion(self, job: Job) -> Motion:
+        """What a loop takes of a job."""
         # Listing methods need not wait for it.
         from linkages.solvers import arrays, hooks
 
         tableau, store = self.tableau, arrays.Memory()
         rows = arrays.workspace(tableau, job.flow, job.state)
-        system = arrays.system(store, job, rows)
+        system = arrays.system(store, job, rows, tableau, self.memory)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
         events = hooks.events(store, job)
-        shared = (
-            system,
-            table,
-            record,
-            hooks.hook(store, events, system, table, record),
-            hooks.switching(store, job, events, system, table, record, tableau.c),
-            job.start,
-            job.end,
-        )
+        hook = hooks.hook(store, events, system, table, record)
+        switching = hooks.switching(store, job, events, system, table, record, tableau.c)
+        words, context = (system, table, record, hook, switching), 0
         if job.step is None:
-            atol, zeros = store.floats(job.atol), store.floats(np.zeros(len(job.state)))
-            order, budget = tableau.error_order, job.max_steps
-            loop = partial(
-                ADAPTIVE_STEPS, *shared, job.rtol, atol, zeros, order, self.memory, budget
-            )
-        else:
-            loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
-        return partial(run, loop, job, rows, store)
+            control = arrays.control(store, job, tableau, self.memory)
+            context = store.integers([*chain(*words, control)])
+        return Motion(rows, words, context, store)
+
+
+class Motion(NamedTuple):
+    """A job as compiled loops take it.
+
+    Parameters
+    ----------
+    rows
+        Its workspace, with the state in row 0.
+    words
+        A `System`, `Table`, `Record`, `Hook` and `Switching` of `linkages.solvers.steps.views`.
+    context
+        Address of the same and a `Control` behind them, for adaptive steps; 0 for others.
+    memory
+        Keeps everything alive.
+    """
+
+    rows: NDArray[np.float64]
+    words: tuple[tuple[int, ...], ...]
+    context: int
+    memory: object
 
 
 def step_count(job: Job) -> int:

@@ -162,8 +162,26 @@ def _hook(_context: Any, address: Any, context: Any, t: Any, h: Any, t_end: Any)
     return types.float64(address, context, t, h, t_end), _generate_call
 
 
+def _step(_context: Any, address: Any, frame: Any) -> Any:
+    return types.int64(address, frame), _generate_call
+
+
+def _advance(_context: Any, address: Any, frame: Any, ticks: Any) -> Any:
+    return types.int64(address, frame, ticks), _generate_call
+
+
+def _fused(_context: Any, a: Any, b: Any, c: Any) -> Any:
+    def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.fma(*arguments)
+
+    return types.float64(a, b, c), generate
+
+
 floats: Any = _pointer_to(types.float64)
 integers: Any = _pointer_to(types.int64)
 call_rates: Any = intrinsic(_rates)
 call_clock: Any = intrinsic(_clock)
 call_hook: Any = intrinsic(_hook)
+call_step: Any = intrinsic(_step)
+call_advance: Any = intrinsic(_advance)
+fused: Any = intrinsic(_fused)  # a·b + c with one rounding

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
-from linkages.solvers.steps.views import NODE, STEP_END, WORD, System, Table
+from linkages.solvers.steps.compiled import (
+    call_clock,
+    call_rates,
+    call_step,
+    compiled,
+    floats,
+    integers,
+)
+from linkages.solvers.steps.views import (
+    FROM,
+    LARGEST_ANGLE,
+    LARGEST_STATE,
+    LENGTH,
+    NOT_FINITE,
+    TO,
+    WORD,
+    System,
+)
 
-NOT_FINITE = -1
-LARGEST_STATE = 1e150
-# An angle that moves by this much within one step has nothing to do with the motion any more.
-LARGEST_ANGLE = 1e9
+HALF, LOWER = 32, 2**32 - 1
 
 
 @compiled
@@ -50,38 +63,29 @@ def evaluate(system: System, row: int) -> int:
 
 
 @compiled
-def run_stages(
-    system: System, table: Table, first: int, last: int, t: float, h: float, t_end: float
-) -> int:
-    """Compute rows first..last of a step of length h from time t and row 0.
-
-    Rows at the end of the step are evaluated at `t_end` rather than at ``t + h``, so that the end
-    of a step and the start of the next one are at the same time to the last bit.
-    """
-    rows, starts, places = floats(system.rows), integers(table.starts), integers(table.places)
-    weights, clocks, c = floats(table.weights), integers(table.clocks), floats(table.c)
-    for row in range(first, last + 1):
-        for i in range(2 * system.n):
-            slope = 0.0
-            for j in range(starts[row], starts[row + 1]):
-                slope += weights[j] * rows[places[j] + i]
-            rows[row * system.width + i] = rows[i] + h * slope
-        status = 0
-        if clocks[row] == NODE:
-            status = set_clock(system, t + c[row] * h)
-        elif clocks[row] == STEP_END:
-            status = set_clock(system, t_end)
-        if status == 0:
-            status = evaluate(system, row)
-        if status != 0:
-            return status
-    return 0
+def try_step(system: System, t: float, h: float, t_end: float) -> int:
+    """Step from row 0 to row `Table.end`; 0, 1 + block, or NOT_FINITE."""
+    return run(system, system.attempt, t, h, t_end)
 
 
 @compiled
-def try_step(system: System, table: Table, t: float, h: float, t_end: float) -> int:
-    """Step from row 0 to row `table.end`; 0, 1 + block, or NOT_FINITE."""
-    status = run_stages(system, table, 1, table.end, t, h, t_end)
-    if status == 0 and not finite(system, table.end, 3 * system.n):
-        return NOT_FINITE
-    return status
+def further_stages(system: System, t: float, h: float, t_end: float) -> int:
+    """Compute the rows behind the end of a step, which its dense output needs; as `try_step`."""
+    return run(system, system.further, t, h, t_end)
+
+
+@compiled
+def run(system: System, function: int, t: float, h: float, t_end: float) -> int:
+    """Run a printed function over a time."""
+    pace = floats(system.pace)
+    pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
+    return status_of(system, call_step(function, system.frame))
+
+
+@compiled
+def status_of(system: System, found: int) -> int:
+    """Status of a printed function, which returns the row as well."""
+    if found <= 0:
+        return found
+    # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
+    return found & LOWER if finite(system, found >> HALF, 2 * system.n) else NOT_FINITE

@@ -9,13 +9,8 @@ import math
 
 import numpy as np
 
-from linkages.solvers.steps.compiled import compiled, floats, integers
-from linkages.solvers.steps.views import System
-
-TWO_PI = 2 * math.pi
-# 2π minus its nearest double: subtracting both parts keeps an angle right to its last digit
-# after any number of turns.
-TWO_PI_TAIL = 2.4492935982947064e-16
+from linkages.solvers.steps.compiled import compiled, floats, fused, integers
+from linkages.solvers.steps.views import TWO_PI, TWO_PI_TAIL, System
 
 
 @compiled
@@ -30,5 +25,5 @@ def wrap_angles(system: System, angles: int, turns: int, into: int) -> None:
         after[i] = before[i]
         if rotates[i] != 0 and abs(q[i]) > math.pi:
             whole = np.rint(q[i] / TWO_PI)
-            q[i] = (q[i] - whole * TWO_PI) - whole * TWO_PI_TAIL
+            q[i] = fused(-whole, TWO_PI_TAIL, fused(-whole, TWO_PI, q[i]))
             after[i] += int(whole)

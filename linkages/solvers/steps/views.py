@@ -5,6 +5,7 @@ Every field is an integer: a size, or the address of an array of 8-byte entries.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 WORD = 8
@@ -37,6 +38,10 @@ class System(NamedTuple):
     held: int  # (h,) of float64: these, the last ones of the parameters
     rows: int
     width: int  # of a row
+    frame: int  # address of the addresses named by FRAME
+    pace: int  # of 8-byte entries: see FROM and those behind it
+    attempt: int  # of the printed step: see `linkages.solvers.printed.step`
+    further: int
 
 
 class Table(NamedTuple):
@@ -49,13 +54,47 @@ class Table(NamedTuple):
     starts: int  # (rows + 1,) of int64
     places: int  # of int64
     weights: int  # of float64
-    clocks: int  # (rows,) of int64: KEEP, NODE or STEP_END
     c: int  # (rows,) of float64
-    error: int  # (2, end + 1) of float64
     dense: int  # (rows, degree) of float64
     rows: int
     end: int
     degree: int
+
+
+class Control(NamedTuple):
+    """How the steps of a motion follow its tolerance; numbers stand in the pace."""
+
+    advance: int  # address of the printed function that makes steps
+    begin: int  # of the functions of `loops.adaptive_steps` that start a motion
+    conclude: int  # and finish a step that needs more than arithmetic
+    atol: int  # (2n,) of float64
+    zeros: int  # (2n,) of float64
+    order: int  # of the error estimate
+    budget: int  # number of steps
+
+
+class Lanes(NamedTuple):
+    """Motions that advance side by side, W at a time; all of them have the same sizes.
+
+    Arrays of the frame consist of rows of W entries, one of each lane.
+    """
+
+    lanes: int  # their number W
+    frame: int
+    parameters: int  # arrays of the frame
+    rows: int
+    pace: int
+    atol: int
+    scale: int
+    smallest: int
+    turns: int
+    size: int  # number of parameters
+    advance: int  # address of the printed function that makes steps
+    motions: int  # (number,) of int64: their contexts, see `adaptive_steps`
+    number: int  # of motions
+    outcomes: int  # (number,) of int64
+    places: int  # (W,) of int64: the motion in each lane, or -1
+    control: int  # (2,) of float64: number of motions that have ended, and whether to stop
 
 
 class Nodes(NamedTuple):
@@ -199,9 +238,39 @@ class Switching(NamedTuple):
     first_steps: int  # (2m,) of float64: lengths of the steps behind the last changes of each kind
 
 
-# When a row is evaluated: at the time of the row before, at its node, at the end of the step.
-KEEP, NODE, STEP_END = range(3)
 # Entries of `counters`.
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, and whether to stop.
 NOW, STOP = range(2)
+# Arrays of a frame.
+FRAME = (
+    "clock", "rates", "parameters", "timed", "rows", "pace", "atol", "scale", "smallest", "turns",
+)  # fmt: skip
+TURNS = FRAME.index("turns")
+# Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
+# long it is, and where it ends; what the time there is too large by.
+FROM, LENGTH, TO, NEXT_CARRY = range(4)
+# What became of it: a status of the kernel (an integer), error norm, factor to the next length,
+# and whether it is accepted.
+STATUS, ERROR, FACTOR, ACCEPTED = range(4, 8)
+# Where the motion is, what this time is too large by, length of the next step, and its last time.
+T, CARRY, H, END = range(8, 12)
+# First length, error norm of the last step, whether the last trial was rejected, next sample time.
+FIRST, BEFORE, REJECTED_BEFORE, SAMPLE = range(12, 16)
+# Status of the last trial that could not be evaluated, whether the step follows a change of a mode,
+# and of which kind this was.
+TROUBLE, FRESH, KIND = range(16, 19)
+# Whether every step is watched, whether the lane is in use, relative tolerance, and steps made and
+# rejected that are not counted yet.
+ALWAYS, ACTIVE, RTOL, TAKEN, REJECTIONS = range(19, 24)
+PACE = 24
+# Steps below this many units in the last place of time no longer move it reliably.
+SMALLEST_STEP = 16 * 2.220446049250313e-16
+NOT_FINITE = -1
+LARGEST_STATE = 1e150
+# An angle that moves by this much within one step has nothing to do with the motion any more.
+LARGEST_ANGLE = 1e9
+TWO_PI = 2 * math.pi
+# 2π minus its nearest double: subtracting both parts keeps an angle right to its last digit
+# after any number of turns.
+TWO_PI_TAIL = 2.4492935982947064e-16

@@ -13,8 +13,7 @@ import numpy as np
 
 from linkages.solvers.steps.compiled import compiled, floats, integers
 from linkages.solvers.steps.stages import address_of
-from linkages.solvers.steps.turns import TWO_PI
-from linkages.solvers.steps.views import Nodes, Record, System, Table
+from linkages.solvers.steps.views import TWO_PI, Nodes, Record, System, Table
 
 
 @compiled

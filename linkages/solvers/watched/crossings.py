@@ -207,9 +207,9 @@ def watch_step(context: int, t: float, h: float, t_end: float) -> float:
         if integers(record.counters)[EVALUATIONS] != evaluations:
             integers(record.counters)[EVALUATIONS] += table.end
             evaluations = integers(record.counters)[EVALUATIONS]
-            try_step(system, table, t, h, t_end)
+            try_step(system, t, h, t_end)
     if part != GO_ON:
         forget_later(events, t + part * h, h > 0.0)
         integers(record.counters)[EVALUATIONS] += table.end
-        try_step(system, table, t, part * h, t + part * h)
+        try_step(system, t, part * h, t + part * h)
     return part

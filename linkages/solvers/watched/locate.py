@@ -15,9 +15,8 @@ from linkages.solvers.steps.compiled import (
     inlined,
     integers,
 )
-from linkages.solvers.steps.stages import address_of, run_stages, try_step
-from linkages.solvers.steps.turns import TWO_PI
-from linkages.solvers.steps.views import EVALUATIONS, WORD, Events, Record, System, Table
+from linkages.solvers.steps.stages import address_of, further_stages, try_step
+from linkages.solvers.steps.views import EVALUATIONS, TWO_PI, WORD, Events, Record, System, Table
 from linkages.solvers.watched.sampling import interpolate
 
 SEARCHES, POLISHES = 60, 8
@@ -91,9 +90,9 @@ def dense_value(
 def prepare_dense(system: System, table: Table, record: Record, t: float, h: float) -> bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.rows - 1
-    if try_step(system, table, t, h, t + h) != 0:
+    if try_step(system, t, h, t + h) != 0:
         return False
-    return run_stages(system, table, table.end + 1, table.rows - 1, t, h, t + h) == 0
+    return further_stages(system, t, h, t + h) == 0
 
 
 @compiled
@@ -188,7 +187,7 @@ def polish(
     last = 1.0
     for _ in range(POLISHES):
         integers(record.counters)[EVALUATIONS] += table.end
-        if try_step(system, table, t, theta * h, t + theta * h) != 0:
+        if try_step(system, t, theta * h, t + theta * h) != 0:
             return theta
         miss = value(system, events, record, event, table.end, t + theta * h) - target
         rate = h * slope(system, events, event, table.end)

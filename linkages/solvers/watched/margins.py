@@ -12,6 +12,7 @@ their last digits to round-off, and the motion beyond is arbitrary: the integrat
 from __future__ import annotations
 
 from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.solvers.printed.advance import CONCAVITY
 from linkages.solvers.steps.compiled import compiled, floats, integers
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import BLOCK, EVALUATIONS, WORD, Record, System, Table
@@ -20,29 +21,12 @@ from linkages.solvers.steps.views import BLOCK, EVALUATIONS, WORD, Record, Syste
 BISECTIONS = 60
 # Enough to find the first margin that is too small within a few thousandths of a step.
 EARLY_BISECTIONS = 12
-# Most that a relative margin, the sine of an angle, may change by within a step at the rates of its
-# stages: over longer steps its extrapolation from the ends says nothing about what lies between.
-MOST_CHANGE = 0.35
-# The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
-CONCAVITY = 1.1
 
 
 @compiled
 def margins_of(system: System, row: int) -> int:
     """Address of the margins of a row; their rates follow."""
     return address_of(system, row) + WORD * 3 * system.n
-
-
-@compiled
-def turns_too_far(system: System, end: int, h: float) -> bool:
-    """Whether links turn so far within a step that a singular position could be overlooked."""
-    scale = floats(system.margin_scale)
-    for row in range(end + 1):
-        rates = floats(margins_of(system, row) + WORD * system.blocks)
-        for block in range(system.blocks):
-            if abs(h * rates[block]) > MOST_CHANGE * scale[block]:
-                return True
-    return False
 
 
 @compiled
@@ -71,7 +55,7 @@ def least_margin(
     for _ in range(BISECTIONS):
         middle = 0.5 * (before + after)
         integers(record.counters)[EVALUATIONS] += table.end
-        if try_step(system, table, t, middle * h, t + middle * h) != 0:
+        if try_step(system, t, middle * h, t + middle * h) != 0:
             # Round-off puts aligned links out of reach.
             least, after = 0.0, middle
             continue
@@ -111,7 +95,7 @@ def early_fraction(
     for _ in range(EARLY_BISECTIONS):
         middle = 0.5 * (before + after)
         integers(record.counters)[EVALUATIONS] += table.end
-        status = try_step(system, table, t, middle * h, t + middle * h)
+        status = try_step(system, t, middle * h, t + middle * h)
         if status == 0 and not is_too_small(system, table.end, block):
             before = middle
         else:
@@ -134,7 +118,7 @@ def singular_fraction(
         if ends_early(system, table.end, block):
             fraction = min(fraction, early_fraction(system, table, record, block, t, h, 1.0))
             counters[BLOCK] = block
-            try_step(system, table, t, h, t_end)
+            try_step(system, t, h, t_end)
         elif is_suspicious(system, table.end, block, h):
             least, before = least_margin(system, table, record, block, t, h)
             smallest = floats(system.smallest_margins)[block]
@@ -145,10 +129,10 @@ def singular_fraction(
                     fraction = before
                     counters[BLOCK] = block
             counters[EVALUATIONS] += table.end
-            try_step(system, table, t, h, t_end)
+            try_step(system, t, h, t_end)
     if fraction < 1.0:
         counters[EVALUATIONS] += table.end
-        try_step(system, table, t, fraction * h, t + fraction * h)
+        try_step(system, t, fraction * h, t + fraction * h)
     return fraction
 
 

@@ -15,11 +15,11 @@ def reachable_part(system: System, table: Table, record: Record, t: float, h: fl
     made, failed = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (made + failed)
-        if try_step(system, table, t, middle * h, t + middle * h) == 0:
+        if try_step(system, t, middle * h, t + middle * h) == 0:
             made = middle
         else:
             failed = middle
     integers(record.counters)[EVALUATIONS] += (BISECTIONS + 1) * table.end
     if made > 0.0:
-        try_step(system, table, t, made * h, t + made * h)
+        try_step(system, t, made * h, t + made * h)
     return made

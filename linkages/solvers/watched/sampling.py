@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from linkages.solvers.steps.compiled import compiled, floats, integers
-from linkages.solvers.steps.stages import address_of, evaluate, run_stages, set_clock
+from linkages.solvers.steps.stages import address_of, evaluate, further_stages, set_clock
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Table
 from linkages.solvers.watched.counting import counted_angle, expect_between, expect_end
@@ -72,7 +72,7 @@ def sample_between(
             continue
         if more > 0:
             counters[EVALUATIONS] += more
-            status = run_stages(system, table, table.end + 1, table.rows - 1, t, h, t_end)
+            status = further_stages(system, t, h, t_end)
             if status != 0:
                 return status
             more = 0

@@ -91,7 +91,7 @@ def least_place(start: float, rise: float, end: float, fall: float) -> float:
 def try_part(system: System, table: Table, record: Record, t: float, h: float, part: float) -> bool:
     """Repeat a step in part; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.end
-    return try_step(system, table, t, part * h, t + part * h) == 0
+    return try_step(system, t, part * h, t + part * h) == 0
 
 
 @compiled
@@ -244,7 +244,7 @@ def look(context: int, t: float, h: float, t_end: float) -> float:
                 continue
             if evaluations[EVALUATIONS] != before:
                 evaluations[EVALUATIONS] += table.end
-                try_step(system, table, t, part * h, t_end if last < 0 else t + part * h)
+                try_step(system, t, part * h, t_end if last < 0 else t + part * h)
         switch += 1
     if last < 0:
         return GO_ON

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 import re
+import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
-from linkages.chaos.sweeps.cores import available_cores
 from linkages.errors import InputError, LinkagesError
 from linkages.options.run import RunOptions
+from linkages.sweeps.cores import available_cores
 
 POLL = 0.1
 INTERRUPTED = "not computed: interrupted"
@@ -27,6 +28,19 @@ STEPS_PER_PERIOD = 100_000
 Motions of mechanisms with clearances take thousands: one that needs more than this is stuck."""
 
 Run = TypeVar("Run", bound=RunOptions)
+
+_ending = threading.local()
+
+
+def stopping() -> bool:
+    """Whether the sweep that this thread computes for has ended: what it computes is not wanted."""
+    ended: threading.Event | None = getattr(_ending, "event", None)
+    return ended is not None and ended.is_set()
+
+
+def _belongs(event: threading.Event) -> None:
+    _ending.event = event
+
 
 _WHEN = re.compile(r"^at t = \S+ s(?:, |: )")
 _SET = re.compile(r" \(from set .*\)$")
@@ -82,7 +96,10 @@ class Threads:
 
     def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
         """Yield outcomes as they come; those under way are finished when it is closed."""
-        pool = ThreadPoolExecutor(self.workers, thread_name_prefix="linkages-sweep")
+        ended = threading.Event()
+        pool = ThreadPoolExecutor(
+            self.workers, "linkages-sweep", initializer=_belongs, initargs=(ended,)
+        )
         waiting = iter(enumerate(points))
         running: dict[Future[Outcome], None] = {}
 
@@ -102,6 +119,7 @@ class Threads:
                     yield future.result()
                 fill()
         finally:
+            ended.set()
             pool.shutdown(wait=False, cancel_futures=True)
 
 
@@ -137,18 +155,29 @@ class Progress:
         Computations.
     elapsed, remaining
         Seconds; `remaining` is estimated.
+    computed
+        Computations of this run; others were in a store.
+    failures
+        What became of points that have no result → how many.
     """
 
     done: int
     total: int
     elapsed: float
     remaining: float
+    computed: int = 0
+    failures: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def rate(self) -> float:
+        """Computations per second in this run."""
+        return self.computed / self.elapsed if self.elapsed else 0.0
 
     @classmethod
-    def after(cls, done: int, total: int, begun: float) -> Progress:
-        """Progress since a time of the monotonic clock."""
-        elapsed = time.monotonic() - begun
-        return cls(done, total, elapsed, elapsed / done * (total - done))
+    def after(cls, done: int, total: int, begun: float, computed: int | None = None) -> Progress:
+        """Progress since a time of the monotonic clock; all was computed if it is not said."""
+        elapsed, new = time.monotonic() - begun, done if computed is None else computed
+        return cls(done, total, elapsed, elapsed / new * (total - done), new)
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ import threading
 
 import pytest
 
-from linkages.chaos.sweeps import cores
-from linkages.chaos.sweeps.cores import available_cores, quota
-from linkages.chaos.sweeps.sweep import Threads, sweep
+from linkages.sweeps import cores
+from linkages.sweeps.cores import available_cores, quota
+from linkages.sweeps.running import Threads, sweep
 
 
 def test_a_sweep_takes_the_cores_that_it_may_use(monkeypatch):

@@ -22,6 +22,13 @@ Result = TypeVar("Result")
 RANGE = "clearances.r1.size=0.01mm:0.5mm:200"
 
 
+MOST_POINTS = 10_000_000
+"""More than this would take days, and memory that few have."""
+
+_QUICKEST = 1e-4
+"""Seconds that a point takes at least."""
+
+
 @dataclass(frozen=True)
 class Axis:
     """Numbers that some paths of a definition take one after the other, in lockstep.
@@ -153,6 +160,7 @@ def parse_range(text: str) -> Axis:
         raise ValueError(f"both ends of a range need the same unit, found {unit!r} and {other!r}")
     if nothing or count != int(count) or count < 2:
         raise ValueError(f"a range needs at least two values, found {parts[2]!r}")
+    require_feasible(int(count))
     values = np.linspace(first, last, int(count))
     return Axis((path.strip(),), values[None], unit)
 
@@ -202,3 +210,19 @@ def first_possible(
     if refusal is None:
         raise ValueError("a sweep needs at least one point")
     raise refusal
+
+
+def require_feasible(count: int, numbers: int = 1) -> None:
+    """Refuse sweeps that nobody can wait for.
+
+    Raises
+    ------
+    ValueError
+        With an estimate of time and size.
+    """
+    if count > MOST_POINTS:
+        hours, size = count * _QUICKEST / 3600, count * 8 * (numbers + 3) / 1e9
+        raise ValueError(
+            f"{count:.3g} points would take at least {hours:.3g} hours at 0.1 ms each, and "
+            f"{size:.3g} GB; expected at most {MOST_POINTS:.0e}"
+        )

@@ -1,0 +1,49 @@
+"""Make the table of docs/kernel.md on lanes.
+
+    python docs/figures_lanes.py
+
+Wall time of an evaluation for one state, of which `tests/benchmarks/lanes.py` takes the least.
+"""
+
+from __future__ import annotations
+
+import platform
+import sys
+from pathlib import Path
+
+from figures import machine
+from figures_stability import write
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "benchmarks"))
+
+import lanes
+
+SETS = {"AVX-512": "x86-64-v4", "AVX2": "x86-64-v3"}
+
+
+def rows() -> list[str]:
+    """Nanoseconds, and the ratio of one state alone to the best number of lanes."""
+    found = [
+        "| | instructions |" + "".join(f" W = {n} |" for n in lanes.LANES) + " best ratio |",
+        "|---|---|" + "--:|" * (len(lanes.LANES) + 1),
+    ]
+    for name, make in lanes.MECHANISMS.items():
+        for said, processor in SETS.items():
+            with lanes.compiled_for(processor):
+                times = lanes.measured(make())
+            cells = " | ".join(f"{1e9 * seconds:.0f}" for seconds in times.values())
+            ratio = times[1] / min(times.values())
+            found.append(f"| {name} | {said} | {cells} | {ratio:.1f} |")
+    return found
+
+
+def main() -> None:
+    """Write the table."""
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        raise SystemExit("this table compares instruction sets of x86-64; run it on such a machine")
+    note = f"Nanoseconds for an evaluation of one state, least of {lanes.ROUNDS}; {machine()}."
+    write("lanes.md", "\n".join([*rows(), "", note, ""]))
+
+
+if __name__ == "__main__":
+    main()

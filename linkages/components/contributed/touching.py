@@ -1,0 +1,172 @@
+"""What presses and rubs in clearances that open, whatever their shape: keys, and their terms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from linkages.components.contributed.component import Component, component
+from linkages.components.contributed.contact_laws import ContactName, contact_laws
+from linkages.components.contributed.contacts import Across, ContactLaw
+from linkages.components.contributed.friction_laws import (
+    FRICTION_KEYS,
+    FrictionName,
+    friction_coefficient,
+    friction_problems,
+)
+from linkages.components.contributed.functions import Function
+from linkages.components.contributed.terms import Parameter
+from linkages.spec import dimensions
+from linkages.spec.dimensions import Bound, Dimension
+from linkages.spec.powers import ContactStiffness, exponent_of, stiffness_unit
+from linkages.spec.quantities import (
+    Damping,
+    Name,
+    PositiveLength,
+    PositiveNumber,
+    PositiveSpeed,
+    Quantity,
+)
+
+Dissipation = Annotated[float, Quantity(Dimension("dissipation", "s/m", "s/m"), Bound.NON_NEGATIVE)]
+Ratio = Annotated[float, Quantity(dimensions.NUMBER, Bound.NON_NEGATIVE)]
+
+USUAL_RATE = 1e-3
+"""Touches are no slower than this in laws that divide by their rate (m/s)."""
+
+_KEYS = ("stiffness", "exponent", "dissipation", "restitution", "least_rate", "damping")
+
+
+@component
+class Touching(Component):
+    """A clearance whose two sides press and rub where they touch.
+
+    Parameters
+    ----------
+    name
+        Clearance name.
+    size
+        How far the two sides are apart, in metres, > 0.
+    contact
+        Law of the normal force.
+    stiffness
+        K of the force K·dⁿ at an indentation d, in N/mⁿ.
+    exponent
+        n; 1.5 if not given.
+    dissipation
+        a of the factor 1 + a·d' in s/m.
+    restitution
+        Wanted ratio of the rates after and before an impact, in (0, 1].
+    least_rate
+        Rate of a touch that slower ones count as, in m/s; 1 mm/s if not given.
+    damping
+        D of the force D·d' in N·s/m.
+    friction
+        Coulomb's coefficient of friction.
+    friction_law
+        How friction depends on the slip; ``tanh`` if not given.
+    slip
+        Velocity of slip over which friction rises, in m/s.
+    least_slip
+        Velocity of slip below which there is no friction, in m/s.
+    static
+        Coefficient at which friction is greatest, at least `friction`.
+    stribeck_speed
+        Velocity of slip over which it falls from there, in m/s.
+    """
+
+    name: Name
+    size: PositiveLength
+    contact: ContactName
+    stiffness: ContactStiffness | None = None
+    exponent: PositiveNumber | None = None
+    dissipation: Dissipation | None = None
+    restitution: PositiveNumber | None = None
+    least_rate: PositiveSpeed | None = None
+    damping: Damping | None = None
+    friction: Ratio = 0.0
+    friction_law: FrictionName = "tanh"
+    slip: PositiveSpeed | None = None
+    least_slip: PositiveSpeed | None = None
+    static: Ratio | None = None
+    stribeck_speed: PositiveSpeed | None = None
+
+    @property
+    def law(self) -> ContactLaw:
+        """The law of the normal force."""
+        return contact_laws()[self.contact]
+
+    @property
+    def stiffness_exponent(self) -> float:
+        """The exponent n of the force K·dⁿ."""
+        usual = 1.5 if "exponent" in self.law.takes else 1.0
+        return usual if self.exponent is None else self.exponent
+
+    @property
+    def supplied(self) -> dict[str, float | None]:
+        """The numbers that laws may need; None for those that are missing."""
+        return {key: getattr(self, key) for key in _KEYS}
+
+    def contact_problems(self) -> Iterator[tuple[str, str]]:
+        """Keys that the law has or lacks, and numbers out of its range."""
+        law = self.law
+        if not set(law.needs) <= self.supplied.keys():
+            yield "contact", f"{law.name} is a law of pins in holes; expected another one"
+        for key, value in self.supplied.items():
+            if key in law.needs and value is None:
+                yield "contact", f"missing key {key!r}, which {law.name} needs"
+            elif value is not None and key not in (*law.needs, *law.takes):
+                known = ", ".join((*law.needs, *law.takes))
+                yield key, f"{law.name} has no {key!r}; it takes {known}"
+        written, expected = exponent_of(self.stiffness), self.stiffness_exponent
+        if written is not None and written != expected:
+            yield (
+                "stiffness",
+                f"expected a stiffness in {stiffness_unit(expected)}, for the exponent is "
+                f"{expected:g}; found {stiffness_unit(written)}",
+            )
+        yield from self.friction_problems()
+        if not self._reachable:
+            message = f"expected a restitution > 0 and at most 1, found {self.restitution:g}"
+            yield "restitution", message
+
+    def friction_problems(self) -> Iterator[tuple[str, str]]:
+        """What friction lacks."""
+        if self.friction and "stiffness" not in self.law.needs:
+            yield "friction", f"{self.law.name} has no friction; expected the law of a force"
+        else:
+            yield from friction_problems(self.friction_law, self._of_slip)
+
+    @property
+    def _of_slip(self) -> dict[str, float | None]:
+        return {key: getattr(self, key) for key in FRICTION_KEYS}
+
+    @property
+    def _reachable(self) -> bool:
+        return self.restitution is None or self.restitution <= 1.0
+
+    @property
+    def normal(self) -> Across:
+        """The force that presses: the damping factor stands in the place of the restitution.
+
+        What is missing or out of range, as `problems` says, is 1 here.
+        """
+        usual = USUAL_RATE if self.least_rate is None else self.least_rate
+        values: dict[str, float | None] = dict.fromkeys(self.law.needs) | self.supplied
+        values |= {"exponent": self.stiffness_exponent, "least_rate": usual}
+        factor = self.law.restitution
+        if factor is not None and self.restitution is not None and self._reachable:
+            values["restitution"] = factor(self.restitution)
+        return self.law.force(
+            {
+                key: Parameter((*self.path, key), 1.0 if value is None else float(value))
+                for key, value in values.items()
+            }
+        )
+
+    @property
+    def rubbing(self) -> Function | None:
+        """Friction along the slip over the normal force, if there is any."""
+        if self.number("friction").absent:
+            return None
+        return friction_coefficient(self.friction_law, self._of_slip, self.path)

@@ -1,0 +1,1 @@
+"""Numbers out of motions: what measures say, located between the samples."""

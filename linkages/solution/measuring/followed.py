@@ -1,0 +1,245 @@
+"""The motion of a solution anywhere between its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import ceil
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
+from linkages.solution.crossings import accelerated
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.resolved import MOST_EVALUATIONS, MOST_SAMPLES
+from linkages.solution.values.reactions import joint_reactions
+from linkages.solution.values.requests import REACTION
+from linkages.solution.values.series import TIME, Series
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+_PER_STEP = 4
+"""Samples per step with which quintic polynomials are as good as the steps."""
+
+_FIVE = range(5)
+"""Samples that a polynomial goes through, of series that are not evaluated between samples."""
+
+
+class Followed:
+    """A solution as a source of measures, see `linkages.solution.measuring.reduced.Source`.
+
+    Between samples the state is interpolated from states, rates and accelerations at both of them
+    (quintic polynomials), and outputs are evaluated from it. What needs more than the motion at one
+    time is interpolated itself: by polynomials through five samples, or linearly if it may jump.
+
+    Parameters
+    ----------
+    system, motion, settings
+        What is measured, and how it was computed.
+    series
+        Name → series that measures name.
+    data
+        Outputs that need more than the motion at one time, at its samples.
+    """
+
+    count = 1
+
+    def __init__(
+        self,
+        system: System,
+        motion: Motion,
+        settings: Settings,
+        series: Mapping[str, Series],
+        data: xr.Dataset | None = None,
+    ) -> None:
+        self._model, self._series, self._data = system.model, series, data
+        self._given = motion.time
+        self._motion = resolved_motion(system, motion, settings)
+        self.time: Floats = self._motion.time
+        self._sampled: dict[str, Floats] = {}
+
+    def sampled(self, series: str) -> Floats:
+        """The series at the samples, shape (1, samples)."""
+        if series not in self._sampled:
+            found = self._series[series]
+            if found.variable == TIME:
+                values = self.time
+            elif evaluable(found):
+                values = found.picked(self._evaluated(self._motion, [found]), self._model)
+            else:
+                assert self._data is not None
+                values = self._between_samples(found.of(self._data).to_numpy(), found)
+            self._sampled[series] = np.asarray(values, dtype=float)[None]
+        return self._sampled[series]
+
+    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
+        """The series at places, shape (places,) each."""
+        found = [self._interpolated(name, places) for name in series]
+        followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
+        if followed:
+            chosen = [self._series[series[k]] for k in followed]
+            for interval, piece in self._within(places):
+                values = self._evaluated(Motion(pieces=(piece,)), chosen)
+                for k, each in zip(followed, chosen, strict=True):
+                    found[k][interval] = each.picked(values, self._model)
+        return found
+
+    def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
+        names = list(dict.fromkeys(each.variable for each in series))
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = evaluate_variables(motion, [name for name in names if name != REACTION])
+            if REACTION in names:
+                found[REACTION] = joint_reactions(motion)
+        return found
+
+    def _interpolated(self, name: str, places: Floats) -> Floats:
+        """From values at samples alone."""
+        (values,) = self.sampled(name)
+        return _through(values, places, _smooth(self._series[name]))
+
+    def _between_samples(self, values: Floats, series: Series) -> Floats:
+        """What the data have, at the samples of the motion that is followed."""
+        given = self._given
+        if len(given) == len(self.time):
+            return values
+        order = 1 if given[-1] >= given[0] else -1
+        places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
+        return _through(values, places, _smooth(series))
+
+    @cached_property
+    def _starts(self) -> list[tuple[int, Piece]]:
+        """Pieces that can be followed, with the number of their first sample."""
+        found, begin = [], 0
+        for piece in self._motion.pieces:
+            if piece.samples is None and len(piece.time) > 1:
+                found.append((begin, piece))
+            begin += len(piece.wanted)
+        return found
+
+    def _within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
+        """Places that lie in a piece, and the motion there."""
+        found = []
+        for begin, piece in self._starts:
+            last = min(len(piece.time), len(self.time) - begin) - 1
+            inside = np.flatnonzero((places >= begin) & (places <= begin + last))
+            interval = np.minimum((places[inside] - begin).astype(int), last - 1)
+            if last < 1:
+                continue
+            kept = _unchanged(piece, interval)
+            inside, interval = inside[kept], interval[kept]
+            if len(inside):
+                part = places[inside] - begin - interval
+                found.append((inside, between(piece, interval, part)))
+        return found
+
+
+def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motion:
+    """A motion with samples that are closer than its steps; computed again if need be.
+
+    An adaptive method takes several steps per swing, so that nothing happens between such samples.
+    """
+    time = motion.time
+    steps, count = motion.cost.get("steps", 0), len(time) - 1
+    factor = ceil(_PER_STEP * steps / count) if count > 0 else 1
+    dear = motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
+    if factor <= 1 or dear or motion.interrupted or count * factor > MOST_SAMPLES:
+        return motion
+    places = np.arange(count * factor + 1) / factor
+    times = np.interp(places, np.arange(count + 1), time)
+    return compute_motion(system, replace(settings, times=times, work=False, events=()))
+
+
+def _smooth(series: Series) -> bool:
+    return series.variable in VARIABLES and VARIABLES[series.variable].smooth
+
+
+def _through(values: Floats, places: Floats, smooth: bool) -> Floats:
+    """Values at places, by polynomials through five samples or linearly."""
+    if not smooth or len(values) < len(_FIVE):
+        return np.interp(places, np.arange(len(values)), values)
+    first = np.clip(np.rint(places).astype(int) - 2, 0, len(values) - len(_FIVE))
+    found = np.zeros(len(places))
+    for node in range(len(_FIVE)):
+        others = [other for other in range(len(_FIVE)) if other != node]
+        weight = np.prod([(places - first - other) / (node - other) for other in others], axis=0)
+        found += weight * values[first + node]
+    return found
+
+
+def evaluable(series: Series) -> bool:
+    """Whether it can be computed from the motion at one time."""
+    return series.variable == REACTION or (
+        series.variable in VARIABLES and not VARIABLES[series.variable].whole
+    )
+
+
+def _unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
+    """Where no mode changes between a sample and the next."""
+    found = np.ones(len(interval), dtype=bool)
+    if piece.held is not None:
+        found &= (piece.held[:, interval] == piece.held[:, interval + 1]).all(axis=0)
+    for where in piece.flipped.values():
+        found &= where[interval] == where[interval + 1]
+    return found
+
+
+def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
+    """A piece of a motion at times between its samples.
+
+    Parameters
+    ----------
+    piece
+        Sampled.
+    interval, part
+        Sample before each time, and where in the interval the time lies, from 0 to 1, (times,).
+    """
+    begun = piece.part(interval)
+    step = piece.time[interval + 1] - piece.time[interval]
+    half = len(piece.state) // 2
+    turned = 2 * np.pi * piece.turns
+    ends = [
+        (piece.state[:half, at] + turned[:, at] - turned[:, interval],
+         piece.state[half:, at] * step, piece.acceleration[:, at] * step**2)
+        for at in (interval, interval + 1)
+    ]  # fmt: skip
+    weights, rates = _quintic(part)
+    values = [row for end in ends for row in end]
+    position = sum(w * row for w, row in zip(weights, values, strict=True))
+    speed = sum(w * row for w, row in zip(rates, values, strict=True)) / step
+    counted = {
+        name: angle[interval] + part * (angle[interval + 1] - angle[interval])
+        for name, angle in piece.counted.items()
+    }
+    moved = replace(
+        begun,
+        time=piece.time[interval] + part * step,
+        state=np.stack([position, speed]).reshape(2 * half, -1) if half else begun.state,
+        counted=counted,
+        work=None,
+    )
+    return accelerated(moved)
+
+
+def _quintic(s: Floats) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """Weights of value, slope and bend at 0, then at 1, of a polynomial at s, and their rates."""
+    cube = s**3
+    bends = -4 + 7 * s - 3 * s**2
+    late = cube * (10 - 15 * s + 6 * s**2), cube * bends, 0.5 * cube * (1 - s) ** 2
+    early = 1 - late[0], s - cube * (6 - 8 * s + 3 * s**2), 0.5 * s**2 * (1 - s) ** 3
+    rise = 30 * s**2 * (1 - s) ** 2
+    late_rate = (
+        rise, s**2 * (-12 + 28 * s - 15 * s**2), 0.5 * s**2 * (1 - s) * (3 - 5 * s)
+    )  # fmt: skip
+    early_rate = (
+        -rise, 1 - s**2 * (18 - 32 * s + 15 * s**2), 0.5 * s * (1 - s) ** 2 * (2 - 5 * s)
+    )  # fmt: skip
+    return (*early, *late), (*early_rate, *late_rate)

@@ -1,0 +1,118 @@
+"""Largest values of series, located between their samples by looking there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+ALIKE = 1e-9
+"""Part by which peaks must differ to be told apart: the first of those alike is given."""
+
+_PARTS = 8
+"""Parts on each side of a place that are looked at; each look is so many times as close."""
+
+_FEWEST, _LOOKS = 5, 12
+"""Looks at a smooth peak, which is then found to round-off, and at one with a kink."""
+
+_SETTLED = 1e-14
+"""Part of the size of a series by which a look must raise its peak for another one to follow."""
+
+
+class Extremes(NamedTuple):
+    """Largest values and where they are, in samples from the first one, shape (motions,) each."""
+
+    value: Floats
+    place: Floats
+
+
+def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats]) -> Extremes:
+    """The largest value of every row, between samples where there is more.
+
+    Parameters
+    ----------
+    samples
+        Shape (rows, samples). A row that is not finite has no largest value.
+    between
+        Rows and places in them, shape (n,) each → values there.
+    """
+    finite = np.asarray(np.isfinite(samples).all(axis=1))
+    values = np.where(finite[:, None], samples, 0.0)
+    best = np.argmax(values, axis=1)
+    top = values[np.arange(len(values)), best]
+    rows, starts = _candidates(values, top)
+    kept = finite[rows]
+    rows, starts = rows[kept], starts[kept]
+    place = best.astype(float)
+    if len(rows):
+        heights, places = _looked_at(values, rows, starts.astype(float), between)
+        top, place = _first_of_highest(top, place, rows, heights, places)
+    return Extremes(np.where(finite, top, np.nan), place)
+
+
+def _candidates(values: Floats, top: Floats) -> tuple[Whole, Whole]:
+    """Rows and samples beside which the largest value may lie: as far as the bend there allows."""
+    count = values.shape[1]
+    if count < 3:
+        return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
+    bend = np.zeros_like(values)
+    bend[:, 1:-1] = 2 * values[:, 1:-1] - values[:, :-2] - values[:, 2:]
+    bend[:, 0], bend[:, -1] = bend[:, 1], bend[:, -2]
+    # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
+    reach = values + 0.5 * np.abs(bend)
+    higher = np.ones_like(values, dtype=bool)
+    higher[:, 1:] &= values[:, 1:] >= values[:, :-1]
+    higher[:, :-1] &= values[:, :-1] >= values[:, 1:]
+    flat = np.ptp(values, axis=1) == 0.0
+    found = higher & (reach >= top[:, None]) & ~flat[:, None]
+    rows, starts = np.nonzero(found)
+    return rows, starts
+
+
+def _looked_at(
+    values: Floats,
+    rows: Whole,
+    places: Floats,
+    between: Callable[[Whole, Floats], Floats],
+) -> tuple[Floats, Floats]:
+    """Peaks beside samples, closer and closer: heights and places, shape (peaks,)."""
+    last = values.shape[1] - 1.0
+    heights = values[rows, places.astype(int)].copy()
+    size = np.abs(values).max(axis=1)[rows]
+    reach, parts = 1.0, np.arange(-_PARTS, _PARTS + 1) / _PARTS
+    open_ = np.arange(len(rows))
+    for look in range(_LOOKS):
+        around = np.clip(places[open_, None] + reach * parts, 0.0, last)
+        which = np.repeat(rows[open_], len(parts))
+        found = np.broadcast_to(between(which, around.ravel()), which.shape)
+        found = found.reshape(around.shape)
+        found = np.where(np.isfinite(found), found, -np.inf)
+        at = np.argmax(found, axis=1)
+        each = np.arange(len(open_))
+        before = heights[open_].copy()
+        raised = found[each, at] > before
+        heights[open_] = np.where(raised, found[each, at], before)
+        places[open_] = np.where(raised, around[each, at], places[open_])
+        reach /= _PARTS
+        settled = heights[open_] - before <= _SETTLED * size[open_]
+        open_ = open_[~settled] if look + 1 >= _FEWEST else open_
+        if not len(open_):
+            break
+    return heights, places
+
+
+def _first_of_highest(
+    top: Floats, place: Floats, rows: Whole, heights: Floats, places: Floats
+) -> tuple[Floats, Floats]:
+    """Of all peaks of a row the first of those that are as high as the highest."""
+    highest = top.copy()
+    np.maximum.at(highest, rows, heights)
+    alike = heights >= highest[rows] - ALIKE * np.abs(highest[rows])
+    first = np.full(len(top), np.inf)
+    np.minimum.at(first, rows[alike], places[alike])
+    return highest, np.where(np.isfinite(first), first, place)

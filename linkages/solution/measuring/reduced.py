@@ -1,0 +1,247 @@
+"""Measures of motions: their trees evaluated with NumPy, for many motions side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.operations import COMPOSITE, ELEMENTARY
+from linkages.solution.measuring.located import Extremes, largest_between
+from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
+from linkages.spec.measures import AT, Measure, is_series, reduces
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+_SIMPSON = 2.0 / 3.0
+
+
+class Source(Protocol):
+    """Motions with the same sample times."""
+
+    @property
+    def count(self) -> int:
+        """Number of motions."""
+        ...
+
+    @property
+    def time(self) -> Floats:
+        """Sample times, shape (samples,)."""
+        ...
+
+    def sampled(self, series: str) -> Floats:
+        """A series at the samples, shape (motions, samples)."""
+        ...
+
+    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
+        """Series anywhere in some of the motions, shape (places,) each.
+
+        Parameters
+        ----------
+        series
+            Names.
+        which
+            Motion that each place is of.
+        places
+            In samples from the first one: 2.5 is half way between the third and the fourth.
+        """
+        ...
+
+
+@dataclass
+class _Place:
+    """Where series are taken: `which` motions and places in them; at all samples if there are none.
+
+    `values` are series that were taken already.
+    """
+
+    which: Whole | None = None
+    places: Floats | None = None
+    values: dict[str, Floats] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """Values of a measure.
+
+    Parameters
+    ----------
+    values
+        Shape (motions,); nan where there is none.
+    divided
+        Where it divides by zero, shape (motions,).
+    """
+
+    values: Floats
+    divided: NDArray[np.bool_]
+
+
+def reduced(measure: Measure, source: Source) -> Reduced:
+    """A measure of every motion of a source.
+
+    Raises
+    ------
+    ValueError
+        If it asks for a time that the samples do not reach.
+    """
+    evaluation = _Evaluation(measure, source)
+    with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
+        values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
+    return Reduced(np.where(np.isfinite(values), values, np.nan), evaluation.divided)
+
+
+class _Evaluation:
+    def __init__(self, measure: Measure, source: Source) -> None:
+        self.measure, self.source = measure, source
+        self.divided = np.zeros(source.count, dtype=bool)
+        self._samples = _Place()
+        self._found: dict[Node, Floats] = {}
+
+    def number(self, node: Node) -> Floats:
+        """What does not change with time, of shape (motions,) or one for all."""
+        if node not in self._found:
+            self._found[node] = self._number(node)
+        return self._found[node]
+
+    def _number(self, node: Node) -> Floats:
+        match node:
+            case Constant(value):
+                return np.array(value)
+            case Clock() | Sensed():
+                raise AssertionError("a measure is no series")
+            case Call(name, arguments):
+                if reduces(name, len(arguments)):
+                    return self._over_time(name, arguments)
+                return self._applied(name, [self.number(a) for a in arguments], None)
+            case _:
+                assert_never(node)
+
+    def series(self, node: Node, at: _Place) -> Floats:
+        """What changes with time, at all samples, shape (motions, samples), or at places (n,)."""
+        if not is_series(node):
+            number = self.number(node)
+            if not number.ndim:
+                return number
+            return number[:, None] if at.which is None else number[at.which]
+        match node:
+            case Clock():
+                return self._time(at)
+            case Sensed(name):
+                return self._taken(name, at)
+            case Call(name, arguments):
+                return self._applied(name, [self.series(a, at) for a in arguments], at)
+            case _:
+                raise AssertionError("constants are no series")
+
+    def _time(self, at: _Place) -> Floats:
+        time = self.source.time
+        if at.places is None:
+            return time[None]
+        return np.interp(at.places, np.arange(len(time)), time)
+
+    def _taken(self, name: str, at: _Place) -> Floats:
+        if name not in at.values:
+            if at.which is None or at.places is None:
+                at.values[name] = self.source.sampled(name)
+            else:
+                names = self.measure.series
+                found = self.source.between(names, at.which, at.places)
+                at.values.update(zip(names, found, strict=True))
+        return at.values[name]
+
+    def _applied(self, name: str, operands: list[Floats], at: _Place | None) -> Floats:
+        if name == "div":
+            self._note(operands[1] == 0.0, at)
+        if name == "power":
+            return np.asarray(operands[0] ** int(operands[1]))
+        return np.asarray(_apply(name, *operands))
+
+    def _note(self, zero: Any, at: _Place | None) -> None:
+        """Remember where the measure divides by zero."""
+        if at is None:
+            self.divided |= zero
+        elif at.which is None:
+            self.divided |= np.atleast_2d(zero).any(axis=1)
+        else:
+            self.divided[at.which[np.broadcast_to(zero, at.which.shape)]] = True
+
+    def _over_time(self, name: str, arguments: tuple[Node, ...]) -> Floats:
+        node = arguments[-1]
+        match name:
+            case "max" | "time_of_max":
+                found = self._extremes(node, 1.0)
+                return found.value if name == "max" else self._when(found)
+            case "min" | "time_of_min":
+                found = self._extremes(node, -1.0)
+                return found.value if name == "min" else self._when(found)
+            case "range" | "stroke":
+                return self._extremes(node, 1.0).value - self._extremes(node, -1.0).value
+            case "mean":
+                return self._mean(node, 1)
+            case "rms":
+                return np.sqrt(self._mean(node, 2))
+            case "final":
+                return self._at(node, np.array(len(self.source.time) - 1.0))
+            case _:
+                assert name == AT
+                return self._at(node, self._place(float(self.number(arguments[0]))))
+
+    def _place(self, time: float) -> Floats:
+        """The place of a time among the samples."""
+        times = self.source.time
+        low, high = sorted((float(times[0]), float(times[-1])))
+        if not low <= time <= high:
+            raise ValueError(
+                f"measure {self.measure.text!r}: t = {time:g} s is outside of the motion, from "
+                f"{times[0]:g} s to {times[-1]:g} s"
+            )
+        order = 1 if times[-1] >= times[0] else -1
+        return np.interp(time, times[::order], np.arange(len(times))[::order].astype(float))
+
+    def _at(self, node: Node, place: Floats) -> Floats:
+        which = np.arange(self.source.count)
+        found = self.series(node, _Place(which, np.full(self.source.count, place)))
+        return np.broadcast_to(found, which.shape)
+
+    def _whole(self, node: Node) -> Floats:
+        shape = self.source.count, len(self.source.time)
+        return np.broadcast_to(self.series(node, self._samples), shape)
+
+    def _extremes(self, node: Node, sign: float) -> Extremes:
+        found = largest_between(
+            sign * self._whole(node),
+            lambda which, places: sign * self.series(node, _Place(which, places)),
+        )
+        return Extremes(sign * found.value + 0.0, found.place)
+
+    def _when(self, found: Extremes) -> Floats:
+        return np.interp(found.place, np.arange(len(self.source.time)), self.source.time)
+
+    def _mean(self, node: Node, power: int) -> Floats:
+        """The mean over time by Simpson's rule, with places half way between the samples."""
+        values, count = self._whole(node) ** power, len(self.source.time)
+        if count < 2:
+            return values[:, 0]
+        which = np.repeat(np.arange(self.source.count), count - 1)
+        halves = np.tile(np.arange(count - 1) + 0.5, self.source.count)
+        middle = self.series(node, _Place(which, halves)) ** power
+        middle = np.broadcast_to(middle, which.shape).reshape(-1, count - 1)
+        steps = np.diff(self.source.time)
+        ends = 0.5 * (values[:, 1:] + values[:, :-1])
+        # a sum that does not depend on how many motions are side by side
+        whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
+        return whole / (self.source.time[-1] - self.source.time[0])
+
+
+def _apply(name: str, *operands: Any) -> Any:
+    """An operation of formulas on arrays."""
+    if name in ELEMENTARY:
+        function = ELEMENTARY[name].numpy
+        return (
+            getattr(np, function)(*operands) if isinstance(function, str) else function(*operands)
+        )
+    return COMPOSITE[name].expanded(_apply, *operands)

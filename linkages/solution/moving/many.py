@@ -1,0 +1,85 @@
+"""Many motions, each of which goes its own way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from linkages.errors import Interrupted, LinkagesError
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion, Watch
+from linkages.solution.moving.renormalising import Renormalised
+from linkages.solvers.integration import Request
+from linkages.solvers.lanes import integrate_many
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.trajectory import Trajectory
+
+Floats = NDArray[np.float64]
+
+
+def march_many(
+    marches: Sequence[March],
+    times: ArrayLike,
+    *,
+    renormalised: Sequence[Renormalised] | None = None,
+    watch: Watch | None = None,
+) -> list[Motion | LinkagesError]:
+    """Move many linkages on, each to the last of some times or to where it cannot go on.
+
+    Every motion is equal, in all bits, to that which `March.advance` gives for it alone. Those of
+    one structure are integrated side by side.
+
+    Parameters
+    ----------
+    marches
+        What moves; they need not be of one structure.
+    times
+        Sample times in seconds, shape (samples,), or those of every motion, (motions, samples).
+    renormalised
+        For every motion which samples bring its tangents back to length one; keeps how they grew.
+    watch
+        Called about 20 times a second with the fraction of the motions that have ended; what it
+        raises ends all of them.
+
+    Returns
+    -------
+    The motions in their order; in the place of one that cannot go its way, why.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C.
+    """
+    rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
+    found: dict[int, Motion | LinkagesError] = {}
+    asked: dict[int, Request] = {}
+    own = [None] * len(marches) if renormalised is None else renormalised
+    going = [
+        march.advancing(rows[index], renormalised=own[index]) for index, march in enumerate(marches)
+    ]
+
+    def go_on(index: int, trajectory: Trajectory | None) -> None:
+        step = going[index]
+        try:
+            asked[index] = next(step) if trajectory is None else step.send(trajectory)
+        except StopIteration as end:
+            found[index] = end.value
+        except LinkagesError as error:
+            found[index] = error
+
+    def look(fraction: float) -> None:
+        if watch is not None:
+            watch((len(found) + fraction * len(under_way)) / len(marches))
+
+    for index in range(len(marches)):
+        go_on(index, None)
+    while asked:
+        under_way, asked = asked, {}
+        trajectories = integrate_many(list(under_way.values()), watch=look)
+        for index, trajectory in zip(under_way, trajectories, strict=True):
+            if trajectory.outcome is Outcome.INTERRUPTED:
+                raise Interrupted("interrupted", time=trajectory.stop_time)
+            go_on(index, trajectory)
+    return [found[index] for index in range(len(marches))]

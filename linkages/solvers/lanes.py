@@ -1,0 +1,151 @@
+"""Integrate many flows: those with the same functions side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeGuard
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.solvers import arrays
+from linkages.solvers.integration import Request
+from linkages.solvers.job import Job
+from linkages.solvers.methods.method import Method, Motion, RungeKutta
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.printed.step import compiled_step
+from linkages.solvers.steps.loaded import Loaded
+from linkages.solvers.steps.views import FRAME, PACE, Lanes
+from linkages.solvers.supervise import supervise
+from linkages.solvers.trajectory import Trajectory
+
+LANES = 8
+"""Motions side by side: two registers of 256 bits, or one of 512. No bit depends on it."""
+
+LINE = 64
+"""Bytes; arrays of lanes begin at multiples of it."""
+
+ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
+
+
+def integrate_many(
+    requests: Sequence[Request],
+    lanes: int = LANES,
+    watch: Callable[[float], None] | None = None,
+) -> list[Trajectory]:
+    """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
+
+    Parameters
+    ----------
+    requests
+        From `linkages.solvers.integration.request`.
+    lanes
+        Number of motions side by side, of those with the same functions.
+    watch
+        Called about 20 times a second with the fraction of the motions that have ended.
+
+    Returns
+    -------
+    Trajectories in the order of the requests. After Ctrl-C all that had not ended are interrupted.
+    """
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for index, asked in enumerate(requests):
+        alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
+        groups.setdefault((asked.method.name, asked.job.flow.clock, *alone), []).append(index)
+    outcomes = [Outcome.INTERRUPTED] * len(requests)
+    ended = 0
+    for group in groups.values():
+        method, jobs = requests[group[0]].method, [requests[index].job for index in group]
+
+        def look(running: float, ended: int = ended) -> None:
+            if watch is not None:
+                watch((ended + running) / len(requests))
+
+        found, interrupted = _run(method, jobs, lanes, look)
+        ended += len(group)
+        for index, outcome in zip(group, found, strict=True):
+            outcomes[index] = outcome
+        if interrupted:
+            break
+    return [a.trajectory(outcome) for a, outcome in zip(requests, outcomes, strict=True)]
+
+
+def _is_wide(method: Method, job: Job) -> TypeGuard[RungeKutta]:
+    """Whether a job can be integrated beside others."""
+    return isinstance(method, RungeKutta) and job.step is None and job.flow.wide is not None
+
+
+def _run(
+    method: Method, jobs: Sequence[Job], lanes: int, look: Callable[[float], None]
+) -> tuple[list[Outcome], bool]:
+    """Run jobs of the same functions; returns also whether Ctrl-C was pressed.
+
+    `look` is called with the number of jobs that have ended, or the fraction of a single one.
+    """
+    if len(jobs) == 1 or not isinstance(method, RungeKutta):
+        job = jobs[0]
+        result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
+        return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
+    memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
+    outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
+    control = np.zeros(2)
+    view = _lanes(memory, method, jobs, motions, lanes)._replace(
+        outcomes=memory.integers(outcomes), control=memory.floats(control)
+    )
+
+    def stop() -> None:
+        control[1] = 1.0
+
+    _, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
+    for job, motion in zip(jobs, motions, strict=True):
+        np.copyto(job.state, motion.rows[0, : len(job.state)])
+    return [Outcome(int(outcome)) for outcome in outcomes], interrupted
+
+
+def _lanes(
+    memory: arrays.Memory,
+    method: RungeKutta,
+    jobs: Sequence[Job],
+    motions: Sequence[Motion],
+    lanes: int,
+) -> Lanes:
+    """Room for motions side by side, and what steps in it."""
+    flow, tableau = jobs[0].flow, method.tableau
+    shape = Shape.of(flow)
+    assert flow.wide is not None
+    wide = flow.wide(lanes)
+    code = compiled_step(tableau, shape, method.memory, lanes)
+    memory.keep(code)
+    memory.keep(wide)
+    sizes = {
+        "parameters": len(jobs[0].parameters),
+        "timed": flow.timed_size,
+        "rows": (tableau.stages + 1) * shape.width,
+        "pace": PACE,
+        "atol": 2 * shape.n,
+        "scale": shape.blocks,
+        "smallest": shape.blocks,
+        "turns": shape.n,
+    }
+    frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
+    places = {"clock": wide.clock, "rates": wide.rates, **frame}
+    return Lanes(
+        lanes=lanes,
+        frame=memory.integers([places[name] for name in FRAME]),
+        **{name: place for name, place in frame.items() if name != "timed"},
+        size=sizes["parameters"],
+        advance=code.address("advance"),
+        motions=memory.integers([motion.context for motion in motions]),
+        number=len(jobs),
+        outcomes=0,
+        places=memory.integers(np.full(lanes, -1)),
+        control=0,
+    )
+
+
+def _aligned(size: int) -> NDArray[np.float64]:
+    """Zeros from the begin of a line of the cache on."""
+    room = np.zeros(size + LINE // 8)
+    first = (-room.ctypes.data % LINE) // 8
+    return room[first : first + size]

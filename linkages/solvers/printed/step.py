@@ -1,0 +1,82 @@
+"""Compiled steps: one module for all flows of a shape and a tableau."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache, lru_cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from linkages.kernel.code import instructions
+from linkages.kernel.code.llvm import Module
+from linkages.kernel.code.machine import MachineCode
+from linkages.solvers.coefficients.tableau import Tableau
+from linkages.solvers.printed.advance import Advance
+from linkages.solvers.printed.shape import Memory, Shape, set_whole
+from linkages.solvers.printed.stages import Stages
+from linkages.solvers.steps.views import STATUS
+
+
+def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> str:
+    """The text of a module with the functions of a step, which take the address of a frame.
+
+    ``int64 attempt(frame)`` steps from row 0 to the end, over a time in the pace, and returns a
+    status; ``int64 further(frame)`` computes the further rows of the dense output. Tableaus with an
+    error estimate have ``int64 advance(frame, ticks)``, which goes on until a step needs more than
+    arithmetic, and returns the number of trials in the upper half, below a bit for each lane that
+    does. Several lanes have that alone, and all their arrays consist of rows of W entries.
+
+    Parameters
+    ----------
+    tableau, shape
+        Of the step.
+    gain
+        As `linkages.solvers.printed.control.next_factor` has it.
+    lanes
+        Number W of states side by side.
+    """
+    module = Module(lanes)
+    rows, last = len(tableau.extended_c) - 1, tableau.stages
+    spans = [("attempt", 1, last), ("further", last + 1, rows)]
+    for name, first, end in spans[: 1 if lanes > 1 else 2]:
+        code = module.instructions()
+        memory = Memory(code, shape)
+        status = Stages(code, tableau, shape, memory).write(first, end)
+        if lanes == 1:
+            code.say("ret i64 0")
+            module.define(f"i64 @{name}(ptr %frame)", code)
+        else:
+            set_whole(code, status, memory["pace"], STATUS)
+            code.say("ret void")
+            module.define(f"internal void @{name}(ptr %frame)", code)
+    if tableau.error.size:
+        code = module.instructions()
+        Advance(code, tableau, shape, gain).write()
+        module.define("i64 @advance(ptr %frame, i64 %ticks)", code)
+    return module.text
+
+
+@lru_cache(maxsize=256)
+def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
+    """The functions of a step as machine code; see `write_step`."""
+    key = f"{_version()} {_coefficients(tableau)} {shape} {gain} {lanes}"
+    return MachineCode(key, partial(write_step, tableau, shape, gain, lanes))
+
+
+@cache
+def _version() -> str:
+    """What texts depend on beside what is asked for: all that takes part in writing them."""
+    digest = hashlib.sha256()
+    solvers, kernel = Path(__file__).parents[1], Path(instructions.__file__).parent
+    for folder in (solvers / "printed", solvers / "steps", kernel):
+        for path in sorted(folder.glob("*.py")):
+            digest.update(path.read_bytes())
+    return f"step {digest.hexdigest()}"
+
+
+def _coefficients(tableau: Tableau) -> str:
+    digest = hashlib.sha256()
+    for array in (tableau.extended_A, tableau.extended_c, tableau.error):
+        digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,254 @@
+"""Measures: ``max(abs(crank.effort))``, ``at(0.2 s, B.x position)``: a number out of a motion.
+
+A measure is arithmetic of numbers that series of outputs are reduced to. It is read by the grammar
+of formulas, into the same trees, and never evaluated as code.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import assert_never
+
+from linkages.operations import formula_functions
+from linkages.reading.wording import shown
+from linkages.spec.arithmetic import CONSTANTS
+from linkages.spec.dimensions import KNOWN
+from linkages.spec.formula_dimensions import PURE, TIME, Powers, described, powers, raised, times
+from linkages.spec.formulas import Call, Clock, Constant, Formula, FormulaTrees, Node, Sensed
+from linkages.spec.grammar import NumberError, Span, parsed
+from linkages.spec.units import unit
+
+OVER_TIME = {
+    "max": "largest", "min": "least", "mean": "mean", "rms": "root of the mean square",
+    "range": "largest less least", "stroke": "largest less least", "final": "last",
+    "time_of_max": "time of the largest", "time_of_min": "time of the least",
+}  # fmt: skip
+"""What a series is reduced to by one argument."""
+
+AT = "at"
+"""``at(t, x)`` is the value of a series at a time."""
+
+_ELEMENT = r"(?:'[^']+'|\"[^\"]+\"|[^\W\d]\w*(?:\[\d+\])?)"
+_SERIES = re.compile(rf"{_ELEMENT}(?:\.{_ELEMENT})*\.[^\W\d]\w*(?: [^\W\d]\w*)*")
+_ALIKE = ("add", "sub", "min", "max", "where")
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A measure as written, and what it means: a tree with `Sensed` series and reductions."""
+
+    text: str
+    tree: Node
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Names of the series that it depends on, each once."""
+        nodes = Formula(self.text, self.tree).nodes()
+        return tuple(dict.fromkeys(node.word for node in nodes if isinstance(node, Sensed)))
+
+    def units(self, unit_of: Callable[[str], str]) -> str:
+        """The unit that it is in, in SI; empty for a pure number.
+
+        Parameters
+        ----------
+        unit_of
+            Name of a series → its unit.
+
+        Raises
+        ------
+        NumberError
+            If quantities in it do not go together.
+        """
+        found = _Dimensions(self.text, unit_of).of(self.tree)
+        own = _one_series(self.tree)
+        if own is not None:
+            return unit_of(own)
+        return "" if found is None else _unit_text(found)
+
+
+def read_measure(text: str) -> Measure:
+    """Read a measure.
+
+    Raises
+    ------
+    ValueError
+        The text is none; the message names the character, counted from 1.
+    """
+    plain = text.replace("−", "-")
+    try:
+        tree, end = parsed(plain, _Measures())
+        if end < len(plain.rstrip()):
+            raise NumberError(f"cannot read {shown(plain[end:])}", at=end)
+        if is_series(tree):
+            first = next(_sensed(tree), "t")
+            raise NumberError(
+                f"it changes with time; expected a number of it, such as max({first})", at=0
+            )
+    except NumberError as error:
+        place = "" if error.at is None else f" (character {error.at + 1})"
+        raise ValueError(f"measure {text!r}: {error.message}{place}{error.hint}") from None
+    return Measure(text.strip(), tree)
+
+
+def is_series(node: Node) -> bool:
+    """Whether a node has a value at every time, and not one for the whole motion."""
+    match node:
+        case Constant():
+            return False
+        case Clock() | Sensed():
+            return True
+        case Call(name, arguments):
+            return not reduces(name, len(arguments)) and any(map(is_series, arguments))
+        case _:
+            assert_never(node)
+
+
+def reduces(name: str, count: int) -> bool:
+    """Whether an operation with so many arguments makes a number of a series."""
+    return name == AT or (name in OVER_TIME and count == 1)
+
+
+class _Measures(FormulaTrees):
+    """Trees of formulas with series in them, and with reductions of these."""
+
+    def __init__(self) -> None:
+        super().__init__("")
+
+    @property
+    def functions(self) -> Mapping[str, int | tuple[int, ...]]:
+        """Functions of formulas, and reductions."""
+        over_time: dict[str, int | tuple[int, ...]] = {**formula_functions(), AT: 2}
+        for name in OVER_TIME:
+            both = name in formula_functions()
+            over_time[name] = (1, 2) if both else 1
+        return over_time
+
+    @property
+    def named(self) -> Mapping[str, int]:
+        """Nothing: series are named as on axes."""
+        return {}
+
+    def series_end(self, text: str, at: int) -> int:
+        """Where the name of a series ends."""
+        found = _SERIES.match(text, at)
+        return at if found is None else found.end()
+
+    def series(self, name: str, span: Span) -> Node:
+        """A series."""
+        return Sensed(re.sub("['\"]", "", name), (), span=span)
+
+    def word(self, word: str) -> Node:
+        """The time, a constant, or an output of the whole mechanism."""
+        if word in ("t", "time"):
+            return Clock()
+        if word in CONSTANTS:
+            return Constant(CONSTANTS[word])
+        return Sensed(word, ())
+
+    def operation(self, name: str, arguments: tuple[Node, ...], span: Span = (0, 0)) -> Node:
+        """A call of a function or a reduction."""
+        if not reduces(name, len(arguments)):
+            return super().operation(name, arguments, span)
+        if name == AT and is_series(arguments[0]):
+            raise NumberError("'at' expects a time first, such as at(0.2 s, crank.effort)")
+        if not is_series(arguments[-1]):
+            raise NumberError(f"{name!r} expects what changes with time, such as crank.effort")
+        return Call(name, arguments, span=span)
+
+
+def _sensed(node: Node) -> Iterator[str]:
+    return (part.word for part in Formula("", node).nodes() if isinstance(part, Sensed))
+
+
+def _one_series(node: Node) -> str | None:
+    """The series whose unit a measure is in, if it is a value of one series."""
+    while isinstance(node, Call):
+        if node.name.startswith("time_of"):
+            return None
+        if not (node.name in ("abs", "neg") or reduces(node.name, len(node.arguments))):
+            return None
+        node = node.arguments[-1]
+    return node.word if isinstance(node, Sensed) else None
+
+
+class _Dimensions:
+    """What a measure measures; numbers without a unit are in SI where no number has one."""
+
+    def __init__(self, text: str, unit_of: Callable[[str], str]) -> None:
+        self._text, self._unit_of = text, unit_of
+
+    def of(self, node: Node) -> Powers | None:
+        match node:
+            case Constant(value, found):
+                if found is not None:
+                    return powers(found)
+                return None if value == 0.0 else PURE
+            case Clock():
+                return TIME
+            case Sensed(word):
+                name = self._unit_of(word)
+                return powers(unit(name)) if name not in ("", "1") else PURE
+            case Call("power", (base, Constant(exponent))):
+                return raised(self.of(base), Fraction(int(exponent)))
+            case Call(name, arguments, _, span):
+                return self._called(name, arguments, span)
+            case _:
+                assert_never(node)
+
+    def _called(self, name: str, arguments: tuple[Node, ...], span: Span) -> Powers | None:
+        found = [self.of(argument) for argument in arguments]
+        if name == AT:
+            self._require(found[0], TIME, arguments[0], span)
+            return found[1]
+        if reduces(name, len(arguments)):
+            return TIME if name.startswith("time_of") else found[0]
+        match name:
+            case "neg" | "abs":
+                return found[0]
+            case "mul" | "div":
+                first, second = found
+                if first is None or second is None:
+                    return None
+                return times(first, raised(second, Fraction(1 if name == "mul" else -1)) or PURE)
+            case "sqrt":
+                return raised(found[0], Fraction(1, 2))
+            case _ if name in _ALIKE:
+                return self._alike(found[-2:], arguments[-2:], span)
+            case _:
+                return PURE
+
+    def _alike(
+        self, found: list[Powers | None], arguments: tuple[Node, ...], span: Span
+    ) -> Powers | None:
+        known = [
+            (entry, node)
+            for entry, node in zip(found, arguments, strict=True)
+            if entry is not None and not _bare(node)
+        ]
+        for other, node in known[1:]:
+            self._require(other, known[0][0], node, span)
+        return known[0][0] if known else PURE
+
+    def _require(self, found: Powers | None, wanted: Powers, node: Node, span: Span) -> None:
+        if found is not None and found != wanted and not _bare(node):
+            both = f"{described(wanted)} and {described(found)}"
+            part = self._text[slice(*span)].strip() or self._text
+            raise NumberError(f"{both} do not go together in {part!r}", at=span[0])
+
+
+def _bare(node: Node) -> bool:
+    """Whether a number stands for itself, in SI."""
+    return isinstance(node, Constant) and node.unit is None
+
+
+def _unit_text(found: Powers) -> str:
+    """A unit in the words of outputs: that of a known dimension, or a product."""
+    if not found:
+        return ""
+    for known in KNOWN:
+        if known.unit and powers(unit(known.unit)) == found:
+            return known.unit.replace("**", "^").replace("*", " ")
+    return described(found).removeprefix("a quantity in ")

@@ -1,0 +1,1 @@
+"""The same question asked of many mechanisms: points, chunks, stores, cores."""

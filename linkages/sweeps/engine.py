@@ -1,0 +1,131 @@
+"""One engine under all sweeps: chunks of points, computed anywhere, put side by side."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from linkages.sweeps.answers import OWN, Arrays, Code, Question
+from linkages.sweeps.running import Executor, Progress, Threads
+
+if TYPE_CHECKING:
+    from linkages.sweeps.store import Store
+
+Span = tuple[int, int]
+"""The first point of a chunk, and that behind its last."""
+
+
+Watch = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class Computed:
+    """What there is of a sweep.
+
+    Parameters
+    ----------
+    arrays
+        The fields of the question and `OWN`, all points in their order.
+    interrupted
+        Whether Ctrl-C ended it.
+    """
+
+    arrays: Arrays
+    interrupted: bool
+
+    @property
+    def done(self) -> int:
+        """Points that were computed, or have a reason why not."""
+        return int((self.arrays["outcome"] != Code.MISSING).sum())
+
+
+def computed(
+    question: Question,
+    *,
+    executor: Executor | None = None,
+    store: Store | None = None,
+    watch: Watch | None = None,
+) -> Computed:
+    """Answer a question at all of its points.
+
+    The answer at a point depends on the question and the point alone: not on chunks, cores, order,
+    or on what a store had before.
+
+    Parameters
+    ----------
+    question
+        What is asked.
+    executor
+        Where; the cores that this process may use if not given.
+    store
+        Where answers are kept as they come.
+    watch
+        Called after each chunk.
+    """
+    size = question.together if store is None else store.chunk
+    spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
+    parts: dict[Span, Arrays] = {} if store is None else dict(store.read(spans))
+    left = [span for span in spans if span not in parts]
+    ledger = Ledger(question.count, watch)
+    for span, part in parts.items():
+        ledger.add(span, part, new=False)
+    interrupted = False
+    try:
+        for span, part in _chunks(question, left, executor or Threads()):
+            if store is not None:
+                store.write(span, part)
+            parts[span] = part
+            ledger.add(span, part)
+            ledger.tell()
+    except KeyboardInterrupt:
+        interrupted = True
+    whole = [parts.get(span) or question.nothing(span[1] - span[0]) for span in spans]
+    names = [*OWN, *question.fields]
+    return Computed({n: np.concatenate([part[n] for part in whole]) for n in names}, interrupted)
+
+
+def _chunks(
+    question: Question, spans: list[Span], executor: Executor
+) -> Iterator[tuple[Span, Arrays]]:
+    """Chunks as they come; one that could not be computed at all has its reason at every point."""
+    for outcome in executor.run(question.chunk, spans):
+        span = spans[outcome.index]
+        if outcome.reason is None:
+            yield span, outcome.value
+            continue
+        lost = question.nothing(span[1] - span[0])
+        lost["outcome"][:] = Code.INVALID
+        lost["reason"] = np.full(span[1] - span[0], outcome.reason)
+        yield span, lost
+
+
+class Ledger:
+    """Counts what was done, and tells of it."""
+
+    def __init__(self, total: int, watch: Watch | None) -> None:
+        self._total, self._watch = total, watch
+        self._begun = time.monotonic()
+        self._failed: Counter[str] = Counter()
+        self._done = self._new = 0
+
+    def add(self, span: Span, part: Arrays, new: bool = True) -> None:
+        """Count a chunk; `new` if it was computed in this run."""
+        size = span[1] - span[0]
+        self._done += size
+        self._new += size * new
+        codes, counts = np.unique(part["outcome"], return_counts=True)
+        for code, count in zip(codes, counts, strict=True):
+            if code != Code.COMPUTED:
+                self._failed[Code(code).words] += int(count)
+
+    def tell(self) -> None:
+        """Call the watch."""
+        if self._watch is None:
+            return
+        found = Progress.after(self._done, self._total, self._begun, self._new)
+        self._watch(replace(found, failures=dict(self._failed)))

@@ -1,0 +1,227 @@
+"""Measures of the motion at every point of a sweep."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.errors import ComputationError, InputError
+from linkages.kernel.system import System
+from linkages.kernel.varying import Along, Varying
+from linkages.options.run import SimulationOptions
+from linkages.solution.measuring.followed import Followed, evaluable
+from linkages.solution.measuring.measure import (
+    measure_unit,
+    measured_series,
+    needed_outputs,
+    single,
+)
+from linkages.solution.measuring.reduced import reduced
+from linkages.solution.moving.motion import Settings, compute_motion
+from linkages.solution.options import options_of
+from linkages.solution.simulate import require_inertia, simulate
+from linkages.solution.values.series import TIME, Series
+from linkages.spec.measures import Measure
+from linkages.spec.units import UnitError
+from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
+from linkages.sweeps.driven import DrivenMotions, serves, undisturbed
+from linkages.sweeps.points import Points
+from linkages.sweeps.pointwise import answered, evaluations, first_system, stop_code
+from linkages.sweeps.running import stopping
+
+Floats = NDArray[np.float64]
+
+TOGETHER = 512
+"""Driven mechanisms that are evaluated together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured(Question):
+    """Measures of a simulation at every point.
+
+    Parameters
+    ----------
+    varying, points
+        What is varied, and how.
+    measures
+        Name → measure.
+    given
+        Options of the simulation that are given.
+    seconds
+        How long a point may take; None for any time.
+    """
+
+    varying: Varying
+    points: Points
+    measures: Mapping[str, Measure]
+    given: Mapping[str, Any]
+    seconds: float | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.points.count
+
+    @property
+    def together(self) -> int:
+        """Many where drives determine the motion, else few: a motion takes long."""
+        return TOGETHER if self._driven else 1
+
+    @property
+    def fields(self) -> Mapping[str, Field]:
+        """A number for each measure."""
+        return {name: Field() for name in self.measures}
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """Measures, options and points."""
+        return {
+            "measures": {name: each.text for name, each in self.measures.items()},
+            "options": {name: value for name, value in self.given.items() if value is not None},
+            "seconds per point": self.seconds,
+            **self.points.described,
+        }
+
+    def numbers(self) -> Floats:
+        """Numbers of all points."""
+        return self.points.matrix(0, self.count)
+
+    @cached_property
+    def first(self) -> System:
+        """The first system that can be built; what is wrong everywhere shows there.
+
+        Raises
+        ------
+        InputError, ValueError
+            If there is none, or a measure is none of the mechanism.
+        """
+        system = first_system(self.varying, self.points)
+        for each in self.measures.values():
+            measure_unit(system, each, measured_series(system, each))
+        return system
+
+    @cached_property
+    def _series(self) -> dict[str, Series]:
+        found = [measured_series(self.first, each) for each in self.measures.values()]
+        return {name: series for each in found for name, series in each.items()}
+
+    @cached_property
+    def _driven(self) -> bool:
+        """Whether motions follow from drives alone, so that all are evaluated at once."""
+        own = any(path.split(".")[0] == "simulate" for path in self.points.paths)
+        return not own and serves(self.first, self._series)
+
+    @cached_property
+    def _plain(self) -> bool:
+        """Whether numbers in SI are read as texts with units are, which takes longer."""
+        try:
+            text, si = (self.points.overrides(0, 1, si=si)[0] for si in (False, True))
+            one, other = (self.varying.at(overrides) for overrides in (text, si))
+        except (InputError, UnitError):
+            return False
+        same = one.structure.key == other.structure.key
+        return same and np.array_equal(one.numbers, other.numbers)
+
+    def units(self) -> dict[str, str]:
+        """Unit of each measure."""
+        return {
+            name: measure_unit(self.first, each, measured_series(self.first, each))
+            for name, each in self.measures.items()
+        }
+
+    def answers(self, first: int, last: int) -> list[Answer]:
+        """The measures at some points."""
+        along = self.varying.along(self.points.overrides(first, last, si=self._plain))
+        found: dict[int, Answer] = self._at_once(along) if self._driven else {}
+        return [found[k] if k in found else answered(along, k, self._of) for k in range(len(along))]
+
+    def _at_once(self, along: Along) -> dict[int, Answer]:
+        """Answers at points whose motion goes to its end without any doubt."""
+        base, settled = self.varying.base, along.settled
+        if base is None or settled is None:
+            return {}
+        columns = {k: column for k, column in enumerate(along.columns) if column is not None}
+        run = options_of(SimulationOptions, self.varying.mechanism, self.given)
+        chosen = np.array([*columns.values()], dtype=int)
+        parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
+        sound = undisturbed(base.system, parameters, scales, run)
+        places = [k for k, good in zip(columns, sound, strict=True) if good]
+        if not places:
+            return {}
+        time_ = np.linspace(0.0, run.end, run.samples)
+        motions = DrivenMotions(base.system, parameters[:, sound], time_, self._series)
+        values = {name: reduced(each, motions) for name, each in self.measures.items()}
+        found = {}
+        for row, place in enumerate(places):
+            numbers = {name: float(each.values[row]) for name, each in values.items()}
+            missing = [name for name, number in numbers.items() if number != number]
+            divided = [name for name in missing if values[name].divided[row]]
+            found[place] = _answer(self.measures, numbers, missing, divided)
+        return found
+
+    def _of(self, system: System) -> Answer:
+        mechanism, watch = system.mechanism, self._watch()
+        whole = [
+            name for name in needed_outputs(self.first, self.measures.values())
+            if not evaluable(Series(name, name, {}))
+        ]  # fmt: skip
+        if whole:
+            solution = simulate(mechanism, outputs=whole, watch=watch, **self.given)
+            motion, settings, data = solution.motion, solution.settings, solution.data
+        else:
+            run = options_of(SimulationOptions, mechanism, self.given)
+            counting = any(s.variable != TIME and s.angle for s in self._series.values())
+            times = np.linspace(0.0, run.end, run.samples)
+            settings = Settings(times=times, run=run, counting=counting, watch=watch)
+            require_inertia(system)
+            with np.errstate(over="ignore", invalid="ignore"):
+                motion, data = compute_motion(system, settings), None
+            if motion.interrupted:
+                raise KeyboardInterrupt
+            if motion.failure is not None:
+                stopped = ComputationError(motion.failure, time=motion.stop_time)
+                return Answer.of(stopped, stop_code(stopped), evaluations(motion))
+        source = Followed(system, motion, settings, self._series, data)
+        numbers, reasons = {}, []
+        for name, each in self.measures.items():
+            try:
+                numbers[name] = single(each, source)
+            except ComputationError as error:
+                reasons.append(str(error))
+        code = Code.UNDEFINED if reasons else Code.COMPUTED
+        return Answer(numbers, code, "; ".join(reasons), None, evaluations(motion))
+
+    def _watch(self) -> Any:
+        """Called now and then: ends a point that takes too long, or when the sweep ends."""
+        begun = time.monotonic()
+
+        def look(fraction: float) -> None:
+            if stopping():
+                raise KeyboardInterrupt
+            if self.seconds is not None and time.monotonic() - begun > self.seconds:
+                done = f"{100 * fraction:.0f} % of its motion"
+                raise OverTimeError(f"took more than {self.seconds:g} s; {done} were computed")
+
+        return look
+
+
+def _answer(
+    measures: Mapping[str, Measure],
+    numbers: Mapping[str, float],
+    missing: Sequence[str],
+    divided: Sequence[str],
+) -> Answer:
+    if not missing:
+        return Answer(numbers)
+    reasons = [
+        f"measure {measures[name].text!r} "
+        + ("divides by zero" if name in divided else "has no finite value")
+        for name in missing
+    ]
+    return Answer(numbers, Code.UNDEFINED, "; ".join(reasons))

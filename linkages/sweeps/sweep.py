@@ -1,0 +1,144 @@
+"""Measures at many points: grids, lists and draws of numbers of a definition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.errors import Interrupted
+from linkages.kernel.varying import Varying
+from linkages.options.run import SimulationKeywords, SimulationOptions
+from linkages.options.signature import takes
+from linkages.solution.options import options_of
+from linkages.spec.measures import Measure, read_measure
+from linkages.sweeps.answers import CODES, reasons
+from linkages.sweeps.engine import Computed, Watch, computed
+from linkages.sweeps.measured import Measured
+from linkages.sweeps.points import points_of
+from linkages.sweeps.running import Executor, Threads
+from linkages.sweeps.store import stored
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@takes(SimulationOptions)
+def sweep(
+    mechanism: Mechanism,
+    over: Mapping[Any, Any],
+    measure: str | Sequence[str] | Mapping[str, str],
+    *,
+    draws: int | None = None,
+    seed: int = 0,
+    sequence: str = "random",
+    store: str | Path | None = None,
+    cores: int | None = None,
+    executor: Executor | None = None,
+    time_per_point: float | None = None,
+    watch: Watch | None = None,
+    **options: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """Measures of the motion at many points: a grid, draws from distributions, or both.
+
+    Parameters
+    ----------
+    mechanism
+        From a file or made in Python.
+    over
+        Dotted path of the definition → values: numbers in SI, texts with one unit, or a quantity
+        of pint, one axis for each. A tuple of paths → rows of values that vary in lockstep. A path
+        → a distribution: ``"normal(40 mm, 0.02 mm)"``, ``"uniform(…)"``, ``"triangular(…)"`` or a
+        frozen one of SciPy; these are drawn together.
+    measure
+        What is asked, as `linkages.measure` reads it: one, several, or name → measure.
+    draws
+        How often numbers are drawn from distributions.
+    seed, sequence
+        Of the draws: ``"random"``, of which draw i depends on seed, path and i alone, ``"sobol"``
+        or ``"latin-hypercube"``.
+    store
+        Folder in which results are kept as they come; the same call goes on there.
+    cores
+        Computations at the same time; those that this process may use if not given.
+    executor
+        Where points are computed instead.
+    time_per_point
+        Seconds after which a point is given up.
+    watch
+        Called now and then with the progress.
+    options
+        As `SimulationOptions` describes them.
+
+    Returns
+    -------
+    Dataset with a dimension for each axis and ``draw``; a variable for each measure, nan where
+    there is none; `outcome`: a code, in words in its attribute ``flag_meanings``; `reason`: a text;
+    `stop_time` of motions that stopped, in seconds; and `evaluations`, what a point cost.
+
+    Raises
+    ------
+    InputError, ValueError, TypeError
+        For what makes no sense, at all points or before any.
+    ComputationError
+        If the store cannot take more.
+    Interrupted
+        After Ctrl-C; ``kept["sweep"]`` has the points so far.
+    """
+    points = points_of(over, draws, seed, sequence)
+    options_of(SimulationOptions, mechanism, options)
+    if time_per_point is not None and not time_per_point > 0:
+        raise ValueError(f"time_per_point must be seconds > 0, found {time_per_point!r}")
+    if cores is not None and executor is not None:
+        raise ValueError("cores do not go with an executor, which says where to compute")
+    measures = _measures(measure)
+    given = {name: value for name, value in options.items() if value is not None}
+    question = Measured(Varying(mechanism), points, measures, given, time_per_point)
+    units = question.units()  # what is wrong everywhere shows here
+    with stored(store, mechanism, question) as place:
+        found = computed(question, executor=executor or Threads(cores), store=place, watch=watch)
+        data = _dataset(mechanism, question, found, units)
+        if place is not None and not found.interrupted:
+            place.finish(data)
+    if found.interrupted:
+        message = f"interrupted after {found.done} of {question.count} points"
+        raise Interrupted(message, kept={"sweep": data})
+    return data
+
+
+def _measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, Measure]:
+    """Name → measure; one without a name is called as it is written."""
+    if isinstance(given, str):
+        given = [given]
+    if not isinstance(given, Mapping):
+        given = {text.strip().replace("/", "÷"): text for text in given}
+    if not given:
+        raise ValueError("nothing is measured; expected a measure such as max(abs(crank.effort))")
+    return {name: read_measure(text) for name, text in given.items()}
+
+
+def _dataset(
+    mechanism: Mechanism, question: Measured, found: Computed, units: Mapping[str, str]
+) -> xr.Dataset:
+    import xarray as xr
+
+    points = question.points
+    dims, shape = points.dims, points.shape
+    variables: dict[str, Any] = {}
+    for name, each in question.measures.items():
+        attrs = {"units": units[name], "long_name": each.text}
+        variables[name] = (dims, found.arrays[name].reshape(shape), attrs)
+    stopped = {"units": "s", "long_name": "time at which the motion stopped"}
+    cost = {"long_name": "evaluations of the equations of motion"}
+    arrays = {name: array.reshape(shape) for name, array in found.arrays.items()}
+    variables["outcome"] = (dims, arrays["outcome"], CODES)
+    variables["reason"] = (dims, reasons(arrays))
+    variables["stop_time"] = (dims, arrays["stop_time"], stopped)
+    variables["evaluations"] = (dims, arrays["evaluations"], cost)
+    about: dict[str, Any] = {"name": mechanism.name, "source": mechanism.source}
+    if points.drawn:
+        about |= {"draws": points.draws, "seed": points.seed, "sequence": points.sequence}
+        about |= {"drawn": "; ".join(f"{path}={d.text}" for path, d in points.drawn.items())}
+    about["interrupted"] = int(found.interrupted)
+    return xr.Dataset(variables, points.coordinates(mechanism), about)

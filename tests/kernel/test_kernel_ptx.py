@@ -1,0 +1,161 @@
+"""Code for graphics processors: its rounding, what it calls, and its bits."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from kernel_lanes import run_routines, states_of
+from linkage_models import system_of
+from stand_in_driver import StandIn
+
+from linkages.components.mechanisms.definition import load
+from linkages.kernel.code import cuda
+from linkages.kernel.code.cuda import Device, DeviceError
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.ptx import WIDTH, UnprintedError, lane_functions, write_ptx
+from linkages.kernel.system import System
+from linkages.reading.locate import shipped
+from linkages.solution.moving.plan import kernel_source
+
+STATES = 70  # two whole warps and a part of one
+FLOATING = re.compile(
+    r"^\s*(?:@\S+\s+)?((?:add|sub|mul|div|fma|mad|rcp|sqrt|cvt)\.\S*f64\S*)\s", re.M
+)
+LOADED = """
+joints: {O: [0, 0]}
+sliders: {cart: {joint: C, through: O, mass: 2}}
+free: {cart: {position: 0.1, speed: 3}}
+loads: [{slider: cart, force: LAW}]
+"""
+TABLE = "{table: {times: [0, 1, 2.5, 3], values: [1, 4, 2, 1], periodic: true}}"
+
+
+def program_of(of):
+    return kernel_source(of.topology).program
+
+
+def named(name):
+    return system_of(LOADED.replace("LAW", TABLE)) if name == "table" else System(load(name))
+
+
+def blocks_of(values):
+    """Columns in blocks of rows, as the kernels have them; the last block is filled with zeros."""
+    rows, count = values.shape
+    blocks = -(-count // WIDTH)
+    filled = np.zeros((rows, blocks * WIDTH))
+    filled[:, :count] = values
+    return np.ascontiguousarray(filled.reshape(rows, blocks, WIDTH).transpose(1, 0, 2))
+
+
+def columns_of(blocks, count):
+    return blocks.transpose(1, 0, 2).reshape(blocks.shape[1], -1)[:, :count]
+
+
+def arrays_for(program, given):
+    """All arrays of a program, in blocks."""
+    sizes = {name: size for r in program.routines for name, size in r.arguments.items()}
+    arrays = {name: np.zeros((max(1, size), STATES)) for name, size in sizes.items()}
+    for name, values in given.items():
+        arrays[name][: len(values)] = values
+    return {name: blocks_of(values) for name, values in arrays.items()}
+
+
+def assert_bits_of_one_state(program, given, arrays, status):
+    expected = run_routines(program.routines, given, 1)
+    assert (expected.status == 0).any()
+    np.testing.assert_array_equal(status, expected.status)
+    good = status == 0
+    for name in ("p", "timed", "out"):
+        found = columns_of(arrays[name], STATES)[:, good]
+        np.testing.assert_array_equal(found, expected.arrays[name][:, good], name)
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_every_operation_says_how_it_rounds(name):
+    program = program_of(System(load(name)))
+    text = write_ptx(program.routines)
+    operations = FLOATING.findall(text)
+    assert ("fma.rn.f64" in operations) == ("llvm.fma" in program.assembly)
+    # others would be contracted by the driver; whole numbers and floors are exact
+    unsure = [o for o in operations if not re.search(r"\.(rn|rni|rmi)(\.|$)", o)]
+    assert not unsure
+    assert not re.findall(r"\.extern|\.approx|\.ftz", text)
+    assert len(re.findall(r"\.visible \.entry (?:prepare|clock|rates)_lanes\(", text)) == 3
+
+
+@pytest.mark.skipif(not shutil.which("ptxas"), reason="needs NVIDIA's assembler")
+def test_the_assembler_takes_it(tmp_path):
+    path = tmp_path / "ninebar.ptx"
+    path.write_text(write_ptx(program_of(System(load("ninebar"))).routines))
+    command = ["ptxas", "-v", "-arch=sm_90", str(path), "-o", str(tmp_path / "code")]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+    used = [int(number) for number in re.findall(r"Used (\d+) registers", said)]
+    spilled = [int(number) for number in re.findall(r"(\d+) bytes spill", said)]
+    assert len(used) == 3
+    assert max(used) < 255, said  # all that a thread may have
+    assert not any(spilled), said
+
+
+def test_functions_of_the_library_are_named():
+    program = program_of(system_of(LOADED.replace("LAW", "exp(-t) + tanh(t)")))
+    with pytest.raises(UnprintedError, match="this mechanism needs exp, tanh, which come from"):
+        write_ptx(program.routines)
+
+
+def _there_is_a_device():
+    try:
+        Device(write_ptx(())).close()
+    except DeviceError:
+        return False
+    return True
+
+
+THERE = _there_is_a_device()
+
+
+@pytest.mark.parametrize("name", ["ninebar", "class-three", "table"])
+def test_a_graphics_processor_has_the_same_bits(name, monkeypatch):
+    """Where there is none, what threads do is done here: copies and arguments are the same."""
+    of = named(name)
+    program = program_of(of)
+    given = states_of(of, program, STATES)
+    arrays = arrays_for(program, given)
+    status = np.zeros(STATES, dtype=np.int64)
+    if not THERE:
+        code = MachineCode(lane_functions(program.routines).text)
+        arguments = {f"{r.name}_lanes": len(r.arguments) + 2 for r in program.routines}
+        driver = StandIn(code, arguments)
+        monkeypatch.setattr(cuda, "_driver", lambda: driver)
+    with Device(write_ptx(program.routines)) as device:
+        places = {name: device.put(values) for name, values in arrays.items()}
+        for routine in program.routines:
+            ended = np.full(STATES, -1, dtype=np.int64)
+            place = device.put(ended)
+            device.run(
+                f"{routine.name}_lanes", [*(places[a] for a in routine.arguments), place], STATES
+            )
+            device.get(place, ended)
+            status = np.where(status, status, ended)
+        for array, values in arrays.items():
+            device.get(places[array], values)
+    assert_bits_of_one_state(program, given, arrays, status)
+    if not THERE:
+        assert not driver.memory
+        assert not driver.contexts
+
+
+@pytest.mark.skipif(THERE, reason="there is a graphics processor")
+def test_a_machine_without_one_says_so():
+    with pytest.raises(DeviceError, match=r"no driver .* was found|refused cuInit"):
+        Device(write_ptx(()))
+
+
+def test_what_the_driver_refuses(monkeypatch):
+    driver = StandIn(None, {})
+    monkeypatch.setattr(cuda, "_driver", lambda: driver)
+    message = r"refused cuModuleLoadData \(218\): a PTX JIT compilation failed"
+    with pytest.raises(DeviceError, match=message):
+        Device("no PTX")
+    assert not driver.contexts

@@ -1,0 +1,49 @@
+"""Many motions at once are those that each mechanism makes alone, in all bits."""
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.kernel.varying import Varying
+from linkages.options.run import RunOptions
+from linkages.solution.moving.many import march_many
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion
+from linkages.solution.moving.renormalising import Renormalised
+
+TIMES = np.linspace(0.02, 0.4, 5)
+
+
+def varied(name, path, values):
+    """Systems with some values along a path."""
+    along = Varying(linkages.load(name)).along([{path: value} for value in values])
+    return [along.system(index) for index in range(len(along))]
+
+
+def require_equal(many, alone):
+    """Whether two motions are equal in everything but the time that they took."""
+    assert isinstance(many, Motion)
+    assert (many.failure, many.stop_time, many.cost) == (alone.failure, alone.stop_time, alone.cost)
+    assert len(many.pieces) == len(alone.pieces)
+    for one, other in zip(many.pieces, alone.pieces, strict=True):
+        for name in ("time", "state", "turns", "acceleration"):
+            assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+@pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
+@pytest.mark.parametrize(
+    ("name", "path", "values"),
+    [
+        ("ninebar", "clearances.r1.size", np.linspace(1e-4, 4e-4, 3)),
+        ("double-pendulum", "free.upper.angle", np.linspace(0.5, 2.5, 3)),
+    ],
+)
+def test_motions_with_tangents_equal_those_that_go_alone(name, path, values, method):
+    systems, run = varied(name, path, values), RunOptions(method=method, rtol=1e-8)
+    marches, grown = ([March(s, run, tangents=1) for s in systems] for _ in range(2))
+    several = [[Renormalised(), Renormalised()] for _ in systems]
+    many = march_many(marches, TIMES, renormalised=[r[0] for r in several])
+    for found, march, (one, other) in zip(many, grown, several, strict=True):
+        require_equal(found, march.advance(TIMES, renormalised=other))
+        assert np.array_equal(one.lengths, other.lengths)
+        assert np.array_equal(one.tangents, other.tangents)

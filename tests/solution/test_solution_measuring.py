@@ -1,0 +1,159 @@
+"""Measures of motions against closed forms, and where their texts are wrong."""
+
+import math
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.solution.measuring.followed import between
+from linkages.solution.measuring.located import largest_between
+
+SLIDER_CRANK = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5}
+sliders: {piston: {joint: B, through: O, angle: 0, mass: 0.4}}
+drives: {crank: {angle: 0.3, speed: 100}}
+assembly: {B: [0.18, 0]}
+simulate: {end: 0.1, samples: %d}
+"""
+
+OSCILLATOR = """
+joints: {O: [0, 0]}
+bars: {bar: {joints: [O, A], length: 1, mass: 1, center: 0, inertia: 0.5}}
+free: {bar: {angle: 0.2, speed: 0}}
+springs: [{bar: bar, stiffness: 8, angle: 0}]
+simulate: {end: 3, samples: %d}
+"""
+
+
+@pytest.fixture(scope="module", params=[41, 401])
+def crank(request):
+    return linkages.simulate(linkages.loads(SLIDER_CRANK % request.param), outputs="all")
+
+
+def position(angle):
+    return 0.04 * np.cos(angle) + np.sqrt(0.14**2 - (0.04 * np.sin(angle)) ** 2)
+
+
+def test_extremes_of_a_driven_motion_lie_between_samples(crank):
+    # round-off: the motion is evaluated wherever it is looked at
+    assert linkages.measure(crank, "max(piston.position)") == pytest.approx(0.18, rel=1e-12)
+    assert linkages.measure(crank, "min(piston.position)") == pytest.approx(0.10, rel=1e-12)
+    assert linkages.measure(crank, "stroke(piston.position)") == pytest.approx(0.08, rel=1e-11)
+    # a place is known to a part of a sample in 8^-5
+    first = (math.pi - 0.3) / 100
+    step = float(crank.data["time"][1])
+    found = linkages.measure(crank, "time_of_min(piston.position)")
+    assert found == pytest.approx(first, abs=step * 1e-4)
+
+
+def test_kinks_are_found(crank):
+    # the magnitude of a velocity that changes sign: each look is eight times as close
+    least = linkages.measure(crank, "min(abs(piston.velocity))")
+    assert 0.0 <= least < 1e-9
+
+
+def test_values_at_times(crank):
+    found = linkages.measure(crank, "at(12.3 ms, piston.position)")
+    assert found == pytest.approx(position(0.3 + 1.23), rel=1e-13)
+    assert linkages.measure(crank, "final(crank.angle)") == pytest.approx(10.3, rel=1e-14)
+
+
+def test_means_over_time():
+    # two turns: sampled evenly, Simpson's rule is as exact as trapezes on what repeats
+    text = SLIDER_CRANK.replace("end: 0.1", f"end: {4 * math.pi / 100!r}")
+    solution = linkages.simulate(linkages.loads(text % 201))
+    angles = np.linspace(0, 2 * np.pi, 4001)[:-1]
+    mean = np.mean(position(angles))
+    assert linkages.measure(solution, "mean(piston.position)") == pytest.approx(mean, rel=1e-12)
+    square = math.sqrt(np.mean(position(angles) ** 2))
+    assert linkages.measure(solution, "rms(piston.position)") == pytest.approx(square, rel=1e-12)
+
+
+def test_power_balance_of_a_turn():
+    # what a drive gives in a whole turn is what it takes: no friction, no load
+    text = SLIDER_CRANK.replace("end: 0.1", f"end: {2 * math.pi / 100!r}")
+    solution = linkages.simulate(linkages.loads(text % 201))
+    scale = linkages.measure(solution, "max(abs(crank.effort*crank.speed))")
+    assert abs(linkages.measure(solution, "mean(crank.effort*crank.speed)")) < 1e-9 * scale
+
+
+@pytest.mark.parametrize("samples", [8, 60])
+def test_free_motions_are_followed_between_samples(samples):
+    # θ = 0.2 cos 4t, from I θ'' = -8 θ with I = 1/2; with few samples the motion is computed again
+    solution = linkages.simulate(linkages.loads(OSCILLATOR % samples), rtol=1e-12)
+    assert linkages.measure(solution, "min(bar.angle)") == pytest.approx(-0.2, rel=1e-9)
+    assert linkages.measure(solution, "max(abs(bar.speed))") == pytest.approx(0.8, rel=1e-9)
+    assert linkages.measure(solution, "time_of_min(bar.angle)") == pytest.approx(
+        math.pi / 4, rel=1e-4
+    )
+    mean = 0.2 * math.sin(12.0) / 12.0
+    assert linkages.measure(solution, "mean(bar.angle)") == pytest.approx(mean, rel=1e-6)
+
+
+def test_a_motion_between_samples_is_that_motion():
+    coarse = linkages.simulate(linkages.loads(OSCILLATOR % 61), rtol=1e-12).motion.pieces[0]
+    found = between(coarse, np.array([3, 17]), np.array([0.25, 0.6]))
+    # degree 5 over an interval of 0.05 s: (4·0.05)^6/720/64 of the amplitude
+    expected = 0.2 * np.cos(4 * found.time)
+    assert np.abs(found.state[0] - expected).max() < 1e-9
+    assert np.abs(found.acceleration[0] + 16 * expected).max() < 2e-8
+
+
+def test_reactions_and_errors_are_measured_too(crank):
+    largest = float(np.abs(crank.data["joint_reaction"].sel(joint="B", axis="y")).max())
+    found = linkages.measure(crank, "max(abs(B.y reaction))")
+    assert largest <= found * (1 + 1e-12)
+    # at most 41 samples in 1.6 turns: a peak exceeds its sample by (π/25)²/8·4
+    assert found < 1.02 * largest
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("max(crank.efort)", "did you mean 'effort'"),
+        ("max(crnk.effort)", "did you mean 'crank'"),
+        ("max(knetic_energy)", "did you mean 'kinetic_energy'"),
+        ("max(crank.effort) + 1 mm", "do not go together"),
+        ("at(1 s, crank.effort)", "outside of the motion, from 0 s to 0.1 s"),
+    ],
+)
+def test_messages(crank, text, message):
+    with pytest.raises(ValueError, match="measure") as caught:
+        linkages.measure(crank, text)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["1/(max(t) - final(t))", "max(1/(crank.angle - 0.3))"])
+def test_division_by_zero(crank, text):
+    with pytest.raises(linkages.ComputationError, match="divides by zero"):
+        linkages.measure(crank, text)
+
+
+def test_what_was_not_computed_must_be_asked_for():
+    solution = linkages.simulate(linkages.loads(SLIDER_CRANK % 41))
+    with pytest.raises(ValueError, match="expected outputs that have 'joint_reaction'"):
+        linkages.measure(solution, "max(B.x reaction)")
+    assert linkages.measure(solution, "max(kinetic_energy)") > 0  # of the motion at one time
+
+
+def test_rows_side_by_side_do_not_depend_on_each_other():
+    generator = np.random.default_rng(1)
+    phases = generator.uniform(0, 6, 7)
+
+    def value(which, places):
+        return np.sin(0.2 * places + phases[which])
+
+    def found(rows):
+        places = np.arange(60.0)
+        samples = np.sin(0.2 * places + phases[rows][:, None])
+        return largest_between(samples, lambda which, at: value(rows[which], at))
+
+    together = found(np.arange(7))
+    alone = [found(np.array([row])) for row in range(7)]
+    assert np.array_equal(together.value, [one.value[0] for one in alone])
+    assert np.array_equal(together.place, [one.place[0] for one in alone])
+    assert together.value == pytest.approx(1.0, abs=1e-14)

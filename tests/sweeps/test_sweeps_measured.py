@@ -1,0 +1,174 @@
+"""Sweeps of measures: equal to single runs in all bits, whatever computes them, and in order."""
+
+import pickle
+import random
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.sweeps.answers import Code
+from linkages.sweeps.running import Outcome, Threads, attempt
+
+EFFORT = "max(abs(crank.effort))"
+ROD = "bars.rod.length"
+
+
+class Shuffled(Threads):
+    """Computes tasks in any order, as another process would get them."""
+
+    def run(self, task, points):
+        order = list(enumerate(points))
+        random.Random(1).shuffle(order)
+        task = pickle.loads(pickle.dumps(task))
+        for index, point in order:
+            outcome = attempt(task, index, point)
+            yield Outcome(index, pickle.loads(pickle.dumps(outcome.value)), outcome.reason)
+
+
+def single(mechanism, path, value, measure):
+    # the work, from which residuals follow, would be integrated with the motion, in other steps
+    outputs = ["joint_reaction"] if "reaction" in measure else None
+    solution = linkages.simulate(mechanism.with_values({path: value}), outputs=outputs)
+    return linkages.measure(solution, measure)
+
+
+CASES = [
+    ("slider-crank", ROD, "uniform(120 mm, 160 mm)", EFFORT),
+    ("slider-crank", "bars.crank.mass", "uniform(0.5, 1)", "rms(crank.effort) + 1 N m"),
+    ("slider-crank", ROD, "uniform(120 mm, 160 mm)", "max(abs(B.y reaction))"),
+    ("four-bar", "bars.rocker.length", "uniform(120 mm, 125 mm)", "range(rocker.angle)"),
+    ("scotch-yoke", "drives.crank.speed", "uniform(1, 2)", "mean(kinetic_energy)"),
+    ("toggle-press", "drives.crank.speed", "uniform(5, 6)", "max(ram.velocity)*final(t)"),
+    ("pendulum", "free.rod.angle", "uniform(0.1, 0.5)", "max(rod.speed)"),
+]
+
+
+def cases():
+    for name, path, distribution, measure in CASES:
+        yield pytest.param(name, path, distribution, measure, id=f"{name}-{measure}")
+
+
+@pytest.mark.parametrize(("name", "path", "distribution", "measure"), [*cases()])
+def test_a_sweep_equals_single_runs_in_all_bits(name, path, distribution, measure):
+    mechanism = linkages.load(name)
+    data = linkages.sweep(mechanism, {path: distribution}, measure, draws=4, seed=1)
+    assert not data.outcome.any(), data.reason.to_numpy()
+    unit = data[path].attrs["units"] if "mm" in distribution else ""
+    values = [f"{value!r} {unit}" if unit else value for value in data[path].to_numpy().tolist()]
+    name = measure.replace("/", "÷")
+    assert data[name].to_numpy().tolist() == [
+        single(mechanism, path, value, measure) for value in values
+    ]
+
+
+def test_results_do_not_depend_on_cores_chunks_or_order(monkeypatch):
+    from linkages.sweeps import measured
+
+    mechanism = linkages.load("slider-crank")
+    over = {ROD: "normal(140 mm, 20 mm)", "bars.crank.length": [0.03, 0.045]}
+    asked = {"draws": 40, "seed": 2}
+
+    def found(**how):
+        return linkages.sweep(mechanism, over, [EFFORT, "mean(crank.effort)"], **asked, **how)
+
+    one = found(cores=1)
+    assert found(cores=3).identical(one)
+    monkeypatch.setattr(measured, "TOGETHER", 7)
+    assert found(cores=2).identical(one)
+    assert found(executor=Shuffled()).identical(one)
+
+
+def test_more_draws_do_not_change_the_first():
+    mechanism = linkages.load("slider-crank")
+    few, many = (
+        linkages.sweep(mechanism, {ROD: "normal(140 mm, 1 mm)"}, EFFORT, draws=draws)
+        for draws in (5, 12)
+    )
+    assert many[EFFORT].isel(draw=slice(5)).equals(few[EFFORT])
+
+
+def test_failures_are_data():
+    """The first value, too; each has the code and the reason that it has alone."""
+    mechanism = linkages.load("slider-crank")
+    rods = [-1.0, 0.02, 0.03, 0.039, 0.14]
+    data = linkages.sweep(mechanism, {ROD: rods}, {"effort": EFFORT})
+    outcomes = [Code(code).words for code in data.outcome.to_numpy()]
+    assert outcomes == ["invalid", "stopped", "stopped", "stopped", "computed"]
+    assert np.isnan(data.effort.to_numpy()[:4]).all()
+    assert data.effort.to_numpy()[4] == single(mechanism, ROD, 0.14, EFFORT)
+    reasons = data.reason.to_numpy()
+    assert "expected a length > 0" in reasons[0]
+    assert reasons[4] == ""
+    assert len(set(reasons[1:4])) == 1
+    # the crank of 40 mm is perpendicular to the rod's reach where sin of its angle is rod/crank
+    angle = np.arcsin(np.array(rods[1:4]) / 0.04)
+    speed = 1500 * 2 * np.pi / 60
+    assert data.stop_time.to_numpy()[1:4] == pytest.approx(angle / speed, rel=1e-9)
+    assert not linkages.sweep(mechanism, {ROD: rods[::-1]}, EFFORT).outcome.to_numpy()[0]
+
+
+def test_a_mechanism_that_cannot_be_assembled_is_told_from_a_wrong_value():
+    mechanism = linkages.load("four-bar")
+    data = linkages.sweep(mechanism, {"bars.rocker.length": [0.9, 0.12, -1]}, "max(rocker.speed)")
+    words = [Code(code).words for code in data.outcome.to_numpy()]
+    assert words == ["not_assembled", "computed", "invalid"]
+
+
+def test_budgets():
+    mechanism = linkages.load("pendulum")
+    angles = {"free.rod.angle": [0.1, 0.5]}
+    data = linkages.sweep(mechanism, angles, "max(rod.speed)", max_steps=5)
+    assert (data.outcome == Code.OVER_BUDGET).all()
+    assert "max_steps" in data.reason.to_numpy()[0]
+    assert (data.evaluations > 0).all()
+    data = linkages.sweep(
+        mechanism, angles, "max(rod.speed)", end=1e6, samples=2, time_per_point=1e-9
+    )
+    assert (data.outcome == Code.OVER_TIME).all()
+
+
+def test_division_by_zero_is_an_outcome():
+    mechanism = linkages.load("slider-crank")
+    data = linkages.sweep(mechanism, {ROD: [0.14, 0.15]}, "1/(max(t) - max(t))")
+    assert (data.outcome == Code.UNDEFINED).all()
+    assert "divides by zero" in data.reason.to_numpy()[0]
+
+
+def test_units_and_names():
+    mechanism = linkages.load("slider-crank")
+    over = {ROD: ["130 mm", "140 mm"], "bars.crank.mass": "normal(0.8, 0.01)"}
+    data = linkages.sweep(mechanism, over, {"peak": EFFORT, "stroke": "stroke(piston.position)"},
+                          draws=3)  # fmt: skip
+    assert data.peak.dims == (ROD, "draw")
+    assert data.peak.attrs["units"] == "N m"
+    assert data[ROD].attrs["units"] == "mm"
+    assert data["bars.crank.mass"].attrs["units"] == "kg"
+    assert data["bars.crank.mass"].dims == ("draw",)
+    assert data.stroke.to_numpy() == pytest.approx(0.08, rel=1e-11)
+
+
+def test_progress_counts_failures():
+    mechanism, seen = linkages.load("slider-crank"), []
+    linkages.sweep(mechanism, {ROD: [0.02, 0.14]}, EFFORT, watch=seen.append)
+    assert (seen[-1].done, seen[-1].total, seen[-1].failures) == (2, 2, {"stopped": 1})
+    assert seen[-1].rate > 0
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"measure": "max(crank.efort)"}, "did you mean 'effort'"),
+        ({"measure": []}, "nothing is measured"),
+        ({"sequence": "halton"}, "sequence must be"),
+        ({"time_per_point": 0.0}, "time_per_point must be"),
+        ({"cores": 2, "executor": Threads(1)}, "cores do not go with an executor"),
+        ({"end": 0.0}, "end must be"),
+    ],
+)
+def test_contradictions_are_refused(how, message):
+    mechanism = linkages.load("slider-crank")
+    given = {"measure": EFFORT, **how}
+    with pytest.raises(ValueError) as caught:  # noqa: PT011
+        linkages.sweep(mechanism, {ROD: [0.13, 0.14]}, **given)
+    assert message in str(caught.value)

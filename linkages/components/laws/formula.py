@@ -25,8 +25,16 @@ class _Translation:
         self.path = path
         self.numbers = 0
         self.repeating = False
+        self._known: dict[tuple[int, bool], Function] = {}
 
     def of(self, node: Node) -> Function:
+        """The function of a part, which stands behind several conditions but once in the text."""
+        key = id(node), self.repeating
+        if key not in self._known:
+            self._known[key] = self._of(node)
+        return self._known[key]
+
+    def _of(self, node: Node) -> Function:
         match node:
             case Clock():
                 return TIME

@@ -27,6 +27,9 @@ _HIGHEST_POWER = 100
 WORDS = ("position", "velocity", "angle", "speed", "x", "y", "vx", "vy")
 """What a law may depend on, behind the name of a slider, bar, plate, clearance or joint."""
 
+PARAMETER = "parameter"
+"""The word of a number that has a name of its own in a mechanism."""
+
 CALLED = {"distance": 2, "angle": 2}
 """What is called with two names: joints, or bodies that turn."""
 
@@ -56,7 +59,7 @@ class Sensed:
     Parameters
     ----------
     word
-        One of `WORDS` of one name, or one of `CALLED` of two.
+        One of `WORDS` of one name, one of `CALLED` of two, or `PARAMETER`.
     names
         As the definition has them.
     rate
@@ -182,14 +185,13 @@ class FormulaTrees(Builder[Node]):
             raise NumberError(str(error)) from None
         return Constant(Numbers().number(found.convert(value)), found)
 
-    def word(self, word: str) -> Node | None:
-        """The time, or a constant."""
+    def word(self, word: str, span: Span) -> Node | None:
+        """The time, a constant, or a parameter of the mechanism."""
         if word == "t":
             return Clock()
         if word in CONSTANTS:
             return Constant(CONSTANTS[word])
-        hint = "" if self._refused else ", or a quantity such as crank.angle"
-        raise NumberError(f"unknown name {word!r}", f"; expected t or pi{hint}")
+        return Sensed(PARAMETER, (word,), span=span)
 
     def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Node:
         """A quantity of the mechanism."""

@@ -101,7 +101,7 @@ class Builder(ABC, Generic[Value]):
         raise NumberError(f"unknown name {'.'.join((*names, word))!r}", at=span[0])
 
     @abstractmethod
-    def word(self, word: str) -> Value | None:
+    def word(self, word: str, span: Span) -> Value | None:
         """Return the value of a name; None where a number should stand."""
 
     @abstractmethod
@@ -216,7 +216,7 @@ class _Reader(Generic[Value]):
         if functions and (word in functions or self.text.startswith("(", self.at)):
             return self._called(word, start)
         try:
-            value = self.builder.word(word)
+            value = self.builder.word(word, (start, start + len(word)))
         except NumberError as error:
             raise NumberError(error.message, error.hint, start) from None
         if value is None:

@@ -20,6 +20,7 @@ from linkages.components.contributed.terms import (
     GroundPin,
     Hint,
     Initial,
+    NamedNumber,
     Parameter,
     Path,
     Play,
@@ -42,6 +43,7 @@ Term = (
     | Initial
     | Gravity
     | Hint
+    | NamedNumber
     | Load
     | Contact
     | Friction

@@ -6,9 +6,9 @@ from typing import assert_never
 
 from linkages.components.contributed.functions import TIME, Function, Number, Operation, applied
 from linkages.components.contributed.sensing import measured_by
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, named_number
 from linkages.operations import ELEMENTARY
-from linkages.spec.formulas import Call, Clock, Constant, Formula, Node, Sensed
+from linkages.spec.formulas import PARAMETER, Call, Clock, Constant, Formula, Node, Sensed
 
 
 def translated(formula: Formula, path: Path) -> Function:
@@ -41,6 +41,8 @@ class _Translation:
             case Constant(value):
                 self.numbers += 1
                 return Number(Parameter((*self.path, self.numbers - 1), value))
+            case Sensed(word, (name, *_)) if word == PARAMETER:
+                return Number(named_number(name))
             case Sensed():
                 return measured_by(node)
             case Call("power", (base, Constant(exponent))):

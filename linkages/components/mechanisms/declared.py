@@ -19,6 +19,7 @@ from linkages.components.contributed.terms import (
     Relation,
     oriented,
 )
+from linkages.components.parameter import NumberOfFormulas
 from linkages.reading.wording import nearest
 
 
@@ -44,6 +45,7 @@ class Declared:
         bodies: Iterable[tuple[str, str]] = (),
         complete: bool = True,
     ) -> None:
+        components = tuple(components)
         terms = [(c, term) for c in components for term in c.terms()]
         self.ground = {t.joint for _, t in terms if isinstance(t, GroundPin)} | set(ground)
         self.bodies = [(c.path, t) for c, t in terms if isinstance(t, Body)]
@@ -64,6 +66,7 @@ class Declared:
         built += [(term.name, "clearance") for _, term in self.plays]
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
+        self.numbers = {c.name: c.value for c in components if isinstance(c, NumberOfFormulas)}
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built
         self.faulty = {name for name, _ in bodies}  # what they are like is not known

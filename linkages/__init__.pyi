@@ -20,6 +20,7 @@ from linkages.components.free import FreePosition as FreePosition
 from linkages.components.gear import Gear as Gear
 from linkages.components.gravity import UniformGravity as UniformGravity
 from linkages.components.ground import GroundJoint as GroundJoint
+from linkages.components.guide_clearance import GuideClearance as GuideClearance
 from linkages.components.load import JointForce as JointForce
 from linkages.components.load import SliderForce as SliderForce
 from linkages.components.mass import JointMass as JointMass

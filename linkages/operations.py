@@ -62,8 +62,8 @@ class Elementary:
     python, c
         How one language alone writes it.
     llvm
-        LLVM's instruction or intrinsic function (without the type in its name); a call by its name
-        if there is none.
+        LLVM's instruction or intrinsic function (without the type in its name); others are written
+        in `linkages.kernel.code.functions`, or come from the C library.
     tangent
         ``tangent(f, *operands, *rates)``: the rate, where there is a shorter way than the sum of
         partial derivatives times rates.

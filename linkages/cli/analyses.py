@@ -22,6 +22,11 @@ Cores = Annotated[
     int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
 ]
 
+Store = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Keep results there as they come; go on with them."),
+]
+
 Measures = Annotated[
     list[str] | None,
     typer.Option(
@@ -147,6 +152,7 @@ def bifurcation(
             metavar="PATH=VALUE,…", help="An initial state to try at every value; may be repeated."
         ),
     ] = None,
+    store: Store = None,
     cores: Cores = None,
 ) -> None:
     """Take section points for every value of a parameter."""
@@ -160,12 +166,13 @@ def map_(
     y: Annotated[
         list[str], typer.Option(metavar=RANGE, help="Range upwards; several in lockstep.")
     ],
+    store: Store = None,
     cores: Cores = None,
 ) -> None:
     """Map an indicator of chaos over two parameters or a plane of initial states."""
 
 
-@computes(SimulationOptions, without=("figures",))
+@computes(SimulationOptions)
 def sweep(
     measure: Measures = None,
     vary: Annotated[
@@ -187,13 +194,14 @@ def sweep(
     sequence: Annotated[
         Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
     ] = Drawing.RANDOM,
-    store: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Keep results there as they come; go on with them."),
-    ] = None,
+    store: Store = None,
     time_per_point: Annotated[
         float | None,
         typer.Option(metavar="<time>", help="Seconds after which a point is given up."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
     ] = None,
     status: Annotated[
         bool, typer.Option("--status", help="Say what the store FILE holds, and compute nothing.")

@@ -6,6 +6,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -80,18 +81,21 @@ def publish(
     made: Iterable[File],
     content: Mapping[str, Any],
     show: Callable[[Console], None],
+    store: Path | None = None,
 ) -> int:
     """Write the files of a sweep, and report `content` as JSON or show it; returns the exit code.
 
-    `what` is one of its computations in a word; `made` are the files.
+    `what` is one of its computations in a word; `made` are the files; `store` is where they are
+    kept as they come.
     """
     interrupted, computed = bool(data.attrs["interrupted"]), any_computed(data)
     if interrupted and not computed:
         raise EndedError(TOO_EARLY)
+    on = "" if store is None else f"\nthe same command goes on, with what is in {store}"
     files = request.write(made, complete=computed, interrupted=interrupted)
     request.report(content, files, show)
     if interrupted:
-        raise EndedError(f"{INTERRUPTED} {files[0].parent}")
+        raise EndedError(f"{INTERRUPTED} {files[0].parent}{on}")
     if not computed:
         print(f"no {what} could be computed: {next(iter(failures(data)))}", file=sys.stderr)
     return int(not computed)

@@ -64,7 +64,8 @@ class ContactClearance(Touching):
     viscosity
         Dynamic viscosity of the oil in Pa·s, > 0.
     width
-        Of pin and hole along their axis, in metres.
+        Of pin and hole along their axis, in metres: of an oil film, or of a contact with a modulus,
+        for which it tells how far around the pin that reaches.
     offset, rate
         From the pin to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
@@ -97,16 +98,16 @@ class ContactClearance(Touching):
         if film and self.pin_radius is None:
             yield "contact", f"missing key 'pin_radius', which {self.law.name} needs"
         if film and apart >= self.size:
-            message = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
-            yield "offset", f"{message}; expected less than the size, {self.size:g} m"
-        elif apart > 2.0 * self.size:
-            message = f"the bar's point lies {apart:g} m from the pin, far outside the hole"
-            yield "offset", f"{message}; expected at most the size, {self.size:g} m"
+            found = f"the bar's point lies {apart:g} m from the pin, where no oil is between them"
+            yield "offset", f"{found}; expected less than the size, {self.size:g} m"
+        elif not film and (message := self.start_problem(apart - self.size, "the pin")):
+            yield "offset", message
 
     @property
     def supplied(self) -> dict[str, float | None]:
         """The numbers that laws may need; moduli stand for a stiffness."""
-        found = super().supplied | {"viscosity": self.viscosity, "width": self.width}
+        width = self.width if self.modulus is None else None  # that of a material is none of a law
+        found = super().supplied | {"viscosity": self.viscosity, "width": width}
         if self.modulus is not None and "stiffness" in self.law.needs:
             found["stiffness"] = self._of_spheres
         return found
@@ -118,6 +119,17 @@ class ContactClearance(Touching):
             return 1.0
         radii = (self.pin_radius + self.size, self.pin_radius)
         return stiffness_of_spheres(self.modulus, self.poisson, *radii)
+
+    def half_angle(self, force: float) -> float | None:
+        """How far a contact under a force (N) reaches to either side, in radians.
+
+        It is 2 √(F/(π E* L c)) of a cylinder in a hole (Johnson, *Contact Mechanics*, 1985); None
+        where modulus or width are not given.
+        """
+        if self.modulus is None or self.width is None:
+            return None
+        plane = self.modulus / (2.0 * (1.0 - self.poisson**2))
+        return 2.0 * math.sqrt(force / (math.pi * plane * self.width * self.size))
 
     def _of_the_material(self) -> Iterator[tuple[str, str]]:
         if self.stiffness is not None:

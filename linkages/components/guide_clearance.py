@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from linkages.components.contributed.component import component
-from linkages.components.contributed.contacts import CORNERS, Contact, CornerAtWall
+from linkages.components.contributed.contacts import CORNERS, Contact, CornerAtWall, RigidContact
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import Initial, Parameter, Path, Play
 from linkages.components.contributed.touching import Touching
@@ -56,6 +56,12 @@ class GuideClearance(Touching):
         return tuple(((*self.path, key), message) for key, message in found)
 
     def _of_the_block(self) -> Iterator[tuple[str, str]]:
+        if isinstance(self.normal, RigidContact):
+            yield (
+                "contact",
+                f"{self.law.name} takes one contact at a time, a block has four corners; expected "
+                "the law of a force, such as 'exact' with a stiffness",
+            )
         width, diagonal = self.height + 2.0 * self.size, math.hypot(self.length, self.height)
         if diagonal <= width:
             yield (
@@ -66,10 +72,8 @@ class GuideClearance(Touching):
         elif abs(self.angle) >= math.pi / 2:
             found = math.degrees(self.angle)
             yield "angle", f"expected a block less than 90 deg from its guide, found {found:g} deg"
-        elif self.deepest > self.size:
-            key = "offset" if abs(self.offset) > self.size else "angle"
-            message = f"a corner starts {self.deepest:g} m within the wall, far outside the guide"
-            yield key, f"{message}; expected at most the size, {self.size:g} m"
+        elif message := self.start_problem(self.deepest, "a corner"):
+            yield "offset" if abs(self.offset) > self.size else "angle", message
 
     @property
     def deepest(self) -> float:

@@ -60,6 +60,7 @@ class Model:
         self.switches = Switches(self)
         self._pressing: dict[int, Scalar] = {}
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
+        self.outputs: dict[object, list[Scalar]] = {}
 
     def evaluator(self, nodes: Sequence[Scalar]) -> Evaluator:
         """Evaluates nodes; those of a sweep are asked for at every point."""

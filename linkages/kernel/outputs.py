@@ -108,7 +108,9 @@ class Variable:
         """
         if self.nodes is None:
             raise ValueError(f"{self.long_name} follows from a whole motion")
-        return self.nodes(model)
+        if self not in model.outputs:  # asked for again at every point of a sweep
+            model.outputs[self] = self.nodes(model)
+        return model.outputs[self]
 
     def described(self, model: Model) -> tuple[str, str]:
         """Units and long name that the variable has for a mechanism."""

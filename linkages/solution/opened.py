@@ -85,6 +85,7 @@ class Opened:
         function = self._function()
         known = signature(function).parameters
         given = {name: value for name, value in self.arguments.items() if name in known}
+        given.pop("store", None)  # what is there is not computed again
         if not given.get("initial", True):
             del given["initial"]  # the command line names no other states
         return function(self.mechanism, **given)

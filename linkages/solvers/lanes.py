@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from typing import TypeGuard
 
@@ -16,9 +17,11 @@ from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import FRAME, PACE, Lanes
+from linkages.solvers.steps.views import FRAME, PACE, REJECTED, STEPS, Lanes
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
+
+LOGGER = logging.getLogger(__name__)
 
 LANES = 8
 """Motions side by side: two registers of 256 bits, or one of 512. No bit depends on it."""
@@ -97,7 +100,12 @@ def _run(
     def stop() -> None:
         control[1] = 1.0
 
-    _, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
+    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
+    made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
+    LOGGER.info(
+        "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use",
+        len(jobs), lanes, made, made / max(1, spent),
+    )  # fmt: skip
     for job, motion in zip(jobs, motions, strict=True):
         np.copyto(job.state, motion.rows[0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted

@@ -102,9 +102,9 @@ class Question(ABC):
         return type(self), tuple(getattr(self, each.name) for each in fields(own))
 
     @property
-    def together(self) -> int:
-        """How many points are best computed together."""
-        return 1
+    def together(self) -> tuple[int, int]:
+        """How many points are best computed together: at least, and at most."""
+        return 1, 1
 
     @property
     @abstractmethod

@@ -20,6 +20,9 @@ Span = tuple[int, int]
 """The first point of a chunk, and that behind its last."""
 
 
+PER_CORE = 4
+"""Chunks for each core: few to lose time at, and enough for all cores to end at about one time."""
+
 Watch = Callable[[Progress], None]
 
 
@@ -67,7 +70,8 @@ def computed(
     watch
         Called after each chunk.
     """
-    size = question.together if store is None else store.chunk
+    executor = executor or Threads()
+    size = chunk_size(question, executor) if store is None else store.chunk
     spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
     parts: dict[Span, Arrays] = {} if store is None else dict(store.read(spans))
     left = [span for span in spans if span not in parts]
@@ -76,7 +80,7 @@ def computed(
         ledger.add(span, part, new=False)
     interrupted = False
     try:
-        for span, part in _chunks(question, left, executor or Threads()):
+        for span, part in _chunks(question, left, executor):
             if store is not None:
                 store.write(span, part)
             parts[span] = part
@@ -87,6 +91,13 @@ def computed(
     whole = [parts.get(span) or question.nothing(span[1] - span[0]) for span in spans]
     names = [*OWN, *question.fields]
     return Computed({n: np.concatenate([part[n] for part in whole]) for n in names}, interrupted)
+
+
+def chunk_size(question: Question, executor: Executor) -> int:
+    """How many points are computed together, so that there are several chunks for each core."""
+    fewest, most = question.together
+    workers: int = getattr(executor, "workers", 1)
+    return max(fewest, min(most, -(-question.count // (PER_CORE * workers))))
 
 
 def _chunks(

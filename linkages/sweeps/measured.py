@@ -6,16 +6,22 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.errors import ComputationError, InputError
+from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import Followed, evaluable
+from linkages.solution.measuring.followed import (
+    Followed,
+    denser,
+    evaluable,
+    factor_of,
+    resolved_motion,
+)
 from linkages.solution.measuring.measure import (
     measure_unit,
     measured_series,
@@ -23,7 +29,9 @@ from linkages.solution.measuring.measure import (
     single,
 )
 from linkages.solution.measuring.reduced import reduced
-from linkages.solution.moving.motion import Settings, compute_motion
+from linkages.solution.moving.many import march_many
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia, simulate
 from linkages.solution.values.series import TIME, Series
@@ -32,13 +40,16 @@ from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
 from linkages.sweeps.driven import DrivenMotions, serves, undisturbed
 from linkages.sweeps.points import Points
-from linkages.sweeps.pointwise import answered, evaluations, first_system, stop_code
+from linkages.sweeps.pointwise import SIDE_BY_SIDE, answered, evaluations, first_system, stop_code
 from linkages.sweeps.running import stopping
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
-TOGETHER = 512
-"""Driven mechanisms that are evaluated together."""
+TOGETHER = 64, 512
+"""Fewest and most driven mechanisms that are evaluated together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +80,11 @@ class Measured(Question):
         return self.points.count
 
     @property
-    def together(self) -> int:
-        """Many where drives determine the motion, else few: a motion takes long."""
-        return TOGETHER if self._driven else 1
+    def together(self) -> tuple[int, int]:
+        """Many where drives determine the motion or motions go side by side, else one by one."""
+        if self._driven:
+            return TOGETHER
+        return SIDE_BY_SIDE if self._side_by_side else (1, 1)
 
     @property
     def fields(self) -> Mapping[str, Field]:
@@ -114,8 +127,12 @@ class Measured(Question):
     @cached_property
     def _driven(self) -> bool:
         """Whether motions follow from drives alone, so that all are evaluated at once."""
-        own = any(path.split(".")[0] == "simulate" for path in self.points.paths)
-        return not own and serves(self.first, self._series)
+        return not self._own and serves(self.first, self._series)
+
+    @cached_property
+    def _own(self) -> bool:
+        """Whether points have options of their own."""
+        return any(path.split(".")[0] == "simulate" for path in self.points.paths)
 
     @cached_property
     def _plain(self) -> bool:
@@ -137,8 +154,13 @@ class Measured(Question):
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """The measures at some points."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last, si=self._plain))
-        found: dict[int, Answer] = self._at_once(along) if self._driven else {}
+        found: dict[int, Answer] = {}
+        if self._driven:
+            found = self._at_once(along)
+        elif self._side_by_side:
+            found = self._marched(along)
         return [found[k] if k in found else answered(along, k, self._of) for k in range(len(along))]
 
     def _at_once(self, along: Along) -> dict[int, Answer]:
@@ -147,15 +169,13 @@ class Measured(Question):
         if base is None or settled is None:
             return {}
         columns = {k: column for k, column in enumerate(along.columns) if column is not None}
-        run = options_of(SimulationOptions, self.varying.mechanism, self.given)
         chosen = np.array([*columns.values()], dtype=int)
         parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
-        sound = undisturbed(base.system, parameters, scales, run)
+        sound = undisturbed(base.system, parameters, scales, self._run)
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
-        time_ = np.linspace(0.0, run.end, run.samples)
-        motions = DrivenMotions(base.system, parameters[:, sound], time_, self._series)
+        motions = DrivenMotions(base.system, parameters[:, sound], self._times, self._series)
         values = {name: reduced(each, motions) for name, each in self.measures.items()}
         found = {}
         for row, place in enumerate(places):
@@ -165,29 +185,94 @@ class Measured(Question):
             found[place] = _answer(self.measures, numbers, missing, divided)
         return found
 
+    @cached_property
+    def _whole(self) -> list[str]:
+        """Outputs that need more than the motion at one time."""
+        needed = needed_outputs(self.first, self.measures.values())
+        return [name for name in needed if not evaluable(Series(name, name, {}))]
+
+    @cached_property
+    def _run(self) -> SimulationOptions:
+        return options_of(SimulationOptions, self.varying.mechanism, self.given)
+
+    @cached_property
+    def _times(self) -> Floats:
+        return np.linspace(0.0, self._run.end, self._run.samples)
+
+    @property
+    def _counting(self) -> bool:
+        return any(each.variable != TIME and each.angle for each in self._series.values())
+
+    @cached_property
+    def _side_by_side(self) -> bool:
+        """Whether motions are integrated side by side: not where each has its own time."""
+        free = bool(self.first.topology.coordinates)
+        return free and not (self._own or self._whole or self.seconds)
+
+    @cached_property
+    def _factor(self) -> int:
+        """How many times as close most motions want their samples, as the first one does."""
+        settings = Settings(times=self._times, run=self._run, counting=self._counting)
+        try:
+            return factor_of(compute_motion(self.first, settings), len(self._times))
+        except LinkagesError:
+            return 1
+
+    def _marched(self, along: Along) -> dict[int, Answer]:
+        """Answers at points whose motions are integrated side by side."""
+        systems: dict[int, System] = {}
+        found: dict[int, Answer] = {}
+        for place in range(len(along)):
+
+            def keep(system: System, place: int = place) -> Answer:
+                require_inertia(system)
+                systems[place] = system
+                return Answer()
+
+            found[place] = answered(along, place, keep)
+        waiting = {self._factor: systems}
+        while waiting:
+            factor, group = waiting.popitem()
+            times = denser(self._times, factor)
+            marches = [March(one, self._run, counting=self._counting) for one in group.values()]
+            with np.errstate(over="ignore", invalid="ignore"):
+                motions = march_many(marches, times, watch=self._watch())
+            for (place, system), motion in zip(group.items(), motions, strict=True):
+                if isinstance(motion, LinkagesError):
+                    found[place] = Answer.of(motion, stop_code(motion))
+                    continue
+                whole = motion.failure is None
+                wanted = factor_of(motion, len(self._times)) if whole else factor
+                if wanted == factor:
+                    found[place] = self._answer(system, motion, None)
+                else:  # which follows from its steps alone
+                    waiting.setdefault(wanted, {})[place] = system
+        return found
+
     def _of(self, system: System) -> Answer:
+        """The answer of one mechanism by itself."""
         mechanism, watch = system.mechanism, self._watch()
-        whole = [
-            name for name in needed_outputs(self.first, self.measures.values())
-            if not evaluable(Series(name, name, {}))
-        ]  # fmt: skip
-        if whole:
-            solution = simulate(mechanism, outputs=whole, watch=watch, **self.given)
+        if self._whole:
+            solution = simulate(mechanism, outputs=self._whole, watch=watch, **self.given)
             motion, settings, data = solution.motion, solution.settings, solution.data
         else:
             run = options_of(SimulationOptions, mechanism, self.given)
-            counting = any(s.variable != TIME and s.angle for s in self._series.values())
             times = np.linspace(0.0, run.end, run.samples)
-            settings = Settings(times=times, run=run, counting=counting, watch=watch)
+            settings = Settings(times=times, run=run, counting=self._counting, watch=watch)
             require_inertia(system)
             with np.errstate(over="ignore", invalid="ignore"):
                 motion, data = compute_motion(system, settings), None
-            if motion.interrupted:
-                raise KeyboardInterrupt
-            if motion.failure is not None:
-                stopped = ComputationError(motion.failure, time=motion.stop_time)
-                return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, settings, self._series, data)
+        if motion.failure is None:
+            motion = resolved_motion(system, motion, settings)
+        return self._answer(system, motion, data)
+
+    def _answer(self, system: System, motion: Motion, data: xr.Dataset | None) -> Answer:
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None:
+            stopped = ComputationError(motion.failure, time=motion.stop_time)
+            return Answer.of(stopped, stop_code(stopped), evaluations(motion))
+        source = Followed(system, motion, self._series, data)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:

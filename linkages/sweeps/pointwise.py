@@ -16,6 +16,9 @@ from linkages.sweeps.running import stopping
 BUDGET = "max_steps"
 """Stands in what is said of a motion that used up its steps."""
 
+SIDE_BY_SIDE = 8, 128
+"""Fewest and most motions that are integrated together."""
+
 _BLOCK = 64
 
 
@@ -35,8 +38,13 @@ def answered(along: Along, place: int, of: Callable[[System], Answer]) -> Answer
         system = along.system(place)
     except InputError as error:
         return Answer.of(error, refusal_code(along.varying, along.points[place]))
+    return attempted(lambda: of(system))
+
+
+def attempted(task: Callable[[], Answer]) -> Answer:
+    """An answer, or why there is none."""
     try:
-        return of(system)
+        return task()
     except OverTimeError as error:
         return Answer({}, Code.OVER_TIME, str(error))
     except InputError as error:
@@ -45,6 +53,12 @@ def answered(along: Along, place: int, of: Callable[[System], Answer]) -> Answer
         return Answer.of(error, stop_code(error), evaluations(error.solution.motion))
     except (LinkagesError, ValueError) as error:
         return Answer.of(error, stop_code(error))
+
+
+def end_when_stopping(_fraction: float) -> None:
+    """Watch a computation: ends it when the sweep has ended that it is for."""
+    if stopping():
+        raise KeyboardInterrupt
 
 
 def refusal_code(varying: Varying, overrides: Any) -> Code:

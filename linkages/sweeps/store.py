@@ -135,7 +135,7 @@ def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
         "definition": mechanism.to_yaml(),
         "count": question.count,
         "question": json.loads(json.dumps(question.described, default=str)),
-        "points": zlib.crc32(numbers.tobytes()),
+        "numbers of points (checksum)": zlib.crc32(numbers.tobytes()),
     }
     path = place / MANIFEST
     if path.exists():
@@ -151,7 +151,8 @@ def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
                 f"holds another sweep: {different}; expected the same sweep, or another folder",
             )
         return chunk
-    chunk = max(question.together, min(_LARGEST, question.count // _MOST_CHUNKS), 1)
+    fewest, most = question.together
+    chunk = max(fewest, min(max(most, _LARGEST), question.count // _MOST_CHUNKS))
     buffer = io.BytesIO()
     np.save(buffer, numbers)
     store = Store(place, chunk, question.count)

@@ -14,6 +14,7 @@ from linkages.options.signature import takes
 from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
+from linkages.sweeps.cluster import Cluster
 from linkages.sweeps.engine import Computed, Watch, computed
 from linkages.sweeps.measured import Measured
 from linkages.sweeps.points import points_of
@@ -35,6 +36,7 @@ def sweep(
     sequence: str = "random",
     store: str | Path | None = None,
     cores: int | None = None,
+    scheduler: str | None = None,
     executor: Executor | None = None,
     time_per_point: float | None = None,
     watch: Watch | None = None,
@@ -62,8 +64,10 @@ def sweep(
         Folder in which results are kept as they come; the same call goes on there.
     cores
         Computations at the same time; those that this process may use if not given.
+    scheduler
+        Address of a Dask scheduler, on whose workers points are computed instead.
     executor
-        Where points are computed instead.
+        Where points are computed instead, as `linkages.bifurcation` takes it.
     time_per_point
         Seconds after which a point is given up.
     watch
@@ -90,14 +94,16 @@ def sweep(
     options_of(SimulationOptions, mechanism, options)
     if time_per_point is not None and not time_per_point > 0:
         raise ValueError(f"time_per_point must be seconds > 0, found {time_per_point!r}")
-    if cores is not None and executor is not None:
-        raise ValueError("cores do not go with an executor, which says where to compute")
+    if sum(where is not None for where in (cores, scheduler, executor)) > 1:
+        raise ValueError("cores, scheduler and executor say where to compute; expected one of them")
+    if executor is None:
+        executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
     question = Measured(Varying(mechanism), points, measures, given, time_per_point)
     units = question.units()  # what is wrong everywhere shows here
     with stored(store, mechanism, question) as place:
-        found = computed(question, executor=executor or Threads(cores), store=place, watch=watch)
+        found = computed(question, executor=executor, store=place, watch=watch)
         data = _dataset(mechanism, question, found, units)
         if place is not None and not found.interrupted:
             place.finish(data)

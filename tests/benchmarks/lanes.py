@@ -12,6 +12,7 @@ import argparse
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeAlias
 
 import numpy as np
 from chains import chain
@@ -23,6 +24,7 @@ from linkages.kernel.code.llvm import Module, call_routine
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
 from linkages.kernel.code.statements import Routine
+from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.system import System
 from linkages.solution.moving.plan import kernel_source
 
@@ -90,12 +92,41 @@ def pendulums(count: int) -> linkages.Mechanism:
     return linkages.loads("\n".join(lines))
 
 
-MECHANISMS: dict[str, Callable[[], linkages.Mechanism]] = {
-    "nine-bar": lambda: linkages.load("ninebar"),
-    "Andrews": lambda: linkages.load("andrews"),
-    "ten pendulums": lambda: pendulums(10),
-    "forty four-bars": lambda: chain(80),
-    "class III (Newton)": lambda: linkages.load("class-three"),
+CONTACTS = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap:
+    {joint: A, bar: rod, size: 0.1 mm, contact: hunt-crossley-constant, stiffness: 2e9 N/m^1.5,
+     dissipation: 1.5 s/m, carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s}
+drives: {crank: {angle: 0, speed: 600 rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+"""
+
+Evaluated: TypeAlias = tuple[System, Program]
+
+
+def motion(mechanism: linkages.Mechanism, tangents: int = 0) -> Evaluated:
+    """A mechanism, and its equations of motion with those of some tangents."""
+    of = System(mechanism)
+    layout = Layout.of(of.topology, tangents=tangents)
+    return of, kernel_source(of.topology, layout).program
+
+
+MECHANISMS: dict[str, Callable[[], Evaluated]] = {
+    "nine-bar": lambda: motion(linkages.load("ninebar")),
+    "nine-bar, 1 tangent": lambda: motion(linkages.load("ninebar"), 1),
+    "nine-bar, 2 tangents": lambda: motion(linkages.load("ninebar"), 2),
+    "contact, friction": lambda: motion(linkages.loads(CONTACTS)),
+    "Andrews": lambda: motion(linkages.load("andrews")),
+    "ten pendulums": lambda: motion(pendulums(10)),
+    "forty four-bars": lambda: motion(chain(80)),
+    "class III (Newton)": lambda: motion(linkages.load("class-three")),
 }
 
 
@@ -111,10 +142,9 @@ def compiled_for(processor: str | None) -> Iterator[None]:
         machine._host = usual
 
 
-def measured(mechanism: linkages.Mechanism) -> dict[int, float]:
+def measured(evaluated: Evaluated) -> dict[int, float]:
     """Number of lanes → seconds per evaluation."""
-    of = System(mechanism)
-    program = kernel_source(of.topology).program
+    of, program = evaluated
     functions = {lanes: evaluation(of, program, lanes) for lanes in LANES}
     counts = {lanes: max(1, int(SECONDS / lanes / f(100))) for lanes, f in functions.items()}
     rounds = [[functions[n](counts[n]) for n in LANES] for _ in range(ROUNDS)]
@@ -127,13 +157,15 @@ def main() -> None:
     parser.add_argument("--processor", help="an instruction set instead of this machine's")
     parser.add_argument("mechanisms", nargs="*", default=list(MECHANISMS))
     given = parser.parse_args()
-    print("ns per evaluation   " + "".join(f"{f'W = {n}':>10}" for n in LANES) + "      best ratio")
+    print(
+        "ns per evaluation     " + "".join(f"{f'W = {n}':>10}" for n in LANES) + "      best ratio"
+    )
     with compiled_for(given.processor):
         for name in given.mechanisms:
             found = measured(MECHANISMS[name]())
             ratio = found[1] / min(found.values())
             row = "".join(f"{1e9 * seconds:10.1f}" for seconds in found.values())
-            print(f"{name:20}{row}{ratio:16.1f}", flush=True)
+            print(f"{name:22}{row}{ratio:16.1f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -449,5 +449,5 @@ def test_a_tangent_that_is_all_but_lost_does_not_hold_steps_up():
     for growth in tangents.grow(40, 0.5):
         lengths = 0.5 * growth.rates[:, -1]
     assert lengths.max() < -25
-    cost = tangents._march.cost
+    cost = tangents.march.cost
     assert cost["rejected"] < 0.2 * cost["steps"]

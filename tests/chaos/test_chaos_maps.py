@@ -9,6 +9,7 @@ from linkages.chaos.sweeps.maps import sign_of
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 from linkages.sweeps.axes import parse_range, together
+from linkages.sweeps.running import Threads
 
 # θ'' = −sin θ, so that what turns over is known; the torque of nothing gives it a period.
 FREE = """\
@@ -93,3 +94,21 @@ def test_ranges_of_different_units_do_not_vary_together():
         together([first, second])
     with pytest.raises(ValueError, match="equally many values and the same unit"):
         together([first, parse_range("bars.b.length=1mm:2mm:4")])
+
+
+@pytest.mark.parametrize("indicator", ["exponent", "fli"])
+def test_points_side_by_side_are_those_alone(indicator):
+    """In all bits, whatever computes them: also beside a point that stops, and one that is none."""
+    mechanism = pendulum()
+    x, y = {SPEED: [0.5, 1.9, 2.5]}, {"bars.arm.length": [-1.0, 0.8, 1.0, 1.3]}
+    given = {"indicator": indicator, "periods": 6, "max_steps": 100}
+    whole = linkages.chaos_map(mechanism, x, y, executor=Threads(1), **given)
+    assert set(whole.outcome.to_numpy().ravel()) == {0, 1, 4}
+    for row, length in enumerate(y["bars.arm.length"]):
+        pair = {"bars.arm.length": [length, 1.1]}
+        alone = linkages.chaos_map(mechanism, x, pair, executor=Threads(3), **given)
+        assert (
+            whole.isel(y=row)
+            .drop_vars("bars.arm.length")
+            .identical(alone.isel(y=0).drop_vars("bars.arm.length"))
+        )

@@ -18,6 +18,9 @@ assembly: {{B: [0.18, 0]}}
 """
 BARE = ContactClearance(name="gap", joint="A", bar="rod", size=1e-4, contact="hertz", stiffness=2e9)
 
+FILM = "contact: lubricated, viscosity: 40 mPa*s"
+PIN = "width: 1 cm, pin_radius: 1 cm"
+
 
 def engine(keys):
     return ENGINE.format(keys=keys)
@@ -71,7 +74,7 @@ def test_another_state_moves_the_offset_alone():
 
 @pytest.mark.parametrize("law", contact_laws())
 def test_every_law_says_what_it_lacks(law):
-    found = complaints(engine(f"contact: {law}"))
+    found = complaints(engine(f"contact: {law}, pin_radius: 8 mm"))
     missing = [f"missing key {key!r}, which {law} needs" for key in contact_laws()[law].needs]
     assert all(text in complaint for text, complaint in zip(missing, found, strict=True))
     assert missing
@@ -89,7 +92,18 @@ def test_every_law_says_what_it_lacks(law):
         ("contact: hertz, stiffness: 1, damping: 2", "hertz has no 'damping'; it takes stiffness"),
         ("contact: hertz, stiffness: 1, friction: 0.1, slip: 1", "missing key 'pin_radius'"),
         ("contact: hertz, stiffness: 1, friction: -0.1", "friction: expected a number >= 0"),
-        ("contact: hertz, stiffness: 1, offset: [1, 0]", "1 m from the pin, far outside the hole"),
+        ("contact: hertz, stiffness: 1, offset: [0, 0.16 mm]", "the pin starts 6e-05 m within"),
+        ("contact: hertz, stiffness: 1, offset: [1, 0]", "expected at most 5e-05 m, 0.5 of the"),
+        ("contact: restitution, restitution: 1, offset: [0, 0.101 mm]", "0.001 of the size, of"),
+        (f"{FILM}, width: 1 cm", "missing key 'pin_radius', which lubricated needs"),
+        (f"{FILM}, pin_radius: 1 cm", "missing key 'width', which lubricated needs"),
+        (f"{FILM}, {PIN}, stiffness: 1", "lubricated has no 'stiffness'; it takes viscosity"),
+        (f"{FILM}, {PIN}, friction: 0.1, slip: 1", "lubricated has no friction; expected the law"),
+        (f"{FILM}, {PIN}, offset: [0, 0.1 mm]", "where no oil is between them; expected less than"),
+        ("contact: hertz, stiffness: 1, width: 1 cm", "hertz has no 'width'; it takes stiffness"),
+        ("contact: hertz, stiffness: 1, friction_law: coulom", "did you mean 'coulomb'?"),
+        ("contact: hertz, stiffness: 1, static: 0.1", "tanh has no 'static'; it takes friction"),
+        ("contact: hertz, stiffness: 1, slip: 0", "slip: expected a speed > 0"),
         ("contact: hertz, stiffness: 1, carries: holes", "did you mean 'hole'?"),
         ("contact: hertz, stiffness: 1, angle: 0", "unknown key 'angle'"),
         ("contact: hertz, modulus: 207 GPa", "missing key 'pin_radius': the stiffness follows"),

@@ -103,7 +103,7 @@ def test_a_clearance_with_contact_has_no_angle():
     contact = "size: 0.1 mm, contact: hertz, stiffness: 2e9 N/m^1.5}"
     text = f"{ENGINE.replace('size: 0.1 mm}', contact)}{DRIVEN}"
     (problem,) = complaints(text + "loads: [{slider: piston, force: '3*gap.angle'}]")
-    assert "clearance 'gap' has 'contact': its pin moves in two directions, and has no" in problem
+    assert "clearance 'gap' has 'contact': what moves in it has two coordinates, and no" in problem
 
 
 def test_formulas_of_torques_and_dampers_are_checked_as_well():

@@ -113,17 +113,26 @@ class AbsoluteContact:
             push = jet(load.law, t, (row @ q - constant, rate))[0]
             forces += push * row
             powers[WORK] += push * rate
-        offset = bodies.between(bodies.placed(q, arms))
-        rate = bodies.between(bodies.moved(v, arms))
-        for k, mode in enumerate(modes):
-            if mode.state != FREE:
-                self._press(k, mode, self._wall(k, offset[k], rate[k], v), arms, forces, powers)
+        self._press_all(modes, q, v, forces, powers)
         phi = bodies.jacobian(arms)
         light = phi / bodies.masses
         right = light @ forces - bodies.convective(t, v, arms)
         multipliers = np.linalg.solve(light @ phi.T, right)
         powers[WORK] -= multipliers @ bodies.prescribed(t, 1)
         return np.concatenate([v, (forces - phi.T @ multipliers) / bodies.masses, powers])
+
+    def _press_all(
+        self, modes: list[Mode], q: np.ndarray, v: np.ndarray, forces: np.ndarray,
+        powers: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Add forces and losses of all clearances."""
+        bodies = self.bodies
+        arms = bodies.arms(q)
+        offset = bodies.between(bodies.placed(q, arms))
+        rate = bodies.between(bodies.moved(v, arms))
+        for k, mode in enumerate(modes):
+            if mode.state != FREE:
+                self._press(k, mode, self._wall(k, offset[k], rate[k], v), arms, forces, powers)
 
     def _press(
         self, k: int, mode: Mode, wall: Wall, arms: np.ndarray, forces: np.ndarray,

@@ -5,7 +5,7 @@ of them to the first; a clearance takes one of them out.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from absolute_bodies import pair as local
@@ -20,10 +20,15 @@ Ends = tuple[int, np.ndarray, int, np.ndarray]
 
 
 class Bodies:
-    """Masses, points and constraints of an ideal mechanism, less what clearances leave open."""
+    """Masses, points and constraints of an ideal mechanism, less what clearances leave open.
 
-    def __init__(self, mechanism: Mechanism, gaps: Sequence[Gap]) -> None:
-        self.mechanism, self.gaps = mechanism, gaps
+    Sliders that are `loose` have no guide here, and turn.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, gaps: Sequence[Gap], loose: Collection[str] = ()
+    ) -> None:
+        self.mechanism, self.gaps, self.loose = mechanism, gaps, loose
         self.names = list(mechanism.bodies)
         self.size = 3 * len(self.names)
         self.drives = [(self.names.index(n), t.law) for n, t in mechanism.prescribed.items()]
@@ -51,14 +56,14 @@ class Bodies:
             moment = sum(j + m * np.sum((place - centre) ** 2) for m, place, j in parts[name])
             self.centres[name] = centre
             # a guided body does not turn, whatever its moment
-            masses += [mass, mass, moment if body.rotates else 1.0]
+            masses += [mass, mass, moment if body.rotates or name in self.loose else 1.0]
         self.masses = np.array(masses)
 
     def _guides(self) -> None:
         """Sliders: body → (point of the axis, angle of the axis)."""
         self.guides: dict[int, tuple[np.ndarray, float]] = {}
         for index, (name, body) in enumerate(self.mechanism.bodies.items()):
-            if body.guide is not None:
+            if body.guide is not None and name not in self.loose:
                 assert body.guide.body is None, f"{name} slides on a body: not for this oracle"
                 assert np.allclose(self.centres[name], 0), f"{name} is not uniform"
                 self.guides[index] = local(body.guide.origin), body.guide.angle.value

@@ -145,3 +145,27 @@ def test_another_state_goes_on_from_there(solution):
         expected = data[name].isel(time=slice(40, None))
         scale = float(abs(expected).max())
         np.testing.assert_allclose(found.data[name], expected, atol=1e-7 * scale)
+
+
+def test_notes_take_the_numbers_of_their_own_mechanism(solution):
+    """Equal structures share equations; a softer pin of another size shares no number."""
+    softer = engine().with_values({"clearances.gap.size": 2e-4, "clearances.gap.stiffness": 1e7})
+    for found, size in ((linkages.simulate(softer, outputs="all"), 2e-4), (solution, 1e-4)):
+        deepest = float(found.data.clearance_indentation.max())
+        (note,) = [note for note in found.notes if "indentation reaches" in note]
+        told = float(note.split("%")[0].rsplit(" ", 1)[1]) / 100
+        # the summary looks at the same samples and rounds to a per cent
+        assert told == pytest.approx(deepest / size, abs=0.006)
+
+
+@pytest.mark.parametrize("width", [5e-3, 50e-3])
+def test_a_contact_that_reaches_far_around_the_pin_is_told(width):
+    """2 √(F/(π E* L c)) of the largest force, with E* of two plastics of 3 GPa and 0.4."""
+    keys = f"modulus: 3 GPa, poisson: 0.4, width: {width}, pin_radius: 8 mm, dissipation: 1.5 s/m"
+    found = linkages.simulate(engine(f", contact: hunt-crossley-constant, {keys}"))
+    force = float(found.data.clearance_force.max())
+    plane = 3e9 / (2 * (1 - 0.4**2))
+    half = np.degrees(2 * np.sqrt(force / (np.pi * plane * width * 1e-4)))
+    told = [note for note in found.notes if "to either side" in note]
+    assert (half > 20) == (width == 5e-3) == bool(told)
+    assert all(f"reaches {half:.0f}° to either side" in note for note in told)

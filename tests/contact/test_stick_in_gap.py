@@ -192,3 +192,26 @@ def test_a_drive_works_against_friction_that_holds():
     # errors of a thousand steps at a tolerance of 1e-10
     balance = abs(data.energy_residual).max() / abs(data.kinetic_energy).max()
     assert float(balance) < 1e-11
+
+
+GUDGEON = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.04, mass: 0.8, center: 0.01}
+  rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  end: {joint: B, bar: rod, size: 0.05 mm, contact: hunt-crossley-constant, stiffness: 1e9,
+        dissipation: 1.5, pin_radius: 6 mm, friction_law: coulomb, friction: 0.2, static: 0.3,
+        stribeck_speed: 5 mm/s}
+drives: {crank: {angle: 0, speed: 600 rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+"""
+
+
+def test_hundreds_of_releases():
+    """Among so many there are some at which round-off decides whether friction still holds."""
+    solution = linkages.simulate(linkages.loads(GUDGEON), end=2.0, samples=2001, outputs="all")
+    assert solution.motion.changes["end: slip"].count > 1000

@@ -68,6 +68,30 @@ loads: [{slider: piston, force: -200}]
 assembly: {B: [0.18, 0]}
 """
 
+# a guide on the ground, and one on a bar whose angle follows; blocks start pressed in
+GUIDES = """
+gravity: [0, -9.81]
+joints: {O: [0, 0], D: [0.25, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1, mass: 0.8, center: 0.01}
+  lever: {joints: [D, E], length: 0.6, mass: 0.5}
+  rod: {joints: [E, F], length: 0.5, mass: 0.3}
+sliders:
+  block: {joint: A, on: lever, angle: 0, mass: 0.4, inertia: 3e-4}
+  ram: {joint: F, through: [0, 0.4], angle: 20 deg, mass: 0.7, inertia: 1e-3,
+        points: {T: [0.1, 0.02]}}
+clearances:
+  inner: {slider: block, size: 1 mm, length: 60 mm, height: 40 mm, contact: kelvin-voigt,
+          stiffness: 900 N/m, damping: 20 N*s/m, friction: 0.2, slip: 1 m/s,
+          offset: 0.8 mm, angle: 1 deg, speed: 3}
+  outer: {slider: ram, size: 2 mm, length: 80 mm, height: 50 mm, contact: hunt-crossley-constant,
+          stiffness: 2e4 N/m^1.5, dissipation: 1.5 s/m, offset: -1 mm, angle: -2 deg, rate: 0.1}
+masses: {T: 0.2}
+drives: {crank: {angle: 2, speed: 20}}
+loads: [{slider: ram, force: -200}]
+assembly: {A: [-0.04, 0.09], F: [-0.6, 0.2], E: [-0.25, 0.2]}
+"""
+
 # as large as to hold the offsets of random states
 FILMS = """
 joints: {O: [0, 0]}
@@ -90,6 +114,7 @@ MECHANISMS = {
     "plates": PLATES,
     "opens": OPENS,
     "films": FILMS,
+    "guides": GUIDES,
     **{kind: MORE_MECHANISMS[kind] for kind in KINDS},
 }
 

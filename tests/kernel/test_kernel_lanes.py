@@ -7,14 +7,19 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 from kernel_lanes import run_routines, states_of
-from lagrange_mechanisms import LAWS
+from lagrange_mechanisms import LAWS, MORE_MECHANISMS
+from lagrange_states import analysed
 from linkage_models import system, system_of
 
-from linkages.components.mechanisms.definition import load
+from linkages.components.mechanisms.definition import from_document, load
 from linkages.kernel.code import machine
+from linkages.kernel.code.program import write_functions_of
 from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.system import System
+from linkages.kernel.transitions import transition_nodes
+from linkages.reading.document import parse
 from linkages.reading.locate import shipped
 from linkages.solution.moving.plan import kernel_source
 
@@ -79,6 +84,12 @@ def _jacobian(of: System):
     return of, write_jacobian(source.model, source.accelerations)
 
 
+def _transitions(of: System):
+    layout = Layout.of(of.topology, tangents=1)
+    model = kernel_source(of.topology, layout).model
+    return of, write_functions_of(model, transition_nodes(model, layout), "")
+
+
 CASES = {
     **{name: lambda name=name: _of(System(load(name))) for name in shipped()},
     "chain of ten": lambda: _of(system_of(CHAIN)),
@@ -92,6 +103,7 @@ CASES = {
     "tangents": lambda: _of(System(load("ninebar")), work=True, tangents=2),
     "tangents of contacts": lambda: _of(system_of(CONTACTS), tangents=1, counting=True),
     "Jacobian": lambda: _jacobian(System(load("ninebar"))),
+    "what becomes of a state that touches": lambda: _transitions(system_of(CONTACTS)),
 }
 
 
@@ -109,6 +121,26 @@ def test_lanes_have_the_bits_of_one_state(name):
     assert not expected.status.all()
     for lanes in LANES:
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
+
+
+# one with redundant blocks takes ten seconds to be assembled
+@pytest.mark.parametrize("name", [name for name in MORE_MECHANISMS if name != "pulled-table"])
+def test_lanes_of_further_mechanisms(name):
+    """At random states, most of which are near none that can be assembled."""
+    mechanism = from_document(parse(MORE_MECHANISMS[name], "m.yaml"))
+    topology = analysed(mechanism)
+    program = kernel_source(topology).program
+    random = np.random.default_rng(6)
+    paths = kernel_source(topology).model.inputs.parameters
+    numbers = definition_vector(topology.mechanism, tuple(paths))[:, None]
+    coordinates = next(r for r in program.routines if r.name == "rates").arguments["y"]
+    given = {
+        "p": numbers * random.uniform(0.98, 1.02, (len(numbers), STATES)),
+        "t": random.uniform(0, 3, (1, STATES)),
+        "y": random.uniform(-2, 2, (max(1, coordinates), STATES)),
+    }
+    expected = run_routines(program.routines, given, 1)
+    run_routines(program.routines, given, 8).assert_same_bits(expected)
 
 
 @pytest.mark.parametrize(
@@ -155,7 +187,7 @@ TELLING = ("ninebar", "spline", "law: formula", "tangents of contacts")
 def test_bits_do_not_depend_on_the_instruction_set(name, processor, monkeypatch):
     program, given, expected = case(name)
     monkeypatch.setattr(machine, "_host", lambda: (processor, processor, ""))
-    for lanes in (1, 4, 8):
+    for lanes in (1, 4, 16):
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 

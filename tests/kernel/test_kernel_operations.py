@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sympy
 from generated_code import run_compiled
+from kernel_lanes import run_routines, states_of
 from kernel_motion import call
 from linkage_models import program, system_of, values
 
@@ -17,6 +18,7 @@ from linkages.equations import derive, render
 from linkages.errors import ComputationError
 from linkages.kernel.code.compiled import bind_kernel
 from linkages.kernel.code.counting import report_kernel
+from linkages.kernel.code.ptx import UnprintedError, write_ptx
 from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.scalars import Level, ScalarGraph
@@ -164,6 +166,18 @@ def test_kernels_compile_it():
         assert out[0] == pytest.approx(4 * math.asinh(time), rel=1e-14)
         (evaluated,) = of.evaluate(of.model.free_accelerations, time, y[:2])
         assert out[0] == pytest.approx(evaluated[0], rel=1e-14)
+
+
+@pytest.mark.usefixtures("one_more")
+def test_lanes_call_it_one_by_one_and_graphics_processors_do_not():
+    of = system_of(FREE)
+    written = program(of)
+    given = states_of(of, written, 16)
+    expected = run_routines(written.routines, given, 1)
+    for lanes in (2, 16):
+        run_routines(written.routines, given, lanes).assert_same_bits(expected)
+    with pytest.raises(UnprintedError, match="kernels call asinh of the C library"):
+        write_ptx(written.routines)
 
 
 @pytest.mark.usefixtures("one_more")

@@ -131,7 +131,8 @@ def test_files(tmp_path):
     assert np.array_equal(again.data.internal_state, solution.data.internal_state)
 
 
-def test_exponents_of_a_linear_system():
+@pytest.mark.parametrize(("method", "periods"), [("dop853", 200), ("radau", 60)])
+def test_exponents_of_a_linear_system(method, periods):
     """Small swings about the hanging rod: real parts of the eigenvalues, one for each state."""
     text = """
 joints: {O: [0, 0]}
@@ -140,7 +141,8 @@ gravity: [0, -9.81]
 free: {rod: {angle: -90.0001 deg}}
 maxwell: [{bar: rod, stiffness: 5, damping: 2}]
 """
-    data = linkages.lyapunov(linkages.loads(text), periods=200, skip=5, interval=0.5)
+    options = {"periods": periods, "skip": 5, "interval": 0.5, "method": method, "rtol": 1e-8}
+    data = linkages.lyapunov(linkages.loads(text), **options)
     matrix = np.array([[0, 1, 0], [-1.5 * 9.81, 0, -15], [0, 1, -2.5]])
     expected = sorted(np.linalg.eigvals(matrix).real, reverse=True)
     assert data.exponent.to_numpy() == pytest.approx(expected, abs=0.02)  # a pair turns: 1/(20 s)

@@ -13,6 +13,7 @@ from scipy.special import ellipj, ellipk
 
 from linkages.solvers import Companion, Flow
 
+SIZE = 20  # of a chain: so many coordinates that printed steps go through them in a loop
 POINTER = types.CPointer(types.float64)
 CLOCK = types.int64(types.float64, POINTER, POINTER)
 RATES = types.int64(POINTER, POINTER, POINTER, POINTER)
@@ -134,6 +135,16 @@ def arenstorf_rates(y, p, timed, out):
     second = mass / (far * far + y[1] * y[1]) ** 1.5
     out[0] = y[0] + 2.0 * y[3] - first * near - second * far
     out[1] = y[1] - 2.0 * y[2] - (first + second) * y[1]
+    return 0
+
+
+@cfunc(RATES)
+def chain_rates(y, p, timed, out):
+    """Pendulums in a row, each pulled by both neighbours."""
+    for i in range(SIZE):
+        before = y[i - 1] if i > 0 else 0.0
+        after = y[i + 1] if i < SIZE - 1 else 0.0
+        out[i] = -math.sin(y[i]) + 0.5 * (before + after - 2.0 * y[i])
     return 0
 
 

@@ -50,7 +50,7 @@ def small(monkeypatch):
     """Chunks of four points."""
     from linkages.sweeps import measured
 
-    monkeypatch.setattr(measured, "TOGETHER", 4)
+    monkeypatch.setattr(measured, "TOGETHER", (4, 4))
 
 
 class Interrupting(Threads):
@@ -118,7 +118,7 @@ def test_chunks_that_are_not_whole_are_computed_again(tmp_path, spoil):
 @pytest.mark.parametrize(
     ("change", "entry"),
     [
-        ({"over": {ROD: np.linspace(0.03, 0.16, 60)}}, "points is"),
+        ({"over": {ROD: np.linspace(0.03, 0.16, 60)}}, "numbers of points (checksum) is"),
         ({"over": {ROD: np.linspace(0.03, 0.15, 50)}}, "count is '60' there and '50' here"),
         ({"over": {"bars.crank.length": OVER[ROD]}}, "paths is"),
         ({"measure": "min(crank.effort)"}, "measures: min(crank.effort) is 'None' there"),
@@ -202,7 +202,7 @@ def test_a_limit_of_file_sizes_is_a_full_disk(tmp_path):
         "linkages.simulate(m)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))\n"
         "from linkages.sweeps import measured\n"
-        "measured.TOGETHER = 200\n"
+        "measured.TOGETHER = 200, 200\n"
         f"linkages.sweep(m, {{{ROD!r}: np.linspace(0.03, 0.15, 1000)}}, {EFFORT!r},"
         " store=sys.argv[1], cores=1)\n"
     )

@@ -48,6 +48,8 @@ class LinkageTangents:
 
     Attributes
     ----------
+    march
+        How it moves.
     parts
         That number.
     """
@@ -62,26 +64,26 @@ class LinkageTangents:
         log: ContactLog | None = None,
     ) -> None:
         self.system = system
-        self._march = March(system, run, tangents=tangents)
+        self.march = March(system, run, tangents=tangents)
         self.parts, self._log = parts, log
         self._begin()
 
     def _begin(self) -> None:
-        start = Motion(pieces=(self._march.sample,))
+        start = Motion(pieces=(self.march.sample,))
         self._kept: list[Motion] = [start] if self.parts else []
         self._ends = [start]
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
         found = object.__new__(type(self))
-        vars(found).update(vars(self), _march=copy.copy(self._march))
+        vars(found).update(vars(self), march=copy.copy(self.march))
         found._begin()
         return found
 
     def starting(self, run: RunOptions) -> LinkageTangents:
         """Another one in the same state, integrated in another way."""
         found = copy.copy(self)
-        found._march = self._march.starting(run)
+        found.march = self.march.starting(run)
         found._log = None
         return found
 
@@ -92,12 +94,12 @@ class LinkageTangents:
     @property
     def time(self) -> float:
         """Seconds."""
-        return self._march.time
+        return self.march.time
 
     @property
     def tolerance(self) -> float:
         """Error of a step in tangents of length one."""
-        return max(TANGENT_ATOL, self._march.run.rtol)
+        return max(TANGENT_ATOL, self.march.run.rtol)
 
     @property
     def angles(self) -> NDArray[np.bool_]:
@@ -109,12 +111,12 @@ class LinkageTangents:
     @property
     def state(self) -> Floats:
         """Free coordinates, their rates, and internal states, shape (x,)."""
-        return self._states(Motion(pieces=(self._march.sample,)))[0]
+        return self._states(Motion(pieces=(self.march.sample,)))[0]
 
     @property
     def here(self) -> System:
         """The system, where the motion is now."""
-        return self._march.here
+        return self.march.here
 
     @property
     def turned(self) -> Floats:
@@ -134,11 +136,11 @@ class LinkageTangents:
     @property
     def tangents(self) -> Floats:
         """Of the coordinates that the motion is integrated in, shape (x, k)."""
-        return self._march.tangents
+        return self.march.tangents
 
     @tangents.setter
     def tangents(self, values: Floats) -> None:
-        self._march.tangents = values
+        self.march.tangents = values
 
     def advance(self, interval: float) -> None:
         """Integrate motion and tangents over a time in seconds.
@@ -150,8 +152,8 @@ class LinkageTangents:
         Interrupted
             After Ctrl-C.
         """
-        motion = self._march.advance(np.array([self.time + interval]))
-        self._require(motion)
+        motion = self.march.advance(np.array([self.time + interval]))
+        self.require(motion)
 
     def grow(
         self,
@@ -162,25 +164,37 @@ class LinkageTangents:
         watch: Callable[[float], None] | None = None,
     ) -> Iterator[Growth]:
         """As `TangentSystem` has it; one integration for as many intervals as memory allows."""
+        done = 0
+        for times, renormalised in self.batches(intervals, interval, orthogonal):
+            count = len(times) // self.sampling(interval)[0]
+            motion = self.march.advance(
+                times, renormalised=renormalised, watch=part_of(watch, done, count, intervals)
+            )
+            yield self.taken(motion, renormalised, interval)
+            self.require(motion)
+            done += count
+
+    def sampling(self, interval: float) -> tuple[int, int]:
+        """Samples of an interval, and how many intervals are integrated at once."""
         parts = max(self.parts, 1)
         each = parts * (1 if self._log is None else self._log.looks(interval / parts))
+        return each, max(1, MOST_NUMBERS // (2 * self.march.layout.size * each))
+
+    def batches(
+        self, intervals: int, interval: float, orthogonal: bool
+    ) -> Iterator[tuple[Floats, Renormalised]]:
+        """Sample times of one integration after the other, and what they do with tangents."""
+        each, most = self.sampling(interval)
         start, done = self.time, 0
-        most = max(1, MOST_NUMBERS // (2 * self._march.layout.size * each))
         while done < intervals:
             count = min(most, intervals - done)
             times = start + interval * (done + np.arange(1, count * each + 1) / each)
-            renormalised = Renormalised(each, orthogonal=orthogonal)
-            motion = self._march.advance(
-                times, renormalised=renormalised, watch=part_of(watch, done, count, intervals)
-            )
-            yield self._taken(motion, renormalised, interval, each)
-            self._require(motion)
+            yield times, Renormalised(each, orthogonal=orthogonal)
             done += count
 
-    def _taken(
-        self, motion: Motion, renormalised: Renormalised, interval: float, each: int
-    ) -> Growth:
+    def taken(self, motion: Motion, renormalised: Renormalised, interval: float) -> Growth:
         """What an integration gave, and what of it is kept."""
+        each, _ = self.sampling(interval)
         if self._log is not None:
             self._log.note(motion)
         if self.parts:
@@ -201,7 +215,7 @@ class LinkageTangents:
         beyond = self.angles & (np.abs(found) > np.pi)
         return np.where(beyond, wrapped(found), found)
 
-    def _require(self, motion: Motion) -> None:
+    def require(self, motion: Motion) -> None:
         """Raise what ended a motion early."""
         if motion.interrupted:
             raise Interrupted(str(motion.failure), time=motion.stop_time)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.indicators import CHAOTIC_POWER, fast_indicators
 from linkages.chaos.growth.lyapunov import characteristic_period
+from linkages.chaos.growth.systems import start_tangents
 from linkages.chaos.growth.tangents import LinkageTangents
+from linkages.chaos.growth.together import Grown, grow_together
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
 from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields
@@ -31,7 +33,13 @@ from linkages.sweeps.answers import Answer, Field, Question
 from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
 from linkages.sweeps.engine import Watch, computed
 from linkages.sweeps.points import Points
-from linkages.sweeps.pointwise import answered, first_system
+from linkages.sweeps.pointwise import (
+    SIDE_BY_SIDE,
+    answered,
+    attempted,
+    end_when_stopping,
+    first_system,
+)
 from linkages.sweeps.running import Executor, per_period
 from linkages.sweeps.store import stored
 
@@ -46,6 +54,14 @@ PARTS = 16
 
 ONE_SENSE = 0.9
 """Net angle of a rotation, in units of all that it turned."""
+
+
+class _Begun(NamedTuple):
+    """A point before it moves: its tangents, an interval in seconds, and what looks at forces."""
+
+    tangents: LinkageTangents
+    interval: float
+    log: ContactLog | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,30 +111,63 @@ class _Mapped(Question):
         """How many tangents the indicator needs."""
         return 2 if self.options.indicator == "gali" else 1
 
+    @property
+    def together(self) -> tuple[int, int]:
+        """Motions go side by side."""
+        return SIDE_BY_SIDE
+
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
         along = self.varying.along(self.points.overrides(first, last))
-        return [answered(along, k, self._of) for k in range(len(along))]
+        begun: dict[int, _Begun] = {}
+        found: dict[int, Answer] = {}
+        for place in range(len(along)):
 
-    def _of(self, system: System) -> Answer:
-        """The indicator, what every free angle does, and forces in clearances."""
-        options, count = self.options_at(system.mechanism), self.tangents
+            def begin(system: System, place: int = place) -> Answer:
+                begun[place] = self._begun(system)
+                return Answer()
+
+            found[place] = answered(along, place, begin)
+        grown = grow_together(
+            [each.tangents for each in begun.values()],
+            self.options.periods * PARTS,
+            [each.interval for each in begun.values()],
+            orthogonal=self.options.indicator == "exponent",
+            watch=end_when_stopping,
+        )
+        for (place, each), motion in zip(begun.items(), grown, strict=True):
+            found[place] = attempted(partial(self._judged, each, motion))
+        return [found[place] for place in range(len(along))]
+
+    def _begun(self, system: System) -> _Begun:
+        """A mechanism with its tangents, before it moves."""
         looked = check_interval(system)
         log = None if looked is None else ContactLog(looked)
-        tangents = LinkageTangents(system, count, options, log=log)
-        intervals = options.periods * PARTS
-        interval = characteristic_period(system.mechanism) / PARTS
+        options = self.options_at(system.mechanism)
+        tangents = LinkageTangents(system, self.tangents, options, log=log)
+        start_tangents(tangents, self.tangents)
+        return _Begun(tangents, characteristic_period(system.mechanism) / PARTS, log)
+
+    def _judged(self, begun: _Begun, grown: Grown) -> Answer:
+        """The indicator, what every free angle does, and forces in clearances."""
+        system, log = begun.tangents.system, begun.log
+        steps = self.options.periods * PARTS, begun.interval
         error, told = math.nan, 0
-        if options.indicator == "exponent":
-            exponents = lyapunov_spectrum(tangents, intervals=intervals, interval=interval, count=1)
+        if self.options.indicator == "exponent":
+            exponents = lyapunov_spectrum(grown, intervals=steps[0], interval=steps[1], count=1)
             value, error = float(exponents.values[0]), float(exponents.errors[0])
             told = sign_of(exponents)
         else:
-            series = fast_indicators(tangents, intervals=intervals, interval=interval, count=count)
-            value = float((series.fli if options.indicator == "fli" else series.gali)[-1])
+            series = fast_indicators(
+                grown, intervals=steps[0], interval=steps[1], count=self.tangents
+            )
+            value = float((series.fli if self.options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
-        found = {"indicator": value, "error": error, "sign": told, "interval": looked or 0.0}
-        return Answer(found | free_angles(system, kinds(tangents), contacts))
+        looked = 0.0 if log is None else log.interval
+        found = {"indicator": value, "error": error, "sign": told, "interval": looked}
+        found |= free_angles(system, kinds(begun.tangents), contacts)
+        return Answer(found, evaluations=begun.tangents.march.cost["evaluations"])
 
     @property
     def attributes(self) -> dict[str, Any]:

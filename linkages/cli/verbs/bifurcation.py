@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,11 +23,18 @@ BOTH = "both"
 
 
 def run(
-    request: Request, vary: Sequence[str], start: str, initial: Sequence[str], cores: int | None
+    request: Request,
+    vary: Sequence[str],
+    start: str,
+    initial: Sequence[str],
+    store: Path | None,
+    cores: int | None,
 ) -> int:
     """Sweep over a parameter; returns the exit code."""
+    from linkages.sweeps.running import Threads
+
     axis, states = ranges("--vary", vary), initial_states(initial or [])
-    data = _compute(request, axis, states, start, cores)
+    data = _compute(request, axis, states, start, store=store, executor=Threads(cores))
     values = _values(data)
 
     def made() -> Iterator[File]:
@@ -49,22 +57,22 @@ def run(
         "warnings": swept.counted(_warnings(data)),
         "contact": swept.contact_content(data),
     }
-    return swept.publish(request, data, "value", made(), content, partial(_print, data, values))
+    show = partial(_print, data, values)
+    return swept.publish(request, data, "value", made(), content, show, store=store)
 
 
 def _compute(
-    request: Request, axis: Axis, states: Sequence[dict[str, object]], start: str, cores: int | None
+    request: Request, axis: Axis, states: Sequence[dict[str, object]], start: str, **where: Any
 ) -> xr.Dataset:
     """One sweep, or one in either direction put together; starts have names."""
     from linkages.chaos.sweeps.bifurcation import bifurcation
-    from linkages.sweeps.running import Threads
 
     starts = ("forward", "backward") if start == BOTH else (str(start),)
     parts: list[xr.Dataset] = []
     for one in starts:
         if parts and parts[-1].attrs["interrupted"]:
             break
-        given = {**request.given, "start": one, "initial": states, "executor": Threads(cores)}
+        given = {**request.given, "start": one, "initial": states, **where}
         task = partial(bifurcation, request.mechanism, axis, **given)
         data = swept.result(request, axis.label, "value", task)
         parts.append(data.assign_coords(start=_names(one if len(starts) > 1 else "", states)))

@@ -129,7 +129,8 @@ def _contacts(mechanism: Mechanism) -> Iterator[Row]:
     for own in mechanism.clearances:
         if isinstance(own, ContactClearance):
             keys = {"stiffness": f"N/m^{own.stiffness_exponent:g}", "dissipation": "s/m",
-                    "restitution": "", "damping": "N s/m", "friction": ""}  # fmt: skip
+                    "restitution": "", "damping": "N s/m", "viscosity": "Pa s", "width": "m",
+                    "friction": ""}  # fmt: skip
             given = ((key, getattr(own, key), unit) for key, unit in keys.items())
             numbers = (f"{k} {number(value)} {unit}".strip() for k, value, unit in given if value)
             on = f"{own.bar} at {own.joint}, which has the {own.carries}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,17 +19,21 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def run(request: Request, x: Sequence[str], y: Sequence[str], cores: int | None) -> int:
+def run(
+    request: Request, x: Sequence[str], y: Sequence[str], store: Path | None, cores: int | None
+) -> int:
     """Compute a map; returns the exit code."""
     from linkages.chaos.sweeps.maps import chaos_map
     from linkages.sweeps.running import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
-    task = partial(chaos_map, request.mechanism, *axes, executor=Threads(cores), **request.given)
+    how = {**request.given, "executor": Threads(cores), "store": store}
+    task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
 
     content, made = _content(data), _files(data, request.figures)
-    return swept.publish(request, data, "point", made, content, partial(_print, content, data))
+    show = partial(_print, content, data)
+    return swept.publish(request, data, "point", made, content, show, store=store)
 
 
 def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:

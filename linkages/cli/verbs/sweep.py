@@ -13,7 +13,6 @@ from rich.console import Console
 from linkages.cli import swept
 from linkages.cli.loading import each_read
 from linkages.cli.options import Drawing
-from linkages.cli.published import EndedError
 from linkages.cli.requests import NEXT, File, Request
 from linkages.cli.terminal import console, number, print_json, print_notes, table
 from linkages.errors import InputError, Problem
@@ -37,6 +36,7 @@ def run(
     sequence: Drawing,
     store: Path | None,
     time_per_point: float | None,
+    scheduler: str | None,
     status: bool,
     cores: int | None,
 ) -> int:
@@ -50,18 +50,14 @@ def run(
     over = _over(vary or (), sample or ())
     task = partial(
         sweep, request.mechanism, over, _named(measure), draws=draws, seed=seed,
-        sequence=str(sequence), store=store, cores=cores, time_per_point=time_per_point,
-        **request.given,
+        sequence=str(sequence), store=store, cores=cores, scheduler=scheduler,
+        time_per_point=time_per_point, **request.given,
     )  # fmt: skip
     data = swept.result(request, "sweep", "point", task)
     content = _content(data)
     show = partial(_print, content, data)
-    try:
-        return swept.publish(request, data, "point", _files(data), content, show)
-    except EndedError as error:
-        if store is None:
-            raise
-        raise EndedError(f"{error}\nthe same command goes on with {store}") from None
+    made = _files(data, request.figures)
+    return swept.publish(request, data, "point", made, content, show, store=store)
 
 
 def _refused(option: str, message: str) -> InputError:
@@ -121,9 +117,15 @@ def _status(request: Request) -> int:
     return 0
 
 
-def _files(data: xr.Dataset) -> Iterator[File]:
+def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
     yield "sweep", data
     yield "sweep", _columns(data)
+    if figures:
+        from linkages.plots import sweeps
+
+        names = _measures(data)
+        for number_, name in enumerate(names, 1):
+            yield "sweep" if len(names) == 1 else f"sweep_{number_}", sweeps.figure(data, name)
 
 
 def _measures(data: xr.Dataset) -> list[str]:

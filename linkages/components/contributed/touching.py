@@ -34,6 +34,13 @@ Ratio = Annotated[float, Quantity(dimensions.NUMBER, Bound.NON_NEGATIVE)]
 USUAL_RATE = 1e-3
 """Touches are no slower than this in laws that divide by their rate (m/s)."""
 
+PRESSED, PLACED = 0.5, 1e-3
+"""How deep a start may be within a wall, over the size: of an elastic one, and of a rigid one.
+
+Laws are made for a tenth; a motion of a soft one may go on from where it got to. Numbers of a file
+place a pin at rigid walls to some digits.
+"""
+
 _KEYS = ("stiffness", "exponent", "dissipation", "restitution", "least_rate", "damping")
 
 
@@ -106,6 +113,22 @@ class Touching(Component):
     def supplied(self) -> dict[str, float | None]:
         """The numbers that laws may need; None for those that are missing."""
         return {key: getattr(self, key) for key in _KEYS}
+
+    @property
+    def deepest_start(self) -> float:
+        """Indentation at which a motion may start at most, in metres."""
+        return (PRESSED if "stiffness" in self.law.needs else PLACED) * self.size
+
+    def start_problem(self, depth: float, what: str) -> str | None:
+        """What is wrong where something starts at an indentation in metres; None if nothing is."""
+        if depth <= self.deepest_start:
+            return None
+        walls = "elastic" if "stiffness" in self.law.needs else "rigid"
+        return (
+            f"{what} starts {depth:.3g} m within the wall; expected at most "
+            f"{self.deepest_start:.3g} m, {self.deepest_start / self.size:g} of the size, of walls "
+            f"that are {walls}"
+        )
 
     def contact_problems(self) -> Iterator[tuple[str, str]]:
         """Keys that the law has or lacks, and numbers out of its range."""

@@ -12,7 +12,7 @@ from linkages.components.contributed.terms import Body, Displacement, Path, Rela
 from linkages.components.mechanisms.coordinates import coordinate_findings
 from linkages.components.mechanisms.declared import Declared, expected_one_of
 from linkages.components.mechanisms.formulas import formula_findings
-from linkages.components.mechanisms.guides import circular_guides, sliders_on_air
+from linkages.components.mechanisms.guides import circular_guides, loose_sliders, sliders_on_air
 
 __all__ = ["Declared", "Finding", "findings"]
 
@@ -34,6 +34,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _misplaced_clearances(declared)
     found += _rubbing_in_the_open(declared)
     found += _several_rigid_contacts(declared)
+    found += loose_sliders(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
     return found

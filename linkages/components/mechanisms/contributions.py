@@ -63,6 +63,11 @@ class Contributions:
         return tuple(t for t in self.terms if isinstance(t, Play))
 
     @cached_property
+    def feet(self) -> tuple[str, ...]:
+        """Points of axes at which the joints of blocks would be without play."""
+        return tuple(next(iter(self.bodies[play.slider].points)) for play in self.plays)
+
+    @cached_property
     def _given(self) -> dict[str, Body]:
         """What moves and is no part of a clearance alone."""
         return loosened({t.name: t for t in self.terms if isinstance(t, Body)}, self.plays)

@@ -1,4 +1,4 @@
-"""Whether sliders have something to slide on, and something at their joints."""
+"""Whether sliders have something to slide on, something at their joints, and what room needs."""
 
 from __future__ import annotations
 
@@ -12,6 +12,24 @@ def sliders_on_air(declared: Declared) -> list[Finding]:
         ((*path, "joint"), expected_one_of(joint, declared.joints, "joint"))
         for path, joint in declared.air
     ]
+
+
+def loose_sliders(declared: Declared) -> list[Finding]:
+    """Blocks that cannot turn for want of inertia, and sliders that have room twice."""
+    found: list[Finding] = []
+    first: dict[str, str] = {}
+    for path, play in declared.plays:
+        body = declared.by_name.get(play.slider)
+        if body is None or play.slider in declared.faulty:
+            continue
+        if play.slider in first:
+            message = f"{first[play.slider]!r} gives slider {play.slider!r} room already"
+            found.append(((*path, "slider"), f"{message}; expected another slider"))
+        elif body.inertia.absent and len(body.points) == 1:
+            message = f"{play.slider!r} turns in its guide; expected a slider with an 'inertia'"
+            found.append(((*path, "slider"), message))
+        first.setdefault(play.slider, play.name)
+    return found
 
 
 def circular_guides(declared: Declared) -> list[Finding]:

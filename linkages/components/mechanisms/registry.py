@@ -55,14 +55,14 @@ class Known:
     def choose(self, entry: object) -> type[Component]:
         """The component that describes an entry.
 
-        Of those whose key it has, the one that has all its keys, or else the first.
+        Of those whose key it has, the one that has most of its keys.
         """
         keys = entry if isinstance(entry, dict) else {}
         told: list[Any] = [
             model for model in self.models if model.told_by and model.told_by in keys
         ]
-        fitting = (model for model in told if keys.keys() <= fields(model).keys())
-        return next(fitting, told[0] if told else self.models[0])
+        most: Any = max(told, key=lambda m: len(keys.keys() & fields(m).keys()), default=None)
+        return self.models[0] if most is None else most
 
 
 class _Sections(Mapping[str, Known]):

@@ -178,6 +178,17 @@ class Instructions:
         """An integer that is the same in all lanes."""
         return self.lane_by_lane(lambda _: integer, [], result=INTEGER)
 
+    def with_sign_of(self, a: str, b: str) -> str:
+        """The absolute value of a with the sign of b."""
+        return self.call("llvm.copysign", a, b)
+
+    def polynomial(self, x: str, coefficients: Sequence[float]) -> str:
+        """The value of Σ c_k x^k by Horner's rule."""
+        result = self.constant(coefficients[-1])
+        for coefficient in reversed(coefficients[:-1]):
+            result = self.fused(x, result, self.constant(coefficient))
+        return result
+
     def on_integers(self, operation: str, a: str, b: str) -> str:
         """An operation on integers, such as ``add`` or ``shl``."""
         return self.give(f"{operation} {self.integer} {a}, {b}")
@@ -215,16 +226,22 @@ class Instructions:
         return self.give(f"call i1 @{name}({self.truth} {condition})")
 
     def call(self, name: str, *operands: str) -> str:
-        """The result of a function of numbers: an intrinsic, or lane by lane one of a library."""
-        if not name.startswith("llvm."):
-            return self.lane_by_lane(lambda _, *each: self._called(DOUBLE, name, each), operands)
+        """The result of an intrinsic function of numbers; its name without their type."""
         suffix = "f64" if self.lanes == 1 else f"v{self.lanes}f64"
-        return self._called(self.number, f"{name}.{suffix}", operands)
+        name = f"{name}.{suffix}"
+        self.declared[name] = f"{self.number} @{name}({', '.join([self.number] * len(operands))})"
+        given = ", ".join(f"{self.number} {operand}" for operand in operands)
+        return self.give(f"call {self.number} @{name}({given})")
 
-    def _called(self, kind: str, name: str, operands: Sequence[str]) -> str:
-        self.declared[name] = f"{kind} @{name}({', '.join([kind] * len(operands))})"
-        given = ", ".join(f"{kind} {operand}" for operand in operands)
-        return self.give(f"call {kind} @{name}({given})")
+    def library(self, name: str, *operands: str) -> str:
+        """The result of a function of the C library, which takes one lane at a time."""
+        self.declared[name] = f"{DOUBLE} @{name}({', '.join([DOUBLE] * len(operands))})"
+
+        def one(_: int, *each: str) -> str:
+            given = ", ".join(f"{DOUBLE} {operand}" for operand in each)
+            return self.give(f"call {DOUBLE} @{name}({given})")
+
+        return self.lane_by_lane(one, operands)
 
     def lane_by_lane(
         self,
@@ -275,6 +292,16 @@ class Instructions:
         place = self.give(f"getelementptr {row}, ptr {array}, i64 {offset}")
         self._strides[place] = stride
         return place
+
+    def column(self, array: str, number: str, entries: int, width: int) -> str:
+        """Address of a column of an array in blocks of `width` columns, with so many rows each."""
+        block = self.give(f"udiv {INTEGER} {number}, {width}")
+        place = self.give(f"urem {INTEGER} {number}, {width}")
+        before = self.give(f"mul {INTEGER} {block}, {width * entries}")
+        place = self.give(f"add {INTEGER} {before}, {place}")
+        found = self.give(f"getelementptr {DOUBLE}, ptr {array}, {INTEGER} {place}")
+        self._strides[found] = width
+        return found
 
     def load(self, array: str, offset: int | str) -> str:
         """An entry of an array."""

@@ -38,9 +38,8 @@ class UnprintedError(LinkagesError):
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)
         super().__init__(
-            f"this mechanism needs {', '.join(names)}, which come from the C library and cannot "
-            "run on a graphics processor; expected laws of sums, products, quotients, roots, "
-            "sin, cos and tables, or a run on the processor"
+            f"kernels call {', '.join(names)} of the C library, which graphics processors do not "
+            "have; expected functions that linkages.kernel.code.functions writes"
         )
 
 
@@ -62,67 +61,92 @@ def write_ptx(routines: Sequence[Routine], architecture: str = "sm_80") -> str:
     UnprintedError
         A routine calls a function of the C library.
     """
-    module = lane_functions(routines, internal=True)
-    missing = [name for name in module.declared if not name.startswith("llvm.")]
-    if missing:
-        raise UnprintedError(sorted(missing))
+    module = lane_functions(routines)
     for routine in routines:
-        _add_kernel(module, routine)
-    llvm = _llvm()
-    target = llvm.Target.from_triple(_TRIPLE).create_target_machine(cpu=architecture, opt=3)
-    parsed = llvm.parse_assembly(module.text)
-    parsed.triple, parsed.data_layout = _TRIPLE, str(target.target_data)
-    builder = llvm.create_pass_builder(target, llvm.create_pipeline_tuning_options(3))
-    builder.getModulePassManager().run(parsed, builder)  # routines become parts of the kernels
-    return str(target.emit_assembly(parsed))
+        add_kernel(module, routine.name, (*routine.arguments, "status"))
+    return assemble_ptx([module.text], architecture)
 
 
-def lane_functions(routines: Sequence[Routine], internal: bool = False) -> Module:
-    """A module with a function ``NAME_lane`` for each routine, which runs it for one state.
-
-    Parameters
-    ----------
-    routines
-        What they do.
-    internal
-        Whether only the module itself calls them.
-    """
+def lane_functions(routines: Sequence[Routine]) -> Module:
+    """A module with a function ``NAME_lane`` for each routine, which runs it for one state."""
     arrays = {name for routine in routines for name in routine.arguments}
     module = Module(strides=dict.fromkeys(arrays, WIDTH))
     for routine in routines:
         module.add(routine, internal=True)
         code = module.instructions()
-        block = code.give(f"udiv {INTEGER} %lane, {WIDTH}")
-        column = code.give(f"urem {INTEGER} %lane, {WIDTH}")
-        given = {}
-        for name, size in routine.arguments.items():
-            rows = code.give(f"mul {INTEGER} {block}, {WIDTH * max(1, size)}")
-            place = code.give(f"add {INTEGER} {rows}, {column}")
-            given[name] = code.give(f"getelementptr double, ptr %{name}, {INTEGER} {place}")
+        given = {
+            name: code.column(f"%{name}", "%lane", max(1, size), WIDTH)
+            for name, size in routine.arguments.items()
+        }
         if "t" in given:
             given["t"] = code.load(given["t"], 0)
         status = call_routine(code, routine, given)
         place = code.give(f"getelementptr {INTEGER}, ptr %status, {INTEGER} %lane")
         code.say(f"store {INTEGER} {status}, ptr {place}")
         code.say("ret void")
-        scope = "internal " if internal else ""
-        module.define(f"{scope}void @{routine.name}_lane({_arguments(routine)} %lane)", code)
+        module.define(lane_signature(routine.name, (*routine.arguments, "status")), code)
     return module
 
 
-def _add_kernel(module: Module, routine: Routine) -> None:
-    """What a thread does: the state of its number, if there is one."""
+def lane_signature(name: str, arrays: Sequence[str], integers: Sequence[str] = ()) -> str:
+    """Signature of the function that a kernel calls: addresses, integers, number of a state."""
+    return f"void @{name}_lane({_arguments(arrays, (*integers, 'lane'))})"
+
+
+def add_kernel(
+    module: Module, name: str, arrays: Sequence[str], integers: Sequence[str] = ()
+) -> None:
+    """Add the kernel ``NAME_lanes``, whose threads call ``NAME_lane`` for the state of theirs.
+
+    Its last argument is the number of states, in place of the number of one.
+    """
     code = module.instructions()
     index = _thread(code)
     run, done = code.new_label("run"), code.new_label("done")
     code.branch(code.give(f"icmp ult {INTEGER} {index}, %count"), run, done)
     code.begin(run)
-    given = ", ".join(f"ptr %{name}" for name in (*routine.arguments, "status"))
-    code.say(f"call void @{routine.name}_lane({given}, {INTEGER} {index})")
+    code.say(f"call void @{name}_lane({_arguments(arrays, integers)}, {INTEGER} {index})")
     code.say(f"br label %{done}")
     code.begin(done)
     code.say("ret void")
-    module.define(f"ptx_kernel void @{routine.name}_lanes({_arguments(routine)} %count)", code)
+    module.define(
+        f"ptx_kernel void @{name}_lanes({_arguments(arrays, (*integers, 'count'))})", code
+    )
+
+
+def _arguments(arrays: Sequence[str], integers: Sequence[str]) -> str:
+    return ", ".join([*(f"ptr %{a}" for a in arrays), *(f"{INTEGER} %{i}" for i in integers)])
+
+
+def link(texts: Sequence[str]) -> Any:
+    """A module of all functions of some, which may call each other."""
+    first, *others = (_llvm().parse_assembly(text) for text in texts)
+    for other in others:
+        first.link_in(other)
+    return first
+
+
+def assemble_ptx(texts: Sequence[str], architecture: str = "sm_80") -> str:
+    """PTX of all functions of some modules, for processors of an architecture and later ones.
+
+    Raises
+    ------
+    UnprintedError
+        One calls a function of the C library.
+    """
+    llvm, module = _llvm(), link(texts)
+    missing = [f.name for f in module.functions if f.is_declaration]
+    missing = [name for name in missing if not name.startswith("llvm.")]
+    if missing:
+        raise UnprintedError(sorted(missing))
+    for function in module.functions:
+        if not function.is_declaration and not function.name.endswith("_lanes"):
+            function.linkage = "internal"  # a part of the kernels, and of nothing else
+    target = llvm.Target.from_triple(_TRIPLE).create_target_machine(cpu=architecture, opt=3)
+    module.triple, module.data_layout = _TRIPLE, str(target.target_data)
+    builder = llvm.create_pass_builder(target, llvm.create_pipeline_tuning_options(3))
+    builder.getModulePassManager().run(module, builder)
+    return str(target.emit_assembly(module))
 
 
 def _thread(code: Instructions) -> str:
@@ -136,11 +160,6 @@ def _thread(code: Instructions) -> str:
     block, size, thread = found
     first = code.give(f"mul {INTEGER} {block}, {size}")
     return code.give(f"add {INTEGER} {first}, {thread}")
-
-
-def _arguments(routine: Routine) -> str:
-    """Arrays, statuses, and the type of a number of states."""
-    return ", ".join([*(f"ptr %{name}" for name in (*routine.arguments, "status")), INTEGER])
 
 
 @cache

@@ -62,19 +62,11 @@ def _reduced(code: Instructions, x: str, quarters: str) -> tuple[str, str]:
     return rest, code.fused(back, code.constant(_QUARTER[2]), tail)
 
 
-def _polynomial(code: Instructions, x: str, coefficients: tuple[float, ...]) -> str:
-    """The value of Σ c_k x^k by Horner's rule."""
-    result = code.constant(coefficients[-1])
-    for coefficient in reversed(coefficients[:-1]):
-        result = code.fused(x, result, code.constant(coefficient))
-    return result
-
-
 def _sine(code: Instructions, x: str, tail: str, square: str) -> str:
     """The sine of x + tail within ±π/4: x − ((z (tail/2 − x z r) − tail) − x z S1)."""
     cube = code.negate(code.multiply(square, x))
     inner = code.fused(
-        cube, _polynomial(code, square, _SINE[1:]), code.multiply(code.constant(0.5), tail)
+        cube, code.polynomial(square, _SINE[1:]), code.multiply(code.constant(0.5), tail)
     )
     outer = code.fused(square, inner, code.negate(tail))
     return code.subtract(x, code.fused(cube, code.constant(_SINE[0]), outer))
@@ -85,7 +77,7 @@ def _cosine(code: Instructions, x: str, tail: str, square: str) -> str:
     half = code.multiply(code.constant(0.5), square)
     most = code.subtract(code.constant(1.0), half)
     rounded = code.subtract(code.subtract(code.constant(1.0), most), half)
-    polynomial = code.multiply(square, _polynomial(code, square, _COSINE))
+    polynomial = code.multiply(square, code.polynomial(square, _COSINE))
     further = code.fused(square, polynomial, code.negate(code.multiply(x, tail)))
     return code.add(most, code.add(rounded, further))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import assert_never
 
+from linkages.kernel.code.functions import FUNCTIONS
 from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, Loop
 from linkages.kernel.code.statements import (
     Assign,
@@ -111,10 +112,10 @@ class Writer:
             case "neg":
                 return code.negate(self.value(operands[0]))
             case "sin" | "cos":
-                angle = operands[0]
-                if angle.index not in self._turned:
-                    self._turned[angle.index] = cosine_and_sine(code, self.value(angle))
-                return self._turned[angle.index][node.operation == "sin"]
+                return self._turn(operands[0])[node.operation == "sin"]
+            case "tan":
+                cosine, sine = self._turn(operands[0])
+                return code.divide(sine, cosine)
             case "select":
                 condition, first, second = map(self.value, operands)
                 sound = code.compare("oge", condition, code.constant(0.0))
@@ -127,13 +128,22 @@ class Writer:
             case "spline":
                 time, start, count, periodic = node.arguments
                 return self._interpolated(self.value(time), start.arguments[1], count, periodic)
-            case name if name in ELEMENTARY:
-                instruction = ELEMENTARY[name].llvm or name
+            case name if name in FUNCTIONS:
+                return FUNCTIONS[name](code, *map(self.value, operands))
+            case name if (row := ELEMENTARY.get(name)) is not None:
                 values = [self.value(operand) for operand in operands]
-                if instruction in ("fmul", "fdiv"):
-                    return code.binary(instruction, *values)
-                return code.call(instruction, *values)
+                if row.llvm is None:
+                    return code.library(name, *values)
+                if row.llvm.startswith("llvm."):
+                    return code.call(row.llvm, *values)
+                return code.binary(row.llvm, *values)
         raise ValueError(f"no instruction for the operation {node.operation!r}")
+
+    def _turn(self, angle: Scalar) -> tuple[str, str]:
+        """Cosine and sine of an angle, which are computed together."""
+        if angle.index not in self._turned:
+            self._turned[angle.index] = cosine_and_sine(self._code, self.value(angle))
+        return self._turned[angle.index]
 
     def _results(self, several: Scalar) -> list[str]:
         """All results of an operation that has several."""

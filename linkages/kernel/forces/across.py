@@ -10,7 +10,7 @@ from linkages.components.contributed.contacts import Contact, CornerAtWall, Geom
 from linkages.kernel.forces.corner_gaps import CornerGap
 from linkages.kernel.forces.gaps import Gap, PinGap
 from linkages.kernel.forces.loads import Acting
-from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.graph.scalars import Scalar, ScalarGraph
 
 if TYPE_CHECKING:
     from linkages.kernel.model import Model
@@ -29,6 +29,11 @@ def gap_of(model: Model, geometry: Geometry) -> Gap:
 
 class GapNodes(Acting):
     """A gap, the forces across it, and what they store and dissipate."""
+
+    model: Model
+    graph: ScalarGraph
+    contact: Contact
+    gap: Gap
 
     def __init__(self, model: Model, contact: Contact) -> None:
         self.model, self.graph, self.contact = model, model.graph, contact

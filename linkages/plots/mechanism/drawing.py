@@ -155,11 +155,11 @@ def draw_bearings(ax: Axes, pose: Pose, labels: Labels) -> None:
 def draw_joints(ax: Axes, pose: Pose, labels: Labels) -> None:
     """Pins, clearances, and free ends."""
     mechanism, shown = pose.mechanism, pose.positions
-    ends = clearance_ends(mechanism)
+    ends, feet = clearance_ends(mechanism), mechanism.feet
     meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
     # free ends first: what turns on a pin at the same place is drawn over them
     for joint, place in sorted(shown.items(), key=lambda item: meeting.count(item[0]) > 1):
-        if joint in ends or _fixed(pose, joint):
+        if joint in ends or joint in feet or _fixed(pose, joint):
             continue
         if joint in ends.values():
             labels.avoid(symbols.clearance(ax, place))
@@ -190,7 +190,7 @@ def _drive(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
 def _write(pose: Pose, labels: Labels) -> None:
     """Names of joints and clearances, then of sliders, then of bars and plates, then loads."""
     mechanism = pose.mechanism
-    ends = clearance_ends(mechanism)
+    ends = {*clearance_ends(mechanism), *mechanism.feet}
     for joint, place in pose.positions.items():
         if joint not in ends:
             labels.beside_point(joint, place, symbols.PIN + 2, color=BLACK, weight="bold")

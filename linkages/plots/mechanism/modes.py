@@ -106,7 +106,7 @@ def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1)
     pose = Pose(mechanism, mode.positions)
     draw_bodies(ax, pose, width=3.0 if columns <= 3 else 2.0)
     draw_sliders(ax, pose, Labels(ax))
-    hidden = clearance_ends(mechanism)
+    hidden = {*clearance_ends(mechanism), *mechanism.feet}
     for joint, place in mode.positions.items():
         if joint in hidden:
             continue

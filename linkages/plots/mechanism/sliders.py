@@ -33,6 +33,7 @@ def draw_sliders(ax: Axes, pose: Pose, labels: Labels, *, rails: bool = True) ->
 
     Without `rails`, guides on the ground are left out.
     """
+    loose = {play.slider for play in pose.mechanism.plays}
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
         if axis is None:
@@ -43,7 +44,8 @@ def draw_sliders(ax: Axes, pose: Pose, labels: Labels, *, rails: bool = True) ->
         place = axis.at(axis.reach)
         if rails:
             _guide(ax, pose, axis, np.array([place, place]), labels)
-        labels.avoid(symbols.block(ax, (float(place[0]), float(place[1])), axis.angle))
+        draw = symbols.loose_block if name in loose else symbols.block
+        labels.avoid(draw(ax, (float(place[0]), float(place[1])), axis.angle))
 
 
 def draw_guides(ax: Axes, pose: Pose, labels: Labels) -> None:

@@ -22,6 +22,9 @@ Place = tuple[float, float]
 
 PIN, CLEARANCE_RING, FREE_END = 2.9, 5.4, 2.0
 BLOCK, SMALL_BLOCK = (11.0, 6.5), (8.0, 5.0)  # half length and half height
+ROOM = 2.5
+"""Points between a block with play and its rails."""
+
 MASS, WEDGE = 6.0, 13.0
 LAYER = 5
 
@@ -103,6 +106,11 @@ def rails(ax: Axes, ends: Array, angle: float) -> Array:
 def block(ax: Axes, place: Place, angle: float) -> Array:
     """A block that rails on the ground guide; return pixels it covers."""
     return _block(ax, place, angle, BLOCK, LAYER - 1)
+
+
+def loose_block(ax: Axes, place: Place, angle: float) -> Array:
+    """A block with room between its rails; return pixels it covers."""
+    return _block(ax, place, angle, (BLOCK[0], BLOCK[1] - ROOM), LAYER - 1)
 
 
 def moving_block(ax: Axes, place: Place, angle: float) -> Array:

@@ -40,7 +40,8 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
 def moving_joints(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Array]:
     """Joints that move and their places, shape (time, 2), in metres.
 
-    Points beside a pin with clearance are left out where their trace looks like the pin's.
+    Points beside a pin with clearance are left out where their trace looks like the pin's, and
+    places on the axes of blocks that have joints beside them.
     """
     array = data["joint_position"].transpose("time", "joint", "axis")
     places = np.asarray(array, dtype=float)
@@ -54,6 +55,7 @@ def moving_joints(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Array]:
         and joint in paths
         and not (np.abs(paths[displaced] - paths[joint]) > SAME * size).any()
     }
+    hidden.update(mechanism.feet)
     return {
         name: path
         for name, path in paths.items()

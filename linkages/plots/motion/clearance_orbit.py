@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots.motion.block_path import corners_of, draw_path
 from linkages.plots.prefixes import scale_for, scale_of
 from linkages.plots.style import BLACK, LEFT, PALETTE, fitted, legend_above, panels, styled
 from linkages.plots.style import title as title_of
@@ -40,14 +42,21 @@ STRIP, ABOVE = 0.36, 0.55  # inches: height of a strip of states, and of the leg
 @styled
 def orbit_figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """A picture for each clearance whose contact may open; None if there is none."""
-    names = opening(data)
+    corners = corners_of(mechanism)
+    at_blocks = {corner for found in corners.values() for corner in found}
+    opened = opening(data)
+    names = [name for name in opened if name not in at_blocks]
+    names += [name for name, found in corners.items() if set(found) <= {*opened}]
     if not names:
         return None
     columns = min(len(names), len(HEIGHTS))
     figure, axes = panels(-(-len(names) // columns), columns, HEIGHTS[columns - 1], ABOVE)
     for ax, name in zip(axes, names, strict=False):
         whose = title_of(mechanism.name, name) if len(names) == 1 else name
-        draw_orbit(ax, data.sel(clearance=name), whose)
+        if name in corners:
+            draw_block_orbit(ax, data, mechanism, corners[name], whose)
+        else:
+            draw_orbit(ax, data.sel(clearance=name), whose)
     for ax in axes[len(names) :]:
         ax.remove()
     return figure
@@ -83,7 +92,38 @@ def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set_xlabel(scale.label("offset x"))
     ax.set_ylabel(scale.label("offset y"))
-    deepest = float(indentation.max())
+    _legend(ax, heading, float(indentation.max()))
+    return ax
+
+
+def draw_block_orbit(
+    ax: Axes, data: xr.Dataset, mechanism: Mechanism, corners: Sequence[str], heading: str = ""
+) -> Axes:
+    """Draw offset over angle of a block in its guide, within the border at which a corner touches.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        What `SHOWN` names.
+    mechanism
+        What it is of.
+    corners
+        Of the block, as the data names them.
+    heading
+        Title.
+    """
+    contact = next(contact for contact in mechanism.contacts if contact.name == corners[0])
+    here = data.sel(clearance=list(corners))
+    state = np.asarray(here["clearance_state"].max("clearance"))
+    ax.add_collection(_segments(draw_path(ax, data, contact, corners), state))
+    _legend(ax, heading, float(here["clearance_indentation"].max()))
+    return ax
+
+
+def _legend(ax: Axes, heading: str, deepest: float) -> None:
+    """The states, below what touches and how deep."""
     said = "no contact"
     if deepest > 0:
         found = scale_for(deepest, "m")
@@ -97,7 +137,6 @@ def draw_orbit(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         columnspacing=1.0,
         fontsize=7,
     )
-    return ax
 
 
 def _segments(offset: Array, state: NDArray) -> LineCollection:
@@ -147,7 +186,7 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         state = np.asarray(data["clearance_state"].sel(clearance=name), dtype=int)
         _draw_strip(ax, time * scale.factor, state, row)
     ax.set(xlim=(time[0] * scale.factor, time[-1] * scale.factor), ylim=(-0.6, len(names) - 0.4))
-    ax.set_yticks(range(len(names)), [fitted(name, LEFT - 0.1, 8.0) for name in reversed(names)])
+    ax.set_yticks(range(len(names)), [_lines(name) for name in reversed(names)])
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
     ax.set_xlabel(scale.label("time"))
@@ -157,6 +196,11 @@ def draw_states(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     handles = [Patch(color=colour) for colour in COLOURS]
     ax.legend(handles, entries, **legend_above(title_of(heading, said)), ncols=3)
     return ax
+
+
+def _lines(name: str) -> str:
+    """A name; that of a corner in two lines."""
+    return "\n".join(fitted(part, LEFT - 0.1, 8.0) for part in name.split("."))
 
 
 def _draw_strip(ax: Axes, time: Array, state: NDArray, row: float) -> None:

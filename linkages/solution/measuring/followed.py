@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from linkages.kernel.system import System
 from linkages.solution.crossings import accelerated
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
-from linkages.solution.resolved import MOST_EVALUATIONS, MOST_SAMPLES
+from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
@@ -29,6 +28,9 @@ Whole = NDArray[np.int64]
 
 _PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
+
+MOST_STEPS = 1_000_000
+"""A motion that took more is not computed again: that would take seconds."""
 
 _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
@@ -43,12 +45,12 @@ class Followed:
 
     Parameters
     ----------
-    system, motion, settings
-        What is measured, and how it was computed.
+    system, motion
+        What is measured, with samples as `resolved_motion` gives them.
     series
         Name → series that measures name.
     data
-        Outputs that need more than the motion at one time, at its samples.
+        Outputs that need more than the motion at one time; samples may be further apart.
     """
 
     count = 1
@@ -57,14 +59,12 @@ class Followed:
         self,
         system: System,
         motion: Motion,
-        settings: Settings,
         series: Mapping[str, Series],
         data: xr.Dataset | None = None,
     ) -> None:
         self._model, self._series, self._data = system.model, series, data
-        self._given = motion.time
-        self._motion = resolved_motion(system, motion, settings)
-        self.time: Floats = self._motion.time
+        self._motion = motion
+        self.time: Floats = motion.time
         self._sampled: dict[str, Floats] = {}
 
     def sampled(self, series: str) -> Floats:
@@ -108,7 +108,8 @@ class Followed:
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
-        given = self._given
+        assert self._data is not None
+        given = self._data["time"].to_numpy()
         if len(given) == len(self.time):
             return values
         order = 1 if given[-1] >= given[0] else -1
@@ -142,19 +143,33 @@ class Followed:
         return found
 
 
-def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motion:
-    """A motion with samples that are closer than its steps; computed again if need be.
+def factor_of(motion: Motion, samples: int) -> int:
+    """How many times as close samples must be for quintic polynomials to be as good as the steps.
 
     An adaptive method takes several steps per swing, so that nothing happens between such samples.
+    Powers of two, so that motions which are alike are sampled alike.
     """
-    time = motion.time
-    steps, count = motion.cost.get("steps", 0), len(time) - 1
-    factor = ceil(_PER_STEP * steps / count) if count > 0 else 1
-    dear = motion.cost.get("evaluations", 0) > MOST_EVALUATIONS
-    if factor <= 1 or dear or motion.interrupted or count * factor > MOST_SAMPLES:
+    steps, count = motion.cost.get("steps", 0), samples - 1
+    if count < 1 or motion.interrupted or steps > MOST_STEPS:
+        return 1
+    factor = 1
+    while factor * count < _PER_STEP * steps and 2 * factor * count <= MOST_SAMPLES:
+        factor *= 2
+    return factor
+
+
+def denser(times: Floats, factor: int) -> Floats:
+    """Times with others evenly between them."""
+    count = len(times) - 1
+    return np.interp(np.arange(count * factor + 1) / factor, np.arange(count + 1), times)
+
+
+def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motion:
+    """A motion with samples as close as `factor_of` says, computed again if need be."""
+    factor = factor_of(motion, len(motion.time))
+    if factor == 1:
         return motion
-    places = np.arange(count * factor + 1) / factor
-    times = np.interp(places, np.arange(count + 1), time)
+    times = denser(motion.time, factor)
     return compute_motion(system, replace(settings, times=times, work=False, events=()))
 
 

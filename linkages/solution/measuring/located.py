@@ -20,7 +20,7 @@ _PARTS = 8
 _FEWEST, _LOOKS = 5, 12
 """Looks at a smooth peak, which is then found to round-off, and at one with a kink."""
 
-_SETTLED = 1e-14
+_SETTLED = 1e-12
 """Part of the size of a series by which a look must raise its peak for another one to follow."""
 
 

@@ -8,7 +8,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.measuring.followed import Followed
+from linkages.solution.measuring.followed import Followed, resolved_motion
 from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.solution import Solution
 from linkages.solution.values.requests import requested
@@ -54,8 +54,8 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, found, series)
-    how = solution.motion, solution.settings, series, solution.data
-    return single(found, Followed(solution.system, *how))
+    motion = resolved_motion(solution.system, solution.motion, solution.settings)
+    return single(found, Followed(solution.system, motion, series, solution.data))
 
 
 def single(found: Measure, source: Source) -> float:

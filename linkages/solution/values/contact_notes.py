@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from linkages.components.contributed.contacts import Film, NormalForce
+from linkages.components.contact_clearance import ContactClearance
+from linkages.components.contributed.contacts import Contact, Film, NormalForce
 from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
@@ -14,6 +16,9 @@ from linkages.solution.values.episodes import STATES, Episodes, episodes
 
 DEEPEST = 0.1
 """Indentation over size above which the laws of small areas of contact are extrapolated."""
+
+WIDEST = math.radians(20.0)
+"""Half angle of a contact above which they are, too."""
 
 THINNEST = 0.05
 """Thickness of a film over the size below which the eccentricity says that it is none."""
@@ -24,15 +29,16 @@ LASTING = 0.5
 
 def contact_notes(motion: Motion) -> list[str]:
     """A sentence on each clearance that opens, and on what its law is not made for."""
-    contacts = motion.pieces[0].system.model.contacts
+    system = motion.pieces[0].system
+    contacts = system.mechanism.contacts
     if not contacts or len(motion.time) < 2:
         return []
-    pairs = zip(contacts, episodes(motion), strict=True)
-    return [note for nodes, found in pairs for note in _notes(motion, nodes, found)]
+    rows = zip(system.model.contacts, contacts, episodes(motion), strict=True)
+    return [note for row in rows for note in _notes(motion, *row)]
 
 
-def _notes(motion: Motion, nodes: GapNodes, found: Episodes) -> Iterator[str]:
-    name, normal, size = found.name, nodes.contact.normal, nodes.contact.size.value
+def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -> Iterator[str]:
+    name, normal, size = found.name, contact.normal, contact.size.value
     deepest = max(
         float(evaluate_nodes(piece, [nodes.gap.indentation]).max(initial=-np.inf))
         for piece in motion.pieces
@@ -46,6 +52,7 @@ def _notes(motion: Motion, nodes: GapNodes, found: Episodes) -> Iterator[str]:
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "
             f"the size; laws of contact are made for less than {DEEPEST:.0%}"
         )
+    yield from _wide(motion, nodes, name)
     remembers = isinstance(normal, NormalForce) and normal.least_rate is not None
     if remembers and np.isnan(found.rate[:1]).any():
         yield (
@@ -59,6 +66,24 @@ def _notes(motion: Motion, nodes: GapNodes, found: Episodes) -> Iterator[str]:
             f"clearance {name} has followed its wall since t = {found.begin[-1]:.6g} s; its "
             "damping is what the rate of that touch has made it, so that other starts end on "
             "other motions: hunt-crossley-constant has no such memory"
+        )
+
+
+def _wide(motion: Motion, nodes: GapNodes, name: str) -> Iterator[str]:
+    """How far around the pin the contact reaches, where material and width tell."""
+    named = {own.name: own for own in motion.pieces[0].system.mechanism.clearances}
+    own = named.get(name)  # not that of a corner
+    if not isinstance(own, ContactClearance):
+        return
+    pressed = max(
+        float(evaluate_nodes(piece, [nodes.force]).max(initial=0.0)) for piece in motion.pieces
+    )
+    half = own.half_angle(pressed)
+    if half is not None and half > WIDEST:
+        yield (
+            f"clearance {name}: under {pressed:.3g} N the contact reaches "
+            f"{math.degrees(half):.0f}° to either side; laws of contact are made for less than "
+            f"{math.degrees(WIDEST):.0f}°, and beyond that pin and hole conform (Persson 1964)"
         )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import NormalForce
+from linkages.components.contributed.contacts import Contact, NormalForce
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.impacts import RigidNodes
 from linkages.kernel.outputs import VARIABLES
@@ -68,8 +68,10 @@ class Episodes:
 
 def episodes(motion: Motion) -> list[Episodes]:
     """The contacts of every clearance that opens."""
-    model = motion.pieces[0].system.model
-    return [_of_contact(motion, nodes) for nodes in model.contacts]
+    system = motion.pieces[0].system
+    # the nodes are those of all mechanisms of the structure, numbers are those of this one
+    pairs = zip(system.model.contacts, system.mechanism.contacts, strict=True)
+    return [_of_contact(motion, nodes, contact) for nodes, contact in pairs]
 
 
 def states(motion: Motion) -> NDArray[np.int8]:
@@ -84,14 +86,14 @@ def states(motion: Motion) -> NDArray[np.int8]:
     return found
 
 
-def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
+def _of_contact(motion: Motion, nodes: GapNodes, contact: Contact) -> Episodes:
     changed = motion.changes.get(nodes.touch)
     if changed is None:
         changed = Changed.none()
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
-    rates, lasting = (row[rises] for row in _at_touches(changed, nodes))
+    rates, lasting = (row[rises] for row in _at_touches(changed, nodes, contact))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
-    if nodes.contact.rigid:  # thrown back at once, or closed
+    if contact.rigid:  # thrown back at once, or closed
         number = [switch.name for switch in nodes.model.switches.switches].index(nodes.touch)
         held = [piece.held for piece in changed.pieces if piece.held is not None]
         closed = np.concatenate([rows[number] > 0 for rows in held] or [rises])
@@ -102,10 +104,8 @@ def _of_contact(motion: Motion, nodes: GapNodes) -> Episodes:
         lasting = np.append(np.nan, lasting)
     touches = int(rises.sum())
     if changed.count > len(time):  # touches and leaves take turns
-        touches += (changed.count - len(time)) // (1 if nodes.contact.rigid else 2)
-    return Episodes(
-        nodes.contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches
-    )
+        touches += (changed.count - len(time)) // (1 if contact.rigid else 2)
+    return Episodes(contact.name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
 
 
 def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
@@ -113,7 +113,7 @@ def _touching_at_start(motion: Motion, nodes: GapNodes) -> bool:
     return first is not None and bool(evaluate_nodes(first, [nodes.touching])[0, 0] > 0.0)
 
 
-def _at_touches(changed: Changed, nodes: GapNodes) -> tuple[Floats, Floats]:
+def _at_touches(changed: Changed, nodes: GapNodes, contact: Contact) -> tuple[Floats, Floats]:
     """Rates at all changes, and how long impacts of free bodies would last, shape (changes,)."""
     model = nodes.model
     rows = [n for row in model.mass_matrix for n in row]
@@ -123,7 +123,7 @@ def _at_touches(changed: Changed, nodes: GapNodes) -> tuple[Floats, Floats]:
     found = [evaluate_nodes(piece, [nodes.speed, *along, *rows]) for piece in changed.pieces]
     speed, *values = np.hstack(found)
     mass = _effective_mass(np.array(values[: len(along)]), np.array(values[len(along) :]))
-    return speed, _duration(nodes, mass, np.abs(speed))
+    return speed, _duration(contact, mass, np.abs(speed))
 
 
 def _effective_mass(along: Floats, rows: Floats) -> Floats:
@@ -137,9 +137,9 @@ def _effective_mass(along: Floats, rows: Floats) -> Floats:
     return np.asarray(1.0 / (column * moved).sum(axis=(1, 2)))
 
 
-def _duration(nodes: GapNodes, mass: Floats, speed: Floats) -> Floats:
+def _duration(contact: Contact, mass: Floats, speed: Floats) -> Floats:
     """Of an elastic impact: 2 (d/v) √π Γ(1 + 1/m)/Γ(1/2 + 1/m) with m = n + 1."""
-    normal = nodes.contact.normal
+    normal = contact.normal
     if not isinstance(normal, NormalForce):
         return np.zeros(speed.shape)
     stiffness, exponent = normal.numbers

@@ -27,6 +27,8 @@ RECORD_WORDS = len(Record._fields)
 GO_ON = 2.0
 # Of the length of a step: as near to the change as times can be told apart.
 EXACT = 1e-14
+# Value of a function that is no more than round-off, beside its change in a step.
+ROUND_OFF = 1e-9
 # Repetitions of a step: far more than cubics need, enough to halve it down to its last digit.
 SEARCHES, DIPS = 60, 8
 # Where a rejected step is repeated up to a change, so that it lies within.
@@ -135,7 +137,7 @@ def locate(
             high, end, fall = theta, here, rate
         width = high - low
         # where the function is round-off alone it ceases to shrink
-        if width < EXACT or (abs(here) >= 0.5 * last and abs(here) < 1e-9 * abs(rate)):
+        if width < EXACT or (abs(here) >= 0.5 * last and abs(here) < ROUND_OFF * abs(rate)):
             break
         last = abs(here)
     return theta
@@ -158,9 +160,13 @@ def crossing(
     """
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
-    if end < 0.0:
-        return locate(system, table, record, modes, switch, t, h, part)
     rise, fall = rise * h, fall * h
+    # where another change makes the step short, what began it is a round-off below zero
+    slack = max(ROUND_OFF * rise, -2.0 * start)
+    if end < 0.0:
+        if rise > 0.0 and fall > 0.0 and start < slack and -end < slack:
+            return GO_ON
+        return locate(system, table, record, modes, switch, t, h, part)
     if start > 0.0 and rise < 0.0 and fall > 0.0:
         low, high = 0.0, part
         for _ in range(DIPS):
@@ -179,9 +185,10 @@ def crossing(
             else:
                 high, end, fall = theta, here, rate * h
         return GO_ON
+    least = -max(slack, BELOW * (abs(start) + end))
     for row in range(1, table.end):
         here, _ = seen(system, modes, row, switch)
-        if here < -BELOW * (abs(start) + end):
+        if here < least:
             theta = floats(table.c)[row] * part
             if not 0.0 < theta < part or not try_part(system, table, record, t, h, theta):
                 return GO_ON

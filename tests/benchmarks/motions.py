@@ -1,0 +1,100 @@
+"""Processor time of motions side by side against that of the same motions one after the other.
+
+    python tests/benchmarks/motions.py [--motions 64] [--end 1.0]
+
+The nine-bar at as many sizes of its clearance, with and without tangents. Both ways are measured in
+turn, and of each the least time is taken: whatever else a machine does only adds to times.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+import linkages
+from linkages.kernel.varying import Varying
+from linkages.solution.moving.plan import Plan
+from linkages.solvers.integration import Request, carry_out, request
+from linkages.solvers.lanes import LOGGER, integrate_many
+from linkages.solvers.trajectory import Trajectory
+
+LANES = (4, 8, 16)
+ROUNDS = 3
+
+
+def requests(motions: int, tangents: int, method: str, end: float) -> Callable[[], list[Request]]:
+    """What makes the integrations that are asked for; each is carried out once."""
+    points = [{"clearances.r1.size": size} for size in np.linspace(1e-4, 4e-4, motions)]
+    along = Varying(linkages.load("ninebar")).along(points)
+    systems = [along.system(index) for index in range(motions)]
+    plan = Plan.of(systems[0], tangents=tangents)
+    columns = np.eye(2 * len(systems[0].topology.free))[:, :tangents]
+    vectors = [plan.layout.packed(system.state, 0.0, columns) for system in systems]
+    flows = [plan.bind(system) for system in systems]
+
+    def made() -> list[Request]:
+        pairs = zip(flows, vectors, strict=True)
+        return [request(f, y, [end], start=0.0, method=method, rtol=1e-10) for f, y in pairs]
+
+    return made
+
+
+def measured(
+    run: Callable[[list[Request]], Sequence[Trajectory]], made: Callable[[], list[Request]]
+) -> tuple[float, float]:
+    """Seconds of processor time and evaluations."""
+    begin = time.process_time()
+    found = run(made())
+    return time.process_time() - begin, sum(one.evaluations for one in found)
+
+
+def one_by_one(asked: list[Request]) -> list[Trajectory]:
+    """The motions one after the other."""
+    return [carry_out(one) for one in asked]
+
+
+class Use(logging.Handler):
+    """Keeps the part of the lanes' trials that counted."""
+
+    part = 0.0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Take it from what integrating says."""
+        assert isinstance(record.args, tuple)
+        self.part = float(record.args[-1])  # type: ignore[arg-type]
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--motions", type=int, default=64)
+    parser.add_argument("--end", type=float, default=1.0)
+    options, use = parser.parse_args(), Use()
+    LOGGER.addHandler(use)
+    LOGGER.setLevel(logging.INFO)
+    print("method  tangents  lanes  ns per evaluation  ratio  lanes in use")
+    for method in ("dop853", "vern9"):
+        for tangents in (0, 1, 2):
+            made = requests(options.motions, tangents, method, options.end)
+            ways = {1: one_by_one} | {w: lambda asked, w=w: integrate_many(asked, w) for w in LANES}
+            best = dict.fromkeys(ways, np.inf)
+            part = dict.fromkeys(ways, 1.0)
+            for _ in range(ROUNDS):
+                for lanes, run in ways.items():
+                    seconds, evaluations = measured(run, made)
+                    best[lanes] = min(best[lanes], seconds / evaluations)
+                    part[lanes] = use.part if lanes > 1 else 1.0
+            for lanes, found in best.items():
+                print(
+                    f"{method:7} {tangents:8} {lanes:6} {found * 1e9:18.1f} "
+                    f"{best[1] / found:6.2f} {part[lanes]:13.3f}",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,174 @@
+"""Printed steps against the same formulas in NumPy, and their bits over numbers of lanes."""
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+from lane_kernels import QUIET, duffing, duffing_code
+from solver_kernels import SIZE, chain_rates, flow
+
+from linkages.kernel.code.llvm import Module
+from linkages.kernel.code.machine import MachineCode
+from linkages.solvers.integration import request
+from linkages.solvers.methods.named import METHODS
+from linkages.solvers.printed.control import GROW_MOST, SAFETY, SHRINK_MOST
+from linkages.solvers.printed.power import binary_logarithm, binary_power
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.printed.step import compiled_step
+from linkages.solvers.steps.views import (
+    ACTIVE,
+    BEFORE,
+    END,
+    ERROR,
+    FACTOR,
+    FIRST,
+    FRAME,
+    FROM,
+    LENGTH,
+    PACE,
+    RTOL,
+    SAMPLE,
+    TO,
+    H,
+    T,
+)  # fmt: skip
+
+ADAPTIVE = ["dop853", "vern9", "tsit5"]
+
+
+def chain_slopes(states):
+    q, v = states[:SIZE], states[SIZE:]
+    around = np.concatenate([[0.0], q, [0.0]])
+    return np.concatenate([v, -np.sin(q) + 0.5 * (around[:-2] + around[2:] - 2.0 * q)])
+
+
+def duffing_slopes(states, t):
+    q, v = states
+    return np.array([v, q - q**3 - QUIET[0] * v + QUIET[1] * math.cos(t)])
+
+
+def numpy_step(tableau, slopes, state, t, h):
+    """Slopes of all rows of a step, and the states in them."""
+    A, c = tableau.extended_A, tableau.extended_c
+    states, found = [state], [slopes(state, t)]
+    for row in range(1, len(A)):
+        states.append(state + h * sum(A[row, j] * found[j] for j in range(row)))
+        found.append(slopes(states[-1], t + c[row] * h))
+    return np.array(states), np.array(found)
+
+
+@pytest.mark.parametrize("method", [*ADAPTIVE, "rk4"])
+@pytest.mark.parametrize("large", [False, True])
+def test_rows_are_those_of_the_tableau(method, large):
+    """To round-off: coefficients of size 100 at most, states of size 1."""
+    tableau, t, h = METHODS[method].tableau, 0.3, 0.05
+    rng = np.random.default_rng(3)
+    if large:
+        own, state = flow(chain_rates, rotates=[False] * SIZE), rng.normal(size=2 * SIZE)
+        slopes = lambda y, _: chain_slopes(y)  # noqa: E731
+    else:
+        own, state, slopes = duffing(*QUIET), np.array([0.4, -0.2]), duffing_slopes
+    options = {"step": 0.1} if method == "rk4" else {}
+    asked = request(own, state, [1.0], start=t, method=method, **options)
+    motion = asked.method.motion(asked.job)
+    system, rows, n = motion.words[0], motion.rows, own.coordinates
+    rows[0, 2 * n : 3 * n] = slopes(state, t)[n:]
+    pace = np.ctypeslib.as_array((ctypes.c_double * PACE).from_address(system.pace))
+    pace[[FROM, LENGTH, TO]] = t, h, t + h
+    code = compiled_step(tableau, Shape.of(own), METHODS[method].memory)
+    assert code.function("attempt")(system.frame) == 0
+    assert code.function("further")(system.frame) == 0
+    states, found = numpy_step(tableau, slopes, state, t, h)
+    assert rows[:-1, : 2 * n] == pytest.approx(states, abs=1e-14)
+    assert rows[:-1, n : 3 * n] == pytest.approx(found, abs=1e-13)
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+@pytest.mark.parametrize("h", [0.02, 0.4, 2.0])
+def test_error_and_factor_are_those_of_their_formulas(method, h):
+    """The error to the cancellation in its sum, a millionth of it here; the factor to 1e-8."""
+    tableau, state, rtol = METHODS[method].tableau, np.array([0.4, -0.2]), 1e-6
+    asked = request(duffing(*QUIET), state, [100.0], start=0.0, method=method, rtol=rtol)
+    motion = asked.method.motion(asked.job)
+    system, rows = motion.words[0], motion.rows
+    rows[0, 2:5] = [*duffing_slopes(state, 0.0)[1:], QUIET[3] - state[0], -state[1]]
+    pace = np.ctypeslib.as_array((ctypes.c_double * PACE).from_address(system.pace))
+    pace[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
+    pace[[BEFORE]] = 1.0  # the error of the step before
+    code = compiled_step(tableau, Shape.of(asked.job.flow), METHODS[method].memory)
+    code.function("advance")(system.frame, 1)
+    states, found = numpy_step(tableau, duffing_slopes, state, 0.0, h)
+    end = tableau.stages
+    noise = h * 0.05 * np.finfo(float).eps
+    steepest = np.maximum(abs(found[0]), abs(found[end]))
+    unit = rtol * (1.0 + np.maximum(abs(state), abs(states[end]))) + noise * steepest
+    squares = [(((weights @ found[: end + 1]) / unit) ** 2).sum() for weights in tableau.error]
+    low = squares[1] if len(squares) > 1 else 0.0
+    error = h * squares[0] / math.sqrt((squares[0] + 0.01 * low) * 2)
+    memory = METHODS[method].memory
+    exponent = 1.0 / (tableau.error_order + 1)
+    factor = SAFETY * error ** -(exponent - 0.75 * memory)
+    assert pace[ERROR] == pytest.approx(error, rel=1e-6)
+    assert pace[FACTOR] == pytest.approx(min(GROW_MOST, max(SHRINK_MOST, factor)), rel=1e-6)
+
+
+def test_powers():
+    """Against the C library: right to 1e-9, which is plenty for the length of a step."""
+    module = Module()
+    code = module.instructions()
+    x, y = code.load("%x", 0), code.load("%x", 1)
+    code.store(binary_power(code, code.multiply(y, binary_logarithm(code, x))), "%x", 2)
+    code.say("ret i64 0")
+    module.define("i64 @power(ptr %x)", code)
+    compiled = MachineCode(module.text)
+    power, numbers = compiled.function("power"), np.zeros(3)
+    rng = np.random.default_rng(5)
+    for base in [1.0, 2.0, 0.5, math.sqrt(0.5), *10.0 ** rng.uniform(-30, 140, 500)]:
+        for exponent in (-0.125, -1 / 9, -0.185, 0.02):
+            numbers[:2] = base, exponent
+            power(numbers.ctypes.data)
+            assert numbers[2] == pytest.approx(base**exponent, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ADAPTIVE)
+def test_bits_do_not_depend_on_the_number_of_lanes(method):
+    """Twenty trials, from states of which some are wrapped and some steps rejected."""
+    tableau, gain = METHODS[method].tableau, METHODS[method].memory
+    shape, count = Shape.of(duffing(*QUIET)), 16
+    starts = [[0.2 * k - 1.5 if k else 3.1415, 0.3 * k] for k in range(count)]
+    lengths = [0.01 * 2.0**k for k in range(count)]
+    found = {lanes: advanced(lanes, starts, lengths, tableau, gain, shape) for lanes in (1, 4, 16)}
+    assert len(np.unique(found[1][0])) > count
+    for lanes in (4, 16):
+        for one, other in zip(found[lanes], found[1], strict=True):
+            assert np.array_equal(one, other)
+
+
+def advanced(lanes, starts, lengths, tableau, gain, shape):
+    """Pace and states of all motions after some ticks, so many motions at a time."""
+    code, kernel = compiled_step(tableau, shape, gain, lanes), duffing_code(lanes)
+    paces, states = [], []
+    for first in range(0, len(starts), lanes):
+        sizes = {"parameters": 4, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
+                 "pace": PACE, "atol": 2, "scale": 1, "smallest": 1, "turns": 1}  # fmt: skip
+        memory = {name: np.zeros((size, lanes)) for name, size in sizes.items()}
+        memory["parameters"][:] = np.array(QUIET)[:, None]
+        memory["atol"][:], memory["scale"][:], memory["smallest"][:] = 1e-8, 1.0, 1e-6
+        pace, rows = memory["pace"], memory["rows"]
+        own = np.array(starts[first : first + lanes]).T
+        rows[:2] = own
+        slopes = np.array([duffing_slopes(state, 0.0) for state in own.T]).T
+        rows[2:5] = slopes[1], QUIET[3] - own[0], -own[1]
+        pace[[END, SAMPLE]] = 1e9
+        pace[[H, FIRST]] = lengths[first : first + lanes]
+        pace[[RTOL, BEFORE]] = [[1e-8], [1.0]]
+        pace[ACTIVE] = 1.0
+        places = {name: array.ctypes.data for name, array in memory.items()}
+        places |= {"clock": kernel.address("clock"), "rates": kernel.address("rates")}
+        frame = np.array([places[name] for name in FRAME])
+        for _ in range(20):
+            code.function("advance")(frame.ctypes.data, 1)
+        paces.append(pace[T:])  # before are results of trials, of which some have none
+        states.append(np.concatenate([rows[:5], memory["turns"]]))
+    return np.concatenate(states, axis=1), np.concatenate(paces, axis=1)

@@ -99,7 +99,7 @@ class _Dry(ListedComponent):
         if self.bristle_stiffness is not None:
             return self._bristles(size, self.bristle_stiffness)
         if self.slip_speed is None:
-            return _Law(law=applied("neg", size * applied("stick", V)))
+            return _Law(law=applied("neg", size * applied("sign", V)))
         return _Law(law=applied("neg", size * applied("tanh", V / self._number("slip_speed"))))
 
     def _bristles(self, size: Function, stiffness: float) -> _Law:

@@ -51,7 +51,8 @@ class _Series(ListedComponent):
         force = stiffness * value_of(path)
         state = InternalState(path, unit, V - force / damping, initial=self.deflection)
         energy = constant(0.5) * force * state.value
-        return (Load(measure, negated(force), self.path, stores=energy, states=(state,)),)
+        named = "Maxwell element"
+        return (Load(measure, negated(force), self.path, named, stores=energy, states=(state,)),)
 
 
 @component

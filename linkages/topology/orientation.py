@@ -79,7 +79,7 @@ def orientations(mechanism: Mechanism, followers: dict[str, Relation]) -> dict[s
 
 def turned_bodies(mechanism: Mechanism) -> set[str]:
     """Bodies whose angle counts with its whole turns, for a spring or a relation depends on it."""
-    found = {name for load in mechanism.loads for turn in load.wound for name in turn.bodies}
+    found = {name for load in mechanism.loads for name in load.turned}
     for relation in mechanism.relations:
         tied = [relation.body, *(name for name, _ in relation.parts)]
         turning = {name for name in tied if mechanism.bodies[name].rotates}

@@ -249,6 +249,11 @@ class Load:
         return tuple(dict.fromkeys(m for m in found if isinstance(m, Turn)))
 
     @property
+    def turned(self) -> tuple[str, ...]:
+        """Bodies whose whole turns it feels."""
+        return tuple(dict.fromkeys(body for turn in self.wound for body in turn.bodies))
+
+    @property
     def laws(self) -> tuple[Function, ...]:
         """The functions of time that it follows: all of a given force, the factors of another."""
         if self.given:

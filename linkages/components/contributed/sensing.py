@@ -126,8 +126,6 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
             return f"table({_written(function.over, own)[0]})", ATOM
         case Operation("where", (difference, *_)):
             return f"where({_written(difference, own)[0]} >= 0)", ATOM
-        case Operation("stick", (speed,)):
-            return f"sign({_written(speed, own)[0]})", ATOM
         case Operation("power", (base, Number(exponent))):
             return f"{_bound(base, own, ATOM)}**{exponent.value:.0f}", 3
         case Operation(name, arguments):

@@ -80,7 +80,7 @@ def rated(function: Function) -> bool:
 
 
 _EVERYWHERE = (
-    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "stick", "where", "select",
+    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "where", "select",
     "sin", "cos", "atan", "tanh",
 )  # fmt: skip
 

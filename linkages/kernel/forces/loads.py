@@ -10,7 +10,6 @@ from linkages.components.contributed.functions import (
     Function,
     Internal,
     Measured,
-    Operation,
 )
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
@@ -125,8 +124,7 @@ class LoadNodes(Acting):
     def mode(self, part: Function, node: Scalar) -> Scalar:
         """On which side of zero the motion is of what makes a part of the law jump or turn."""
         name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
-        stick = isinstance(part, Operation) and part.name == "stick"
-        return self.model.switches.add(name, node, stick=stick)
+        return self.model.switches.add(name, node)
 
     def sensed(self, found: Measured | Internal) -> Scalar:
         """The value or rate of a measure, its own or another one, or an internal state."""

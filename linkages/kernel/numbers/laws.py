@@ -80,8 +80,6 @@ def value_of(
             values = [value_of(argument, inputs, measured, mode) for argument in arguments]
             if name not in COMPOSITE:
                 return graph.apply(name, *values)
-            if name == "stick" and (held := mode(function, values[0])) is not values[0]:
-                return held  # the mode itself: it may be any number between the two signs
 
             def apply(name: str, *operands: Scalar | float) -> Scalar:
                 if name != "select":

@@ -230,3 +230,31 @@ friction: [{joint: O, coefficient: 0.1, radius: 10 mm, slip_speed: 0.1}]
 """
     with pytest.raises(linkages.InputError, match="rigid bodies do not determine the reaction"):
         linkages.simulate(linkages.loads(text))
+
+
+@pytest.mark.parametrize(
+    ("clearance", "found"),
+    [
+        ("{joint: A, bar: rod, size: 0.1 mm}", "clearance 'gap' opens 'A'; expected 'friction'"),
+        (
+            "{joint: B, bar: rod, size: 0.1 mm, contact: restitution, restitution: 0.8}",
+            "impacts of clearance 'gap' have impulses",
+        ),
+    ],
+)
+def test_clearances_that_leave_no_reaction(clearance, found):
+    assert found in complaints(f"{ENGINE}{SLIPS['A']}clearances: {{gap: {clearance}}}\n")[0]
+
+
+@pytest.mark.parametrize("contact", ["", ", contact: hertz, stiffness: 2e9"])
+def test_beside_a_clearance(contact):
+    """Reactions feel links and contacts elsewhere; torque and reaction as Newton and Euler say."""
+    gap = f"clearances: {{gap: {{joint: A, bar: rod, size: 0.1 mm{contact}}}}}\n"
+    mechanism = linkages.loads(ENGINE + SLIPS["O"] + gap)
+    outputs = ["joint_reaction", "torsional_spring_torque", "bar_speed", "energy_residual"]
+    data = linkages.simulate(mechanism, end=0.01, samples=11, outputs=outputs).data
+    reaction = np.hypot(*data.joint_reaction.sel(joint="O").to_numpy().T)
+    slip = np.tanh(data.bar_speed.sel(bar="crank").to_numpy() / 0.1)
+    torque = data.torsional_spring_torque.sel(torsional_spring="friction[0]").to_numpy()
+    assert torque == pytest.approx(-0.2 * 0.03 * reaction * slip, rel=1e-8)
+    assert abs(data.energy_residual.to_numpy()).max() < 1e-8

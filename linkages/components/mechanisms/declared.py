@@ -6,7 +6,9 @@ from collections.abc import Iterable
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.measures import ClearanceFriction, JointFriction
+from linkages.components.contributed.functions import PRESSED
+from linkages.components.contributed.measures import ClearanceFriction, JointFriction, Load
+from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import (
     Body,
     Displacement,
@@ -58,6 +60,9 @@ class Declared:
         self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
         self.opening = {t.name for _, t in terms if isinstance(t, Contact | Play)}
         self.rigid = [t for _, t in terms if isinstance(t, Contact) and t.rigid]
+        self.pressed = [(t.path, t.joint) for t in self.frictions if PRESSED in leaves(t.law)]
+        loads = [t for _, t in terms if isinstance(t, Load)]
+        self.pressed += [(load.path, load.bearing.body) for load in loads if load.bearing]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}

@@ -163,7 +163,7 @@ def run_exponents(
     """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
     periods, skip, count = options.periods, options.skip, options.count
-    whole = 2 * len(system.topology.free)
+    whole = system.layout.directions
     columns = whole if count is None else count
     if columns > whole:
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")

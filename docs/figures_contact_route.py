@@ -109,8 +109,8 @@ def table(found: list[tuple[int, float]]) -> str:
     lines = ["| revolutions | doubled below | ratio |", "|--:|--:|--:|"]
     sizes = [size for _, size in found]
     for number, (revolutions, size) in enumerate(found):
-        ratio = "" if number < 2 else f"{_ratio(sizes[number - 2 : number + 1]):.2f}"
-        lines.append(f"| {revolutions} → {2 * revolutions} | {1e3 * size:.7f} mm | {ratio} |")
+        ratio = "" if number < 2 else f"{_ratio(sizes[number - 2 : number + 1]):.3f}"
+        lines.append(f"| {revolutions} → {2 * revolutions} | {1e3 * size:.8f} mm | {ratio} |")
     return "\n".join([*lines, ""])
 
 

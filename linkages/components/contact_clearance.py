@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, assert_never
 
 from linkages.components.contributed.component import component
 from linkages.components.contributed.contacts import (
     Contact,
     PinInHole,
     offset_names,
-    stiffness_of_spheres,
 )
 from linkages.components.contributed.references import References
+from linkages.components.contributed.stiffnesses import (
+    NARROWEST,
+    WIDEST,
+    stiffness_of_cylinders,
+    stiffness_of_spheres,
+)
 from linkages.components.contributed.terms import (
     ZERO,
     Body,
@@ -55,8 +60,10 @@ class ContactClearance(Touching):
     size
         Radial clearance in metres, > 0.
     modulus, poisson
-        Young's modulus in Pa and Poisson's ratio of pin and hole, in the place of the stiffness:
-        that of a sphere of the radius of the pin in one of the hole's.
+        Young's modulus in Pa and Poisson's ratio of pin and hole, in the place of the stiffness.
+    stiffness_model
+        The stiffness that follows: ``sphere``, of one with the radius of the pin in one with the
+        hole's, or ``cylinder``, with an exponent of its own, from the width.
     carries
         What the bar has: the ``hole``, or the ``pin``.
     pin_radius
@@ -78,6 +85,7 @@ class ContactClearance(Touching):
     bar: Name
     modulus: Modulus | None = None
     poisson: Ratio = 0.3
+    stiffness_model: Literal["sphere", "cylinder"] = "sphere"
     carries: Literal["hole", "pin"] = "hole"
     pin_radius: PositiveLength | None = None
     viscosity: Viscosity | None = None
@@ -114,16 +122,26 @@ class ContactClearance(Touching):
         width = self.width if self.modulus is None else None  # that of a material is none of a law
         found = super().supplied | {"viscosity": self.viscosity, "width": width}
         if self.modulus is not None and "stiffness" in self.law.needs:
-            found["stiffness"] = self._of_spheres
+            found |= self._of_solids(self.modulus)
         return found
 
-    @property
-    def _of_spheres(self) -> float:
-        """The stiffness that follows from a modulus; 1 where `problems` says that it does not."""
-        if self.modulus is None or self.pin_radius is None or self.poisson > 0.5:
-            return 1.0
-        radii = (self.pin_radius + self.size, self.pin_radius)
-        return stiffness_of_spheres(self.modulus, self.poisson, *radii)
+    def _of_solids(self, modulus: float) -> dict[str, float | None]:
+        """Numbers that follow from a modulus; 1 where `problems` says that they do not."""
+        if list(self._of_the_material()):
+            return {"stiffness": 1.0}
+        match self.stiffness_model:
+            case "sphere":
+                assert self.pin_radius is not None
+                radii = (self.pin_radius + self.size, self.pin_radius)
+                return {"stiffness": stiffness_of_spheres(modulus, self.poisson, *radii)}
+            case "cylinder":
+                assert self.width is not None
+                about = modulus, self.poisson, self.size, self.width
+                return dict(
+                    zip(("stiffness", "exponent"), stiffness_of_cylinders(*about), strict=True)
+                )
+            case _:
+                assert_never(self.stiffness_model)
 
     def half_angle(self, force: float) -> float | None:
         """How far a contact under a force (N) reaches to either side, in radians.
@@ -137,13 +155,19 @@ class ContactClearance(Touching):
         return 2.0 * math.sqrt(force / (math.pi * plane * self.width * self.size))
 
     def _of_the_material(self) -> Iterator[tuple[str, str]]:
+        law, sphere = self.law, self.stiffness_model == "sphere"
         if self.stiffness is not None:
             yield "modulus", "the stiffness is given as well; expected one of the two"
-        elif self.stiffness_exponent != 1.5 or "stiffness" not in self.law.needs:
-            yield "modulus", f"{self.law.name} here is no law of spheres; expected a stiffness"
-        if self.pin_radius is None:
+        elif "exponent" not in law.takes or self.exponent not in (None, 1.5 if sphere else None):
+            solids = "spheres" if sphere else "cylinders"
+            yield "modulus", f"{law.name} here is no law of {solids}; expected a stiffness"
+        if sphere and self.pin_radius is None:
             yield "modulus", "missing key 'pin_radius': the stiffness follows from both radii"
-
+        if not sphere and self.width is None:
+            yield "modulus", "missing key 'width': the stiffness of cylinders follows from it"
+        if not sphere and not NARROWEST <= self.size <= WIDEST:
+            expected = f"expected a size from {NARROWEST:g} to {WIDEST:g} m"
+            yield "stiffness_model", f"{expected}, for which it is known, found {self.size:g} m"
         if self.poisson > 0.5:
             yield "poisson", f"expected a ratio of at most 0.5, found {self.poisson:g}"
 

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
-from linkages.solvers.printed.shape import Shape
-from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ACTIVE,
+    ALWAYS,
     END,
     FRAME,
     PACE,
+    PLAIN,
     RTOL,
+    SAMPLE,
     WORD,
     Control,
     Nodes,
@@ -28,8 +32,6 @@ from linkages.solvers.steps.views import (
     Tangents,
 )
 
-BEGIN_MOTION = Loaded("linkages.solvers.loops.adaptive_steps", "begin_motion")
-CONCLUDE_STEP = Loaded("linkages.solvers.loops.adaptive_steps", "conclude_step")
 WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
 
 
@@ -64,18 +66,32 @@ class Memory:
         return array.ctypes.data
 
 
-def system(
-    memory: Memory, job: Job, rows: NDArray[np.float64], tableau: Tableau, gain: float = 0.0
-) -> System:
-    """Addresses and numbers of a job's flow, with room for what its clock writes.
+def pace(job: Job) -> NDArray[np.float64]:
+    """How a motion goes on, before it has begun; see `views`."""
+    found, flow = np.zeros(PACE), job.flow
+    found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
+    found[SAMPLE] = job.times[0]
+    own = job.tangents
+    together = own is not None and own.orthogonal and own.columns > 1
+    watched = bool(job.events or flow.switching or together)
+    # printed code counts the turns of a single motion; in lanes see `loops.lanes.enter`
+    found[[ALWAYS, PLAIN]] = watched, not watched and own is None
+    return found
 
-    `gain` is that of the control of steps, see `linkages.solvers.printed.control.next_factor`.
-    """
-    flow, code = job.flow, compiled_step(tableau, Shape.of(job.flow), gain)
+
+def system(
+    memory: Memory,
+    job: Job,
+    rows: NDArray[np.float64],
+    pace: NDArray[np.float64],
+    code: MachineCode,
+) -> System:
+    """Addresses and numbers of a job's flow, with room for what its clock writes."""
+    flow = job.flow
     memory.keep(code)
     # what is held stands behind the parameters proper
-    parameters, pace = memory.floats(job.parameters), np.zeros(PACE)
-    pace[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
+    parameters = memory.floats(job.parameters)
+    never = math.copysign(math.inf, job.end - job.start)
     frame = {
         "clock": flow.clock,
         "rates": flow.rates,
@@ -87,6 +103,14 @@ def system(
         "scale": memory.floats(flow.margin_scale),
         "smallest": memory.floats(flow.smallest_margins),
         "turns": memory.integers(job.final_turns),
+        "counters": memory.integers(job.counters),
+        "times": memory.floats(np.append(job.times, never)),
+        "states": memory.floats(job.states),
+        "sampled_turns": memory.integers(job.turns),
+        "accelerations": memory.floats(job.accelerations),
+        "angles": memory.floats(job.final_angles),
+        "ahead": memory.floats(np.zeros(flow.counted)),
+        "sampled": memory.floats(job.angles),
     }
     return System(
         clock=flow.clock,
@@ -110,19 +134,17 @@ def system(
         pace=frame["pace"],
         attempt=code.address("attempt"),
         further=code.address("further"),
+        interpolate=code.address("interpolate"),
+        first=code.address("first"),
     )
 
 
-def control(memory: Memory, job: Job, tableau: Tableau, gain: float) -> Control:
+def control(memory: Memory, job: Job, code: MachineCode) -> Control:
     """What an adaptive loop needs beside the rest."""
-    code = compiled_step(tableau, Shape.of(job.flow), gain)
     return Control(
         advance=code.address("advance"),
-        begin=BEGIN_MOTION.address,
-        conclude=CONCLUDE_STEP.address,
+        start=code.address("begin"),
         atol=memory.floats(job.atol),
-        zeros=memory.floats(np.zeros(len(job.state))),
-        order=tableau.error_order,
         budget=job.max_steps,
     )
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from linkages.solvers import arrays
 from linkages.solvers.integration import Request
 from linkages.solvers.job import Job
-from linkages.solvers.methods.method import Method, Motion, RungeKutta
+from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, Motion, RungeKutta
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import FRAME, PACE, REJECTED, STEPS, Lanes
+from linkages.solvers.steps.views import FRAME, PACE, REJECTED, SINGLE, STEPS, Lanes
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -55,7 +55,12 @@ def integrate_many(
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):
         alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
-        groups.setdefault((asked.method.name, asked.job.flow.clock, *alone), []).append(index)
+        key = (
+            asked.method.name,
+            asked.job.flow.clock,
+            Shape.of(asked.job.flow, asked.job.tangents),
+        )
+        groups.setdefault((*key, *alone), []).append(index)
     outcomes = [Outcome.INTERRUPTED] * len(requests)
     ended = 0
     for group in groups.values():
@@ -120,7 +125,7 @@ def _lanes(
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
-    shape = Shape.of(flow)
+    shape = Shape.of(flow, jobs[0].tangents)
     assert flow.wide is not None
     wide = flow.wide(lanes)
     code = compiled_step(tableau, shape, method.memory, lanes)
@@ -135,15 +140,18 @@ def _lanes(
         "scale": shape.blocks,
         "smallest": shape.blocks,
         "turns": shape.n,
+        **dict.fromkeys(SINGLE, 0),
     }
     frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
     places = {"clock": wide.clock, "rates": wide.rates, **frame}
     return Lanes(
         lanes=lanes,
         frame=memory.integers([places[name] for name in FRAME]),
-        **{name: place for name, place in frame.items() if name != "timed"},
+        **{name: frame[name] for name in Lanes._fields if name in frame},
         size=sizes["parameters"],
         advance=code.address("advance"),
+        begin=BEGIN_MOTION.address,
+        conclude=CONCLUDE_STEP.address,
         motions=memory.integers([motion.context for motion in motions]),
         number=len(jobs),
         outcomes=0,

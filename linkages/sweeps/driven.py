@@ -19,7 +19,7 @@ from linkages.solution.values.series import TIME, Series
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-AT_ONCE = 16384
+AT_ONCE = 8192
 """Values of a node that are computed at once: few enough to stay in the cache."""
 
 

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-TOGETHER = 64, 512
+TOGETHER = 256, 512
 """Fewest and most driven mechanisms that are evaluated together."""
 
 

@@ -40,7 +40,7 @@ def expected():
             engine(speed), end=(PERIODS - 1) * 2 * np.pi / speed, samples=20_001,
             outputs=["clearance_force"],
         )  # fmt: skip
-        (contact,) = contact_of(solution.data)
+        (contact,) = contact_of(solution)
         found[speed] = contact.share_lost, contact.smallest
     assert found[SLOW][0] == 0
     assert found[FAST][0] > 0.1

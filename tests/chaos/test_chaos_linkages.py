@@ -115,9 +115,10 @@ def arm(angle: str) -> linkages.Mechanism:
 
 def test_crossings_half_a_turn_away_take_no_place():
     """The upper bar swings through the bottom for 12 s before it first goes over the top."""
-    section = {"section": "upper.angle=90 deg", "direction": "both", "end": 60}
-    whole = linkages.poincare(pendulum(20.0), periods=6, **section)
-    assert whole.sizes["crossing"] == 6
+    section = {"section": "upper.angle=90 deg", "direction": "both", "end": 60, "rtol": 1e-11}
+    # later ones are beyond the horizon: another tolerance has them elsewhere
+    whole = linkages.poincare(pendulum(20.0), periods=4, **section)
+    assert whole.sizes["crossing"] == 4
     assert np.abs(whole.bar_angle.sel(bar="upper") - np.pi / 2).max() < 1e-9
     for count in (1, 2):
         found = linkages.poincare(pendulum(20.0), periods=count, **section)

@@ -105,19 +105,19 @@ def test_a_slow_point_is_left_out(run):
 
 def test_ctrl_c_in_a_map_raises_and_keeps_the_points():
     def interrupt(progress):
-        if progress.done == 3:
+        if progress.done == 8:  # those go side by side
             raise KeyboardInterrupt
 
-    x, y = {AMPLITUDE: [1.0, 1.1]}, {DAMPING: [0.5, 0.6]}
-    with pytest.raises(Interrupted, match="interrupted after 3 of 4 points") as caught:
+    x, y = {AMPLITUDE: [1.0, 1.1, 1.2]}, {DAMPING: [0.4, 0.5, 0.6]}
+    with pytest.raises(Interrupted, match="interrupted after 8 of 9 points") as caught:
         chaos_map(pendulum(), x, y, periods=5, executor=Threads(1), watch=interrupt)
     kept = caught.value.kept["map"]
     whole = chaos_map(pendulum(), x, y, periods=5)
     assert kept.attrs["interrupted"] == 1
     flat = kept.indicator.to_numpy().ravel()
-    assert (flat[:3] == whole.indicator.to_numpy().ravel()[:3]).all()
-    assert np.isnan(flat[3])
-    assert kept.reason[1, 1].item() == "not computed: interrupted"
+    assert (flat[:8] == whole.indicator.to_numpy().ravel()[:8]).all()
+    assert np.isnan(flat[8])
+    assert kept.reason[2, 2].item() == "not computed: interrupted"
 
 
 def test_axes_are_mappings_ranges_or_axes():
@@ -176,3 +176,19 @@ def test_too_few_points_are_said_at_their_value():
     assert few.any()
     assert few.tolist() == warned.to_numpy().tolist()
     assert alone.attrs["warning"] in data.warning[0].to_numpy()
+
+
+def test_values_side_by_side_are_sections_alone():
+    """In all bits: beside each other, and beside one that stops."""
+    mechanism = linkages.load("ninebar", set=FOLDING | {"simulate.rtol": 1e-8})
+    speeds = [0.0, 30.0, 100.0, 200.0]
+    given = {"periods": 3, "skip": 0}
+    data = linkages.bifurcation(mechanism, {"clearances.r1.speed": speeds}, **given)
+    assert (data.outcome == 3).all()
+    mechanism = linkages.load("ninebar", set={"simulate.rtol": 1e-8})
+    data = linkages.bifurcation(mechanism, {"clearances.r1.speed": speeds}, **given)
+    assert not data.outcome.any()
+    for column, speed in enumerate(speeds):
+        alone = linkages.poincare(mechanism.with_values({"clearances.r1.speed": speed}), **given)
+        for name in ("clearance_angle", "clearance_speed", "least_force"):
+            assert (data[name][0, column].to_numpy() == alone[name].to_numpy()).all()

@@ -4,6 +4,7 @@ from component_reading import assert_frozen_and_keyword_only, complaints, compon
 from linkages.components.contact_clearance import ContactClearance
 from linkages.components.contributed.contact_laws import contact_laws
 from linkages.components.contributed.contacts import Contact
+from linkages.components.contributed.stiffnesses import stiffness_of_cylinders
 from linkages.components.contributed.terms import Displacement, Initial
 
 ENGINE = """joints: {{O: [0, 0]}}
@@ -20,6 +21,8 @@ BARE = ContactClearance(name="gap", joint="A", bar="rod", size=1e-4, contact="he
 
 FILM = "contact: lubricated, viscosity: 40 mPa*s"
 PIN = "width: 1 cm, pin_radius: 1 cm"
+
+CYLINDER = "modulus: 207 GPa, stiffness_model: cylinder"
 
 
 def engine(keys):
@@ -42,6 +45,16 @@ def test_stiffness_follows_from_material_and_radii():
     # of a steel pin as in the literature, 6.61e10 N/m^1.5
     assert stiffness.value == pytest.approx(6.6102e10, rel=1e-5)
     assert exponent.value == 1.5
+
+
+def test_stiffness_of_cylinders_brings_its_exponent():
+    made = component(engine(f"contact: hertz, {CYLINDER}, width: 2 cm"), "clearances", "gap")
+    *_, contact = made.terms()
+    found = tuple(number.value for number in contact.normal.numbers)
+    assert found == stiffness_of_cylinders(207e9, 0.3, 1e-4, 0.02)
+    wide = engine(f"contact: hertz, {CYLINDER}, width: 2 cm").replace("0.1 mm", "20 mm")
+    (complaint,) = complaints(wide)
+    assert "expected a size from 5e-06 to 0.01 m, for which it is known" in complaint
 
 
 def test_frozen_and_keyword_only():
@@ -101,6 +114,9 @@ def test_every_law_says_what_it_lacks(law):
         (f"{FILM}, {PIN}, friction: 0.1, slip: 1", "lubricated has no friction; expected the law"),
         (f"{FILM}, {PIN}, offset: [0, 0.1 mm]", "where no oil is between them; expected less than"),
         ("contact: hertz, stiffness: 1, width: 1 cm", "hertz has no 'width'; it takes stiffness"),
+        (f"contact: hertz, {CYLINDER}", "missing key 'width': the stiffness of cylinders"),
+        (f"contact: hertz, {CYLINDER}, {PIN}, exponent: 1.5", "is no law of cylinders"),
+        (f"contact: kelvin-voigt, damping: 1, {CYLINDER}, {PIN}", "is no law of cylinders"),
         ("contact: hertz, stiffness: 1, friction_law: coulom", "did you mean 'coulomb'?"),
         ("contact: hertz, stiffness: 1, static: 0.1", "tanh has no 'static'; it takes friction"),
         ("contact: hertz, stiffness: 1, slip: 0", "slip: expected a speed > 0"),

@@ -5,11 +5,8 @@ import math
 import pytest
 
 from linkages.components.contributed.contact_laws import contact_laws
-from linkages.components.contributed.contacts import (
-    factor_for,
-    restitution_reached,
-    stiffness_of_spheres,
-)
+from linkages.components.contributed.restitutions import factor_for, restitution_reached
+from linkages.components.contributed.stiffnesses import stiffness_of_cylinders, stiffness_of_spheres
 
 # χ over the wanted restitution, and what one impact reaches with it (Lambert's W, 14 digits).
 # Of one impact of 0.25 kg at 0.1 m/s against K = 1e9 N/m^1.5; computed in quadruple precision.
@@ -77,6 +74,16 @@ def test_the_exact_factor_is_the_limit_of_small_losses():
 def test_stiffness_of_a_steel_pin_of_the_literature():
     """207 GPa, 0.3, radii of 10 and 9.5 mm: 6.61e10 N/m^1.5 in papers, 6.6102e10 by hand."""
     assert stiffness_of_spheres(207e9, 0.3, 0.01, 0.0095) == pytest.approx(6.6102e10, rel=1e-5)
+
+
+def test_stiffness_of_a_cylinder_in_a_hole():
+    """By hand of the same steel, 0.5 mm and 20 mm wide: 857 N at 1 µm, 27 891 N at 20 µm."""
+    stiffness, exponent = stiffness_of_cylinders(207e9, 0.3, 5e-4, 0.02)
+    assert stiffness * 1e-6**exponent == pytest.approx(857, rel=1e-3)
+    assert stiffness * 20e-6**exponent == pytest.approx(27891, rel=1e-3)
+    # below 0.35 mm: n = 1.51 ln(100)^−0.151 · 0.1^−0.005
+    _, narrow = stiffness_of_cylinders(207e9, 0.3, 1e-4, 0.02)
+    assert narrow == pytest.approx(1.51 * math.log(100) ** -0.151 * 0.1**-0.005, rel=1e-14)
 
 
 def test_lambert_s_function_solves_the_same_equation():

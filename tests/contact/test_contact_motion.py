@@ -169,3 +169,13 @@ def test_a_contact_that_reaches_far_around_the_pin_is_told(width):
     told = [note for note in found.notes if "to either side" in note]
     assert (half > 20) == (width == 5e-3) == bool(told)
     assert all(f"reaches {half:.0f}° to either side" in note for note in told)
+
+
+def test_energy_is_balanced_with_the_stiffness_of_cylinders():
+    """Its exponent is no multiple of one half, so that powers go through logarithms."""
+    keys = "modulus: 3 GPa, stiffness_model: cylinder, width: 15 mm, dissipation: 1.5 s/m"
+    found = linkages.simulate(engine(f", contact: hunt-crossley-constant, {keys}"), outputs="all")
+    data = found.data
+    assert float(data.clearance_force.max()) > 100.0
+    energy = data.kinetic_energy + data.potential_energy
+    assert float(abs(data.energy_residual).max()) < 1e-9 * float(abs(energy).max())

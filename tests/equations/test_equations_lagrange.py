@@ -62,7 +62,8 @@ clearances:
   gap: {joint: A, bar: rod, size: 5 mm, contact: hunt-crossley-constant, stiffness: 2e3 N/m^1.5,
         dissipation: 1.5 s/m, carries: pin, pin_radius: 8 mm, friction: 0.3, slip: 1 m/s}
   end: {joint: B, bar: rod, size: 1 mm, contact: kelvin-voigt, stiffness: 900 N/m,
-        damping: 20 N*s/m}
+        damping: 20 N*s/m, pin_radius: 6 mm, friction_law: bengisu-akay, friction: 0.2,
+        static: 0.4, slip: 0.5 m/s, stribeck_speed: 2 m/s}
 drives: {crank: {angle: 0.3, speed: 20}}
 loads: [{slider: piston, force: -200}]
 assembly: {B: [0.18, 0]}

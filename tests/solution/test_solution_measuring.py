@@ -43,7 +43,7 @@ def test_extremes_of_a_driven_motion_lie_between_samples(crank):
     assert linkages.measure(crank, "max(piston.position)") == pytest.approx(0.18, rel=1e-12)
     assert linkages.measure(crank, "min(piston.position)") == pytest.approx(0.10, rel=1e-12)
     assert linkages.measure(crank, "stroke(piston.position)") == pytest.approx(0.08, rel=1e-11)
-    # a place is known to a part of a sample in 8^-5
+    # a place is known to a part of a sample in 16^-4
     first = (math.pi - 0.3) / 100
     step = float(crank.data["time"][1])
     found = linkages.measure(crank, "time_of_min(piston.position)")
@@ -51,7 +51,7 @@ def test_extremes_of_a_driven_motion_lie_between_samples(crank):
 
 
 def test_kinks_are_found(crank):
-    # the magnitude of a velocity that changes sign: each look is eight times as close
+    # the magnitude of a velocity that changes sign: each look is sixteen times as close
     least = linkages.measure(crank, "min(abs(piston.velocity))")
     assert 0.0 <= least < 1e-9
 

@@ -21,7 +21,7 @@ class Grown:
     Parameters
     ----------
     state, tangents, angles, time, furthest
-        Where it started.
+        As they were at its start.
     """
 
     def __init__(self, system: LinkageTangents) -> None:

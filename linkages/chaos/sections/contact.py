@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.kernel.outputs import links
+
 if TYPE_CHECKING:
-    import xarray as xr
+    from linkages.solution.solution import Solution
 
 Floats = NDArray[np.float64]
 
@@ -84,12 +86,13 @@ def _zero(time: Floats, force: Floats, index: int) -> float:
     return float(time[index] + share * (time[index + 1] - time[index]))
 
 
-def contact_of(data: xr.Dataset) -> tuple[Contact, ...]:
-    """The check of every clearance whose force a solution's data have."""
+def contact_of(solution: Solution) -> tuple[Contact, ...]:
+    """The check of every massless link whose force a solution has."""
+    data = solution.data
     if "clearance_force" not in data or data.sizes["time"] < 2:
         return ()
-    time = data["time"].to_numpy()
+    time, force = data["time"].to_numpy(), data["clearance_force"]
     return tuple(
-        contact_check(str(name), time, data["clearance_force"].sel(clearance=name).to_numpy())
-        for name in data["clearance"].to_numpy()
+        contact_check(name, time, force.sel(clearance=name).to_numpy())
+        for name in links(solution.system.model)
     )

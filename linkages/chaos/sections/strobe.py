@@ -69,6 +69,59 @@ class Strobe:
         return found if found < len(self.motion.time) else None
 
 
+@dataclass(frozen=True, eq=False)
+class Strobing:
+    """At which times a motion is wanted for the points of a stroboscopic section.
+
+    Parameters
+    ----------
+    system, options
+        What moves, and at which points it is wanted.
+    times
+        All of them in seconds, shape (samples,).
+    wanted, checked
+        Those of points, and those at which forces are looked at.
+    interval
+        Time between two of the latter.
+    """
+
+    system: System
+    options: SectionOptions
+    times: Floats
+    wanted: Floats
+    checked: Floats
+    interval: float
+
+    def taken(self, motion: Motion) -> Strobe:
+        """The points of a motion that was sampled at these times."""
+        points, looks = (
+            np.searchsorted(self.times, asked) for asked in (self.wanted, self.checked)
+        )
+        reached = len(motion.time)
+        return Strobe(
+            system=self.system,
+            motion=motion,
+            points=points[points < reached],
+            checked=looks[looks < reached] if len(self.checked) > 1 else looks[:0],
+            interval=self.interval,
+            wanted=len(self.wanted),
+        )
+
+
+def strobing(system: System, options: SectionOptions, further: tuple[float, ...] = ()) -> Strobing:
+    """The times of a stroboscopic section; arguments as `strobe` has them."""
+    period = common_period(system.mechanism)
+    periods, first = options.periods, options.phase + options.skip
+    parts, lasting = 1, 0
+    if links(system.model):
+        lasting = max(1, periods - 1)  # contact is looked at over a period at least
+        parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
+    wanted = period * (first + np.arange(periods, dtype=np.float64))
+    checked = period * (first + np.arange(lasting * parts + 1) / parts)
+    times = np.unique(np.concatenate([wanted, checked, further]))
+    return Strobing(system, options, times, wanted, checked, period / parts)
+
+
 def strobe(
     system: System,
     options: SectionOptions,
@@ -86,24 +139,6 @@ def strobe(
     further
         Times in seconds at which the motion is wanted as well.
     """
-    period = common_period(system.mechanism)
-    periods, first = options.periods, options.phase + options.skip
-    parts, lasting = 1, 0
-    if links(system.model):
-        lasting = max(1, periods - 1)  # contact is looked at over a period at least
-        parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
-    wanted = period * (first + np.arange(periods, dtype=np.float64))
-    checked = period * (first + np.arange(lasting * parts + 1) / parts)
-    times = np.unique(np.concatenate([wanted, checked, further]))
-    settings = Settings(times=times, run=options, watch=watch)
-    motion = compute_motion(system, settings)
-    points, looks = (np.searchsorted(times, asked) for asked in (wanted, checked))
-    reached = len(motion.time)
-    return Strobe(
-        system=system,
-        motion=motion,
-        points=points[points < reached],
-        checked=looks[looks < reached] if lasting else looks[:0],
-        interval=period / parts,
-        wanted=periods,
-    )
+    plan = strobing(system, options, further)
+    settings = Settings(times=plan.times, run=options, watch=watch)
+    return plan.taken(compute_motion(system, settings))

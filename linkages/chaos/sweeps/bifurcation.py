@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from linkages.chaos.growth.lyapunov import run_exponents
 from linkages.chaos.sections.common_period import NoPeriodError
 from linkages.chaos.sections.section import require_section
-from linkages.chaos.sweeps.continuation import End, crossing_points, stroboscopic_points
+from linkages.chaos.sections.strobe import Strobing
+from linkages.chaos.sweeps.continuation import (
+    End,
+    Visited,
+    crossing_points,
+    strobed,
+    stroboscope,
+    stroboscopic_points,
+)
 from linkages.chaos.sweeps.diagram import Value, answer_of, diagram, value_fields
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
@@ -23,12 +31,15 @@ from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
+from linkages.solution.moving.many import march_many
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
 from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
 from linkages.sweeps.engine import Computed, Ledger, Watch, computed
-from linkages.sweeps.pointwise import refusal_code, stop_code
+from linkages.sweeps.pointwise import SIDE_BY_SIDE, end_when_stopping, refusal_code, stop_code
 from linkages.sweeps.running import Executor, Threads, per_period, stopping
 from linkages.sweeps.store import stored
 
@@ -43,6 +54,9 @@ Floats = NDArray[np.float64]
 
 Point = tuple[int, Mapping[str, object], End | None]
 """Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
+
+Outcome = tuple[Answer, End | None]
+"""What is found at a value, and where its motion ended, if the next one is to go on there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,26 +97,68 @@ class _Request(Question):
         """Points of the section, exponents and forces in clearances."""
         return value_fields(self.first, self.options.periods, self.options.section)
 
+    @property
+    def together(self) -> tuple[int, int]:
+        """Motions go side by side, but for those that are followed to crossings of a section."""
+        return SIDE_BY_SIDE if self.options.section is None else (1, 1)
+
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""
+        _ = self.first  # all points are built upon the same one, wherever they are computed
         size = len(self.axis)
-        return [
-            self.answer((place % size, self.initial[place // size], None))[0]
-            for place in range(first, last)
+        points: list[Point] = [
+            (place % size, self.initial[place // size], None) for place in range(first, last)
         ]
+        if self.options.section is None:
+            return self._strobed(points)
+        return [self.answer(point)[0] for point in points]
 
-    def answer(self, point: Point) -> tuple[Answer, End | None]:
+    def _strobed(self, points: Sequence[Point]) -> list[Answer]:
+        """Points of stroboscopic sections of motions side by side."""
+        found: dict[int, Answer] = {}
+        plans: dict[int, dict[int, Strobing]] = {}
+        ends = self.options.exponent, False
+        for place, point in enumerate(points):
+
+            def begin(place: int = place, point: Point = point) -> Outcome:
+                options = self.options_at(self.at(*point[:2]), self._periods)
+                plan = stroboscope(self.system(point), options, ends)
+                plans.setdefault(len(plan.times), {})[place] = plan
+                return Answer(), None
+
+            found[place], _ = self._attempted(point, begin)
+        for group in plans.values():
+            motions = march_many(
+                [March(plan.system, plan.options) for plan in group.values()],
+                np.stack([plan.times for plan in group.values()]),
+                watch=end_when_stopping,
+            )
+            for (place, plan), motion in zip(group.items(), motions, strict=True):
+                if isinstance(motion, LinkagesError):
+                    found[place] = Answer.of(motion, stop_code(motion))
+                    continue
+                visit = partial(self._visited, points[place], plan, motion)
+                found[place], _ = self._attempted(points[place], visit)
+        return [found[place] for place in range(len(points))]
+
+    def _visited(self, point: Point, plan: Strobing, motion: Motion) -> Outcome:
+        ends = self.options.exponent, False
+        return self._finished(self.at(*point[:2]), strobed(plan, motion, ends))
+
+    def answer(self, point: Point) -> Outcome:
         """What is found at a value, and where its motion ended."""
+        return self._attempted(point, lambda: self._computed(point))
+
+    def _attempted(self, point: Point, task: Callable[[], Outcome]) -> Outcome:
         if stopping():
             raise KeyboardInterrupt
         try:
-            value = self.compute(point)
+            return task()
         except InputError as error:
             overrides = {**self.axis.at(point[0]), **point[1]}
             return Answer.of(error, refusal_code(self.varying, overrides)), None
         except (LinkagesError, ValueError) as error:
             return Answer.of(error, stop_code(error)), None
-        return answer_of(value, self.options.periods), value.visited.last
 
     @cached_property
     def options(self) -> BifurcationOptions:
@@ -140,25 +196,30 @@ class _Request(Question):
             )
         return system
 
-    def compute(self, point: Point) -> Value:
+    def _computed(self, point: Point) -> Outcome:
         """The points of a value, and the exponent of the motion that they belong to."""
         index, overrides, before = point
         mechanism = self.at(index, overrides)
         options = self.options_at(mechanism, self._periods)
         continued = options.start != "same"
         if options.section is None:
-            system = self.system(point)
             ends = options.exponent, continued
-            visited = stroboscopic_points(system, options, ends=ends)
+            visited = stroboscopic_points(self.system(point), options, ends=ends)
         else:
             ends_too = options.exponent or continued
             visited = crossing_points(mechanism, before, options, ends=ends_too)
-        if not options.exponent or visited.refusal is not None or visited.first is None:
-            return Value(visited, refusal=visited.refusal)
-        try:
-            return Value(visited, self._exponent(mechanism, visited.first))
-        except ComputationError as error:
-            return Value(visited, refusal=error)
+        return self._finished(mechanism, visited)
+
+    def _finished(self, mechanism: Mechanism, visited: Visited) -> Outcome:
+        """What a motion visited, and its exponent if that is asked for."""
+        value = Value(visited, refusal=visited.refusal)
+        asked = self.options.exponent and visited.refusal is None
+        if asked and visited.first is not None:
+            try:
+                value = Value(visited, self._exponent(mechanism, visited.first))
+            except ComputationError as error:
+                value = Value(visited, refusal=error)
+        return answer_of(value, self.options.periods), visited.last
 
     @property
     def _periods(self) -> int:

@@ -13,7 +13,7 @@ from linkages.chaos.sections.common_period import NoPeriodError, common_period
 from linkages.chaos.sections.contact_log import contact_values
 from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
 from linkages.chaos.sections.section import section_points
-from linkages.chaos.sections.strobe import strobe
+from linkages.chaos.sections.strobe import Strobing, strobing
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
 from linkages.kernel.outputs import links
@@ -152,22 +152,37 @@ def stroboscopic_points(
     Interrupted
         After Ctrl-C.
     """
+    plan = stroboscope(system, options, ends)
+    motion = compute_motion(system, Settings(times=plan.times, run=options))
+    _require_uninterrupted(motion)
+    return strobed(plan, motion, ends)
+
+
+def stroboscope(system: System, options: SectionOptions, ends: tuple[bool, bool]) -> Strobing:
+    """When a motion is wanted for points of a section and its ends."""
+    asked = zip(_ends_of(system, options), ends, strict=True)
+    return strobing(system, options, tuple(time for time, wanted in asked if wanted))
+
+
+def _ends_of(system: System, options: SectionOptions) -> tuple[float, float]:
+    """Times of whole periods beside the first and the last point."""
     period = common_period(system.mechanism)
     skip, periods, phase = options.skip, options.periods, options.phase
     # without a phase the last point is at a whole period itself
-    wanted = period * skip, period * (skip + periods - (not phase))
-    further = tuple(time for time, asked in zip(wanted, ends, strict=True) if asked)
-    found = strobe(system, options, further=further)
-    motion = found.motion
-    _require_uninterrupted(motion)
-    places = [found.place(time) for time in wanted]
+    return period * skip, period * (skip + periods - (not phase))
+
+
+def strobed(plan: Strobing, motion: Motion, ends: tuple[bool, bool]) -> Visited:
+    """What a motion visited that was sampled as `stroboscope` says."""
+    system, found = plan.system, plan.taken(motion)
+    places = [found.place(time) for time in _ends_of(system, plan.options)]
     first, last = (
         end_of(system, motion, place) if asked and place is not None else None
         for place, asked in zip(places, ends, strict=True)
     )
     names = links(system.model)
     return Visited(
-        values=found.values(options.wrap)
+        values=found.values(plan.options.wrap)
         | (contact_values(found.contacts, names) if names else {}),
         first=first,
         last=last,

@@ -144,7 +144,7 @@ def _report(
     if _smaller(tight, options):
         again = gathering.kept(found.end_again, periods)
         horizon = horizon_between(system, options, solution.motion, again)
-    contact = contact_of(solution.data)
+    contact = contact_of(solution)
     verdict, reasons = certified(
         *_confirmed(found, options, tight), found.evidence.exponents.certificate
     )

@@ -212,7 +212,7 @@ def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
     """What a reader of the table must know: peaks between samples, pins out of their holes."""
     from linkages.chaos.sections.contact import contact_of
 
-    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution.data))]
+    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution))]
     return [text for text in found if text]
 
 

@@ -1,6 +1,6 @@
 """A. S. Carvalho, J. M. Martins, *Mech. Mach. Theory* 138 (2019); made for more than 1/3."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

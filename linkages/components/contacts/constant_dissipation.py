@@ -3,6 +3,6 @@
 It needs no memory of how a contact began, so that following contact has one attractor.
 """
 
-from linkages.components.contributed.contacts import dissipative_law
+from linkages.components.contributed.normal_laws import dissipative_law
 
 LAW = dissipative_law("hunt-crossley-constant")

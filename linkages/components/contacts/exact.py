@@ -3,6 +3,7 @@
 The equation is that of J. Zhang, I. Sharf, *ASME J. Appl. Mech.* 76 (2009), who solve the same one.
 """
 
-from linkages.components.contributed.contacts import factor_for, restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
+from linkages.components.contributed.restitutions import factor_for
 
 LAW = restitution_law("exact", factor_for)

@@ -1,6 +1,6 @@
 """P. Flores et al., *Multibody Syst. Dyn.* 25 (2011) 357."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

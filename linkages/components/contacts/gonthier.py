@@ -1,6 +1,6 @@
 """Y. Gonthier et al., *Multibody Syst. Dyn.* 11 (2004) 209."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

@@ -1,6 +1,6 @@
 """R. G. Herbert, D. C. McWhannell, *J. Eng. Ind.* 99 (1977) 795."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

@@ -1,6 +1,6 @@
 """S. Hu, X. Guo, *Multibody Syst. Dyn.* 35 (2015) 361."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

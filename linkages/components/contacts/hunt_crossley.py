@@ -1,6 +1,6 @@
 """K. H. Hunt, F. R. E. Crossley, *J. Appl. Mech.* 42 (1975) 440."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

@@ -1,5 +1,5 @@
 """A linear spring and damper, whose force jumps at the touch; usual in older work."""
 
-from linkages.components.contributed.contacts import viscous_law
+from linkages.components.contributed.normal_laws import viscous_law
 
 LAW = viscous_law("kelvin-voigt")

@@ -1,6 +1,6 @@
 """H. M. Lankarani, P. E. Nikravesh, *J. Mech. Des.* 112 (1990) 369."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

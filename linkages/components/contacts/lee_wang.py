@@ -1,6 +1,6 @@
 """T. W. Lee, A. C. Wang, *J. Mech. Transm. Autom. Des.* 105 (1983) 534."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

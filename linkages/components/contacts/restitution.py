@@ -1,6 +1,7 @@
 """Rigid bodies: impacts reverse part of the rate (Newton), resting contact is a constraint."""
 
-from linkages.components.contributed.contacts import ContactLaw, RigidContact
+from linkages.components.contributed.contacts import RigidContact
+from linkages.components.contributed.normal_laws import ContactLaw
 
 LAW = ContactLaw(
     "restitution",

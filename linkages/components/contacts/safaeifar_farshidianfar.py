@@ -1,6 +1,6 @@
 """H. Safaeifar, A. Farshidianfar, *Multibody Syst. Dyn.* (2020)."""
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

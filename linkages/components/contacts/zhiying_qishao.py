@@ -2,7 +2,7 @@
 
 import math
 
-from linkages.components.contributed.contacts import restitution_law
+from linkages.components.contributed.normal_laws import restitution_law
 
 
 def _factor(restitution: float) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from linkages.components.contributed.contacts import ContactLaw
 from linkages.components.contributed.law_names import LawName, laws_in
+from linkages.components.contributed.normal_laws import ContactLaw
 
 GROUP = "linkages.components.contacts"
 """Entry points that name laws of contact, and the folder of those of this package."""

@@ -1,24 +1,11 @@
-"""Contact between a pin and its hole: forces as functions of indentation, and what they act on."""
+"""What acts across gaps, as functions of indentation, and between what."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from linkages.components.contributed.functions import (
-    FIRST,
-    Function,
-    Number,
-    Operation,
-    V,
-    X,
-    applied,
-)
+from linkages.components.contributed.functions import Function
 from linkages.components.contributed.terms import Parameter, Path, Play
-
-Numbers = Mapping[str, Parameter]
-"""Keys of a clearance → their numbers."""
 
 
 @dataclass(frozen=True)
@@ -90,109 +77,6 @@ class Film:
 
 Across = NormalForce | RigidContact | Film
 """What acts across a gap."""
-
-
-@dataclass(frozen=True)
-class ContactLaw:
-    """A law of contact as definition files name it.
-
-    Parameters
-    ----------
-    name
-        Value of the key ``contact``.
-    needs, takes
-        Keys of a clearance that it must have, and further ones that it may have.
-    force
-        What acts, from the numbers at these keys.
-    restitution
-        Damping factor χ over wanted restitution, for a law that has one.
-    """
-
-    name: str
-    needs: tuple[str, ...]
-    force: Callable[[Numbers], Across]
-    takes: tuple[str, ...] = ("exponent",)
-    restitution: Callable[[float], float] | None = None
-
-
-def elastic_law(name: str) -> ContactLaw:
-    """K dⁿ."""
-
-    def force(numbers: Numbers) -> NormalForce:
-        elastic, energy, own = elastic_part(numbers)
-        return NormalForce(elastic, elastic, energy, own)
-
-    return ContactLaw(name, ("stiffness",), force)
-
-
-def dissipative_law(name: str) -> ContactLaw:
-    """K dⁿ (1 + a d')."""
-
-    def force(numbers: Numbers) -> NormalForce:
-        elastic, energy, own = elastic_part(numbers)
-        factor = 1.0 + Number(numbers["dissipation"]) * V
-        return NormalForce(elastic * factor, elastic, energy, own, factor)
-
-    return ContactLaw(name, ("stiffness", "dissipation"), force)
-
-
-def restitution_law(name: str, factor: Callable[[float], float]) -> ContactLaw:
-    """K dⁿ (1 + χ d'/d'₀), with the rate d'₀ of the last touch and a factor χ of restitution."""
-
-    def force(numbers: Numbers) -> NormalForce:
-        elastic, energy, own = elastic_part(numbers)
-        damped = 1.0 + Number(numbers["restitution"]) * V / FIRST
-        return NormalForce(elastic * damped, elastic, energy, own, damped, numbers["least_rate"])
-
-    needs = ("stiffness", "restitution")
-    return ContactLaw(name, needs, force, ("exponent", "least_rate"), factor)
-
-
-def viscous_law(name: str) -> ContactLaw:
-    """K d + D d'."""
-
-    def force(numbers: Numbers) -> NormalForce:
-        elastic, energy, own = elastic_part(numbers)
-        total = elastic + Number(numbers["damping"]) * V
-        return NormalForce(total, elastic, energy, own, total)
-
-    return ContactLaw(name, ("stiffness", "damping"), force, ())
-
-
-def film_law(name: str, *, whole: bool) -> ContactLaw:
-    """The film of a short journal bearing."""
-
-    def force(numbers: Numbers) -> Film:
-        return Film(numbers["viscosity"], numbers["width"], whole)
-
-    return ContactLaw(name, ("viscosity", "width"), force, ())
-
-
-def elastic_part(numbers: Numbers) -> tuple[Function, Function, tuple[Parameter, Parameter]]:
-    """Force K dⁿ and energy K dⁿ⁺¹/(n + 1) for d > 0, and their numbers K and n."""
-    stiffness, exponent = numbers["stiffness"], numbers["exponent"]
-    force = Number(stiffness) * raised(exponent)
-    power = 1.0 + (exponent.value if halves(exponent) is not None else Number(exponent))
-    return force, force * X / power, (stiffness, exponent)
-
-
-def halves(exponent: Parameter) -> int | None:
-    """Twice an exponent if that is a whole number: it is structure then."""
-    twice = 2.0 * exponent.value
-    return None if exponent.kept or twice != round(twice) else round(twice)
-
-
-def raised(exponent: Parameter) -> Function:
-    """Xⁿ; roots and products where n is a multiple of one half."""
-    twice = halves(exponent)
-    if twice is None:
-        return Operation("exp", (Number(exponent) * applied("log", X),))
-    whole = None if twice < 2 else X if twice < 4 else X ** (twice // 2)
-    if twice % 2 == 0:
-        assert whole is not None
-        return whole
-    root = applied("sqrt", X)
-    return root if whole is None else whole * root
 
 
 @dataclass(frozen=True)
@@ -307,55 +191,3 @@ class Contact:
 def offset_names(clearance: str) -> tuple[str, str]:
     """What the coordinates of the offset of a clearance are called."""
     return f"{clearance}.x", f"{clearance}.y"
-
-
-def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float) -> float:
-    """K = 4/(3 s) √(R_h R_p/(R_h − R_p)) in N/m^1.5, with s = 2 (1 − ν²)/E for equal materials.
-
-    It is what publications on pins in holes use most, although those touch along a line.
-
-    Parameters
-    ----------
-    modulus, poisson
-        E in Pa and ν, of both.
-    hole, pin
-        Radii in metres.
-    """
-    compliance = 2.0 * (1.0 - poisson**2) / modulus
-    return 4.0 / (3.0 * compliance) * math.sqrt(hole * pin / (hole - pin))
-
-
-def restitution_reached(factor: float) -> float:
-    """What one impact of a free body reaches with K dⁿ (1 + χ d'/d'₀), for every K, n and mass.
-
-    It is the solution e of (1 + χ)/(1 − χ e) = exp(χ (1 + e)), by bisection.
-    """
-    if factor == 0.0:
-        return 1.0
-    return _bisected(lambda e: _balance(factor, e), 0.0, min(1.0, 1.0 / factor))
-
-
-def factor_for(restitution: float) -> float:
-    """The damping factor χ with which an impact reaches a restitution in (0, 1]."""
-    if restitution == 1.0:
-        return 0.0
-    least = 0.75 * (1.0 - restitution**2)  # Lankarani and Nikravesh's, which is too small
-    return _bisected(lambda factor: _balance(factor, restitution), least, 1.0 / restitution)
-
-
-def _balance(factor: float, restitution: float) -> float:
-    """ln((1 + χ)/(1 − χ e)) − χ (1 + e)."""
-    rebound = factor * restitution
-    if rebound >= 1.0:
-        return math.inf
-    return math.log1p(factor) - math.log1p(-rebound) - factor * (1.0 + restitution)
-
-
-def _bisected(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that is negative at `low` and positive at `high` is zero."""
-    while low < (middle := 0.5 * (low + high)) < high:
-        if function(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-    return high

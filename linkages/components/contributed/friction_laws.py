@@ -120,5 +120,7 @@ def beyond(speed: Function) -> Function:
 
 def odd(magnitude: Callable[[Function], Function]) -> Function:
     """The odd function of the slip with this value over its magnitude."""
-    found = magnitude(applied("abs", V))
+    size = applied("abs", V)
+    # while nothing presses the mode of its sign stands still, and so may exponentials overflow
+    found = magnitude(applied("select", size, size, 0))
     return applied("where", V, found, applied("neg", found))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
-from linkages.components.contributed.contacts import Across, ContactLaw
+from linkages.components.contributed.contacts import Across
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -15,6 +15,7 @@ from linkages.components.contributed.friction_laws import (
     friction_problems,
 )
 from linkages.components.contributed.functions import Function
+from linkages.components.contributed.normal_laws import ContactLaw
 from linkages.components.contributed.terms import Parameter
 from linkages.spec import dimensions
 from linkages.spec.dimensions import Bound, Dimension
@@ -106,8 +107,8 @@ class Touching(Component):
     @property
     def stiffness_exponent(self) -> float:
         """The exponent n of the force K·dⁿ."""
-        usual = 1.5 if "exponent" in self.law.takes else 1.0
-        return usual if self.exponent is None else self.exponent
+        usual, given = 1.5 if "exponent" in self.law.takes else 1.0, self.supplied["exponent"]
+        return usual if given is None else given
 
     @property
     def supplied(self) -> dict[str, float | None]:

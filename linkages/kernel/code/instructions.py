@@ -13,6 +13,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping, Sequence
 
+from linkages.kernel.code.lines import Lines
+
 DOUBLE = "double"
 INTEGER = "i64"
 TRUTH = "i1"
@@ -20,8 +22,8 @@ ALIGNMENT = 64
 """Of arrays, in bytes: a line of the cache. Others work as well, and take longer."""
 
 
-class Instructions:
-    """The body of a function, written line by line.
+class Instructions(Lines):
+    """The body of a function: arithmetic, conditions and memory.
 
     Parameters
     ----------
@@ -35,55 +37,17 @@ class Instructions:
     ----------
     number, integer, truth
         Types of operands.
-    block
-        Name of the block that is being written.
-    declared
-        Signature of each function of the outside that is called.
     """
 
     def __init__(self, lanes: int = 1, strides: Mapping[str, int] | None = None) -> None:
+        super().__init__()
         self.lanes = lanes
         self._strides = {f"%{name}": stride for name, stride in (strides or {}).items()}
         self.number, self.integer, self.truth = map(self._each, (DOUBLE, INTEGER, TRUTH))
-        self._reserved: list[str] = []
-        self._lines: list[str] = []
-        self._count = 0
         self._sound, self._status = "", self.whole(0)
-        self.block = "entry"
-        self.declared: dict[str, str] = {}
 
     def _each(self, kind: str) -> str:
         return kind if self.lanes == 1 else f"<{self.lanes} x {kind}>"
-
-    @property
-    def text(self) -> str:
-        """All lines."""
-        return "\n".join(["entry:", *self._reserved, *self._lines]) + "\n"
-
-    def say(self, line: str) -> None:
-        """Write an instruction without a result."""
-        self._lines.append(f"  {line}")
-
-    def give(self, instruction: str) -> str:
-        """Write an instruction; returns the name of its result."""
-        name = self.name()
-        self.say(f"{name} = {instruction}")
-        return name
-
-    def name(self) -> str:
-        """A name for a value that is given later."""
-        self._count += 1
-        return f"%v{self._count - 1}"
-
-    def later(self) -> Callable[[str], None]:
-        """Leave a line open; what is returned writes it."""
-        place = len(self._lines)
-        self._lines.append("")
-
-        def fill(instruction: str) -> None:
-            self._lines[place] = f"  {instruction}"
-
-        return fill
 
     def constant(self, value: float) -> str:
         """A number as an operand, to the last bit."""
@@ -96,20 +60,6 @@ class Instructions:
 
     def _same(self, kind: str, value: str) -> str:
         return value if self.lanes == 1 else f"splat ({kind} {value})"
-
-    def new_label(self, name: str) -> str:
-        """A name for a block that no other has."""
-        self._count += 1
-        return f"{name}{self._count}"
-
-    def begin(self, label: str) -> None:
-        """Go on with a block."""
-        self._lines.append(f"{label}:")
-        self.block = label
-
-    def branch(self, condition: str, yes: str, no: str) -> None:
-        """Go on in one of two blocks, by a condition that is one for all lanes."""
-        self.say(f"br i1 {condition}, label %{yes}, label %{no}")
 
     @property
     def sound(self) -> str:
@@ -274,10 +224,7 @@ class Instructions:
 
     def reserve(self, entries: int) -> str:
         """Address of an array of the function's own; what stands in it at first is unknown."""
-        array = self.name()
-        size = entries * self.lanes
-        self._reserved.append(f"  {array} = alloca {DOUBLE}, i64 {size}, align {ALIGNMENT}")
-        return array
+        return self.first(f"alloca {DOUBLE}, i64 {entries * self.lanes}, align {ALIGNMENT}")
 
     def address(self, array: str, offset: int | str) -> str:
         """Address of an entry of an array."""

@@ -22,7 +22,7 @@ from linkages.kernel.graph.scalars import Level, Scalar, reachable
 from linkages.kernel.model import Model
 from linkages.kernel.numbers.inputs import Inputs
 
-GENERATOR_VERSION = 4
+GENERATOR_VERSION = 5
 
 _DOC = """Equations of motion of one topology; generated, do not edit (generator {}).
 

@@ -1,16 +1,18 @@
 """A film of oil between pin and hole: the pressure in a short journal bearing.
 
 With the offset o of both centres, its rate o′ and the mean ω̄ of both angular speeds, the film is
-squeezed with the velocity w = o′ − ω̄ ẑ×o. Reynolds' equation of a bearing that is short beside its
-diameter, h³/(12 η) ∂²p/∂z² = −w·n at an angle with the direction n where the film of thickness
-h = c − o·n thins, has p = (6 η/h³) (L²/4 − z²) w·n. Over the half on which that is positive, and
-over the whole circle, its integrals are derivatives of ∫ dη/(1 − x cos η − y sin η), which is
-(π + 2 atan(x/Q))/Q and 2π/Q with Q² = 1 − x² − y² [1]_ [2]_.
+squeezed with the velocity w = o′ − ω̄ ẑ×o. In the direction n it is h = c − o·n thick. Reynolds'
+equation of a bearing that is short beside its diameter, h³/(12 η) ∂²p/∂z² = −w·n, has the pressure
+p = (6 η/h³) (L²/4 − z²) w·n. With x and y, what o/c is along w and across it, its integrals over
+the half where it is positive, and over the whole circle, are second derivatives of
+∫ dψ/(1 − x cos ψ − y sin ψ), which is (π + 2 atan(x/Q))/Q and 2π/Q with Q² = 1 − x² − y² [1]_ [2]_.
+Oil is sheared where the film is.
 
 References
 ----------
-.. [1] F. W. Ocvirk, NACA TN 2808 (1952); C. Cryer and others call the half film Gümbel's.
-.. [2] J. F. Booker, *J. Basic Eng.* 87 (1965) 537, who uses the direction of w as well.
+.. [1] F. W. Ocvirk, "Short-bearing approximation for full journal bearings", NACA TN 2808, 1952.
+.. [2] J. F. Booker, "Dynamically loaded journal bearings: mobility method of solution", J. Basic
+   Eng. 87 (1965) 537-546, who looks along w as well.
 """
 
 from __future__ import annotations

@@ -14,10 +14,10 @@ Whole = NDArray[np.int64]
 ALIKE = 1e-9
 """Part by which peaks must differ to be told apart: the first of those alike is given."""
 
-_PARTS = 8
+_PARTS = 16
 """Parts on each side of a place that are looked at; each look is so many times as close."""
 
-_FEWEST, _LOOKS = 5, 12
+_FEWEST, _LOOKS = 4, 9
 """Looks at a smooth peak, which is then found to round-off, and at one with a kink."""
 
 _SETTLED = 1e-12

@@ -21,7 +21,6 @@ from linkages.solvers.loops.commit import (
     margin_outcome,
     outcome_of,
 )
-from linkages.solvers.loops.step_size import CAUTIOUS, SHRINK_BLOCKED, SHRINK_FRESH, first_step
 from linkages.solvers.printed.control import SHRINK_TURNING
 from linkages.solvers.steps.compiled import (
     call_advance,
@@ -35,7 +34,6 @@ from linkages.solvers.steps.compiled import (
 from linkages.solvers.steps.stages import LOWER, status_of
 from linkages.solvers.steps.views import (
     ACCEPTED,
-    ALWAYS,
     BEFORE,
     CARRY,
     END,
@@ -49,10 +47,10 @@ from linkages.solvers.steps.views import (
     LENGTH,
     NEXT_CARRY,
     NOW,
+    PLAIN,
     REJECTED,
     REJECTED_BEFORE,
     REJECTIONS,
-    RTOL,
     SAMPLE,
     SAMPLES,
     SMALLEST_STEP,
@@ -83,6 +81,15 @@ RECORD = TABLE + WORD * len(Table._fields)
 HOOK = RECORD + WORD * len(Record._fields)
 SWITCHING = HOOK + WORD * len(Hook._fields)
 CONTROL = SWITCHING + WORD * len(Switching._fields)
+# A trial that leaves the reach of a block says nothing about how far that block reaches.
+SHRINK_BLOCKED = 0.25
+# Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
+# powers of the step there, whatever the order.
+SHRINK_FRESH = 0.1
+# An estimate of such an error is small by accident now and then, so no step that is far too long
+# must be tried: the first of its kind is so much shorter than smooth equations would allow, and
+# later ones are at most twice as long as the last.
+CAUTIOUS = 3e-4
 # Trials between two looks at whether to stop.
 TICKS = 64
 
@@ -96,27 +103,18 @@ def set_sample(system: System, record: Record) -> None:
 
 
 @compiled
-def first_length(system: System, control: Control, span: float) -> float:
-    """Length of a first step from where the motion is."""
-    pace = floats(system.pace)
-    return first_step(system, pace[T], span, control.order, pace[RTOL], control.atol, control.zeros)
-
-
-@compiled
 def begin_motion(context: int) -> int:
     """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
     system, record = system_at(context), record_at(context + RECORD)
-    control, pace = control_at(context + CONTROL), floats(system.pace)
-    hook, switching = hook_at(context + HOOK), switching_at(context + SWITCHING)
+    pace = floats(system.pace)
+    if pace[PLAIN] != 0.0 and call_step(control_at(context + CONTROL).start, system.frame) == 0:
+        return DONE
     outcome = begin(system, record, pace[T], 0.0)
     if outcome != DONE or pace[T] == pace[END]:
         return outcome
     integers(record.counters)[EVALUATIONS] += 1
-    pace[H] = first_length(system, control, pace[END] - pace[T])
+    call_step(system.first, system.frame)
     pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
-    watched = hook.function != 0 or switching.look != 0 or system.counted > 0
-    watched = watched or record.observer != 0
-    pace[ALWAYS] = 1.0 if watched else 0.0
     set_sample(system, record)
     return outcome
 
@@ -134,9 +132,7 @@ def note_steps(system: System, table: Table, record: Record) -> None:
 
 
 @compiled
-def change_mode(
-    system: System, record: Record, switching: Switching, control: Control, finest: float
-) -> int:
+def change_mode(system: System, record: Record, switching: Switching, finest: float) -> int:
     """Make the change of a mode that was found, and begin anew behind it."""
     pace = floats(system.pace)
     t, left = pace[T], pace[END] - pace[T]
@@ -144,7 +140,8 @@ def change_mode(
     outcome = int(call_hook(switching.change, switching.context, t, forward, t))
     if outcome == DONE and left != 0.0:
         integers(record.counters)[EVALUATIONS] += 1
-        h = first_length(system, control, left)
+        call_step(system.first, system.frame)
+        h = pace[H]
         kind = integers(switching.kind)[0]
         last = floats(switching.first_steps)[kind]
         most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
@@ -155,7 +152,7 @@ def change_mode(
 
 @compiled
 def accept(
-    system: System, table: Table, record: Record, switching: Switching, control: Control,
+    system: System, table: Table, record: Record, switching: Switching,
     h: float, t_end: float, next_carry: float, factor: float, changing: bool,
 ) -> int:  # fmt: skip
     """Make the end of the step in the workspace the start of the next one."""
@@ -170,7 +167,7 @@ def accept(
     pace[T], pace[CARRY], pace[BEFORE] = t_end, next_carry, pace[ERROR]
     pace[TROUBLE] = pace[REJECTED_BEFORE] = pace[FRESH] = 0.0
     if changing and outcome == DONE:
-        outcome = change_mode(system, record, switching, control, finest)
+        outcome = change_mode(system, record, switching, finest)
     set_sample(system, record)
     return outcome
 
@@ -207,7 +204,7 @@ def conclude_step(context: int) -> int:
         record_at(context + RECORD),
     )
     hook, switching = hook_at(context + HOOK), switching_at(context + SWITCHING)
-    control, pace = control_at(context + CONTROL), floats(system.pace)
+    pace = floats(system.pace)
     t, h, t_end, next_carry = pace[FROM], pace[LENGTH], pace[TO], pace[NEXT_CARRY]
     factor, accepted, changing = pace[FACTOR], pace[ACCEPTED] > 0.0, False
     integers(record.counters)[EVALUATIONS] += table.end
@@ -235,14 +232,12 @@ def conclude_step(context: int) -> int:
         pace[TROUBLE] = float(status)
         return reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED)
     if accepted:
-        return accept(
-            system, table, record, switching, control, h, t_end, next_carry, factor, changing
-        )
+        return accept(system, table, record, switching, h, t_end, next_carry, factor, changing)
     return reject(system, record, switching, t, h, t_end, factor)
 
 
 @compiled
-def go_on(context: int) -> int:
+def go_on(context: int, conclude: int) -> int:
     """Make some steps, unless the motion is to stop; returns an `Outcome`."""
     system, table, record = (
         system_at(context),
@@ -259,18 +254,20 @@ def go_on(context: int) -> int:
     note_steps(system, table, record)
     if found & LOWER == 0:
         return DONE
-    return call_step(control.conclude, context)
+    return call_step(conclude, context)
 
 
 @compiled
-def adaptive_steps(context: int) -> int:
+def adaptive_steps(context: int, flagged: int, begin: int, conclude: int) -> int:
     """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
 
     `context` is the address of a `System`, `Table`, `Record`, `Hook`, `Switching` and `Control` in
-    a row. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
+    a row; `flagged` is 1 where printed code has gone on up to a step that is to be finished, and 0
+    at the start. `begin` and `conclude` are addresses of the functions above: lanes call the same
+    machine code. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
     """
-    control, pace = control_at(context + CONTROL), floats(system_at(context).pace)
-    outcome = call_step(control.begin, context)
+    pace = floats(system_at(context).pace)
+    outcome = call_step(begin if flagged == 0 else conclude, context)
     while outcome == DONE and pace[T] != pace[END]:
-        outcome = go_on(context)
+        outcome = go_on(context, conclude)
     return outcome

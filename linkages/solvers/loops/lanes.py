@@ -23,6 +23,7 @@ from linkages.solvers.steps.compiled import call_advance, call_step, compiled, f
 from linkages.solvers.steps.stages import HALF, LOWER
 from linkages.solvers.steps.views import (
     ACTIVE,
+    ALWAYS,
     END,
     NOW,
     PACE,
@@ -67,6 +68,8 @@ def put(lanes: Lanes, lane: int, system: System) -> None:
     spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
     spread(system.pace, lanes.pace, PACE, lane, lanes.lanes)
     spread(integers(system.frame)[TURNS], lanes.turns, system.n, lane, lanes.lanes)
+    if system.counted > 0:  # turns of dependent angles are counted for a motion alone
+        floats(lanes.pace)[ALWAYS * lanes.lanes + lane] = 1.0
 
 
 @compiled
@@ -111,7 +114,7 @@ def refill(lanes: Lanes, lane: int, following: int) -> int:
         system, control = system_at(context), control_at(context + CONTROL)
         integers(lanes.places)[lane] = following
         following += 1
-        outcome = call_step(control.begin, context)
+        outcome = call_step(lanes.begin, context)
         enter(lanes, lane, system, control.atol)
         if outcome != DONE or floats(system.pace)[T] == floats(system.pace)[END]:
             leave(lanes, lane, outcome)
@@ -134,7 +137,7 @@ def conclude(lanes: Lanes, lane: int) -> None:
     take_out(lanes, lane, table_at(context + TABLE).end + 1)
     if integers(system.pace)[STATUS] != 0:  # which a motion alone knows better
         integers(system.pace)[STATUS] = call_step(system.attempt, system.frame)
-    outcome = call_step(control_at(context + CONTROL).conclude, context)
+    outcome = call_step(lanes.conclude, context)
     put(lanes, lane, system)
     if outcome != DONE or pace[T] == pace[END]:
         leave(lanes, lane, outcome)

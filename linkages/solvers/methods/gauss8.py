@@ -36,7 +36,7 @@ class Gauss(Method):
         rows = arrays.workspace(tableau, job.flow, job.state)
         first = len(rows)
         rows = np.concatenate([rows, np.zeros((2 * self.collocation.stages, rows.shape[1]))])
-        system = arrays.system(memory, job, rows, tableau)
+        system = arrays.system(memory, job, rows, arrays.pace(job), VERN9.code(job))
         table = arrays.table(memory, tableau, job.flow)
         record = arrays.record(memory, job, system)
         loop = partial(

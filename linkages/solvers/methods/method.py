@@ -13,11 +13,37 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.job import Job
+from linkages.solvers.outcome import Outcome
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
+from linkages.solvers.steps.views import (
+    EVALUATIONS,
+    NOW,
+    PLAIN,
+    REJECTED,
+    REJECTIONS,
+    STEPS,
+    STOP,
+    TAKEN,
+    Hook,
+    Record,
+    Switching,
+    System,
+    T,
+    Table,
+)
 
-ADAPTIVE_STEPS = Loaded("linkages.solvers.loops.adaptive_steps", "adaptive_steps")
+ADAPTIVE_STEPS, BEGIN_MOTION, CONCLUDE_STEP = (
+    Loaded("linkages.solvers.loops.adaptive_steps", name)
+    for name in ("adaptive_steps", "begin_motion", "conclude_step")
+)
+# Trials between two looks at whether to stop.
+TICKS = 1024
+
 FIXED_STEPS = Loaded("linkages.solvers.loops.fixed_steps", "fixed_steps")
 
 
@@ -83,11 +109,15 @@ class RungeKutta(Method):
         """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
         motion = self.motion(job)
         if job.step is None:
-            loop = partial(ADAPTIVE_STEPS, motion.context)
+            loop = partial(adapted, self.code(job), job, motion)
         else:
             shared = (*motion.words, job.start, job.end)
             loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
         return partial(run, loop, job, motion.rows, motion)
+
+    def code(self, job: Job) -> MachineCode:
+        """The printed steps."""
+        return compiled_step(self.tableau, Shape.of(job.flow, job.tangents), self.memory)
 
     def motion(self, job: Job) -> Motion:
         """What a loop takes of a job."""
@@ -95,8 +125,8 @@ class RungeKutta(Method):
         from linkages.solvers import arrays, hooks
 
         tableau, store = self.tableau, arrays.Memory()
-        rows = arrays.workspace(tableau, job.flow, job.state)
-        system = arrays.system(store, job, rows, tableau, self.memory)
+        rows, pace = arrays.workspace(tableau, job.flow, job.state), arrays.pace(job)
+        system = arrays.system(store, job, rows, pace, self.code(job))
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
         events = hooks.events(store, job)
@@ -104,9 +134,33 @@ class RungeKutta(Method):
         switching = hooks.switching(store, job, events, system, table, record, tableau.c)
         words, context = (system, table, record, hook, switching), 0
         if job.step is None:
-            control = arrays.control(store, job, tableau, self.memory)
+            control = arrays.control(store, job, self.code(job))
             context = store.integers([*chain(*words, control)])
-        return Motion(rows, words, context, store)
+        return Motion(rows, words, context, pace, store)
+
+
+def adapted(code: MachineCode, job: Job, motion: Motion) -> int:
+    """Integrate with steps that follow a tolerance; returns an `Outcome`.
+
+    The loop is compiled where it is needed: printed code has a motion that nothing watches for
+    itself, unless a step needs more than arithmetic.
+    """
+    system, counters, pace, flagged = motion.words[0], job.counters, motion.pace, 0
+    if pace[PLAIN] and code.function("begin")(system.frame) == 0:
+        advance = code.function("advance")
+        while not flagged and pace[T] != job.end:
+            left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
+            if job.control[STOP] or left <= 0:
+                return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
+            flagged = advance(system.frame, min(left, TICKS)) & 1
+            made = pace[[TAKEN, REJECTIONS]].astype(np.int64)
+            counters[[STEPS, REJECTED]] += made
+            counters[EVALUATIONS] += motion.words[1].end * made.sum()
+            pace[[TAKEN, REJECTIONS]] = 0.0
+            job.control[NOW] = pace[T]
+        if not flagged:
+            return Outcome.DONE
+    return ADAPTIVE_STEPS(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
 
 
 class Motion(NamedTuple):
@@ -120,13 +174,16 @@ class Motion(NamedTuple):
         A `System`, `Table`, `Record`, `Hook` and `Switching` of `linkages.solvers.steps.views`.
     context
         Address of the same and a `Control` behind them, for adaptive steps; 0 for others.
+    pace
+        How it goes on; see `linkages.solvers.steps.views`.
     memory
         Keeps everything alive.
     """
 
     rows: NDArray[np.float64]
-    words: tuple[tuple[int, ...], ...]
+    words: tuple[System, Table, Record, Hook, Switching]
     context: int
+    pace: NDArray[np.float64]
     memory: object
 
 

@@ -1,8 +1,9 @@
 """Steps one after the other, written out, until one of them needs more than arithmetic.
 
-A lane whose step does raises its flag with its state unchanged: where a sample lies within the
-step, something watches every step, a singular position may lie ahead, a block cannot be assembled,
-or the step has become too small. That step is finished by the loop of the motion itself.
+A lane whose step does raises its flag with its state unchanged: where something watches the motion,
+a singular position may lie ahead, a block cannot be assembled, or the step has become too small. Of
+several lanes, one with a sample within its step does so, too. That step is finished by the loop of
+the motion itself.
 """
 
 from __future__ import annotations
@@ -13,7 +14,17 @@ from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, Loop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
-from linkages.solvers.printed.shape import Memory, Shape, fold, larger, set_whole, whole_row
+from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
+from linkages.solvers.printed.shape import (
+    Memory,
+    Shape,
+    fold,
+    larger,
+    set_whole,
+    smaller,
+    whole_row,
+)
+from linkages.solvers.printed.stages import wrap
 from linkages.solvers.steps.views import (
     ACCEPTED,
     ACTIVE,
@@ -25,24 +36,27 @@ from linkages.solvers.steps.views import (
     FACTOR,
     FIRST,
     FROM,
+    LARGEST_STATE,
     LENGTH,
     NEXT_CARRY,
+    PLAIN,
     REJECTED_BEFORE,
     REJECTIONS,
+    RTOL,
     SAMPLE,
     SMALLEST_STEP,
     STATUS,
     TAKEN,
     TO,
     TROUBLE,
-    TWO_PI,
-    TWO_PI_TAIL,
     H,
     T,
 )
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1
+# Part of the shortest tangent that the error of a step may amount to, with room for round-off.
+MOST_DOUBT = 0.9e-3
 
 
 class Trial(NamedTuple):
@@ -84,16 +98,20 @@ class Advance:
         accepted = code.all_of([sound, judged.accepted])
         active = self._above(ACTIVE)
         flagged = code.all_of([active, self._needs_more(trial, judged, sound, accepted)])
+        sampled = code.all_of([active, self._is_sampled(trial), accepted])
         set_whole(code, status, memory["pace"], STATUS)
         memory.set_pace(judged.error, ERROR)
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
+        flagged = self._sample(sampled, flagged)
         goes_on = code.all_of([active, code.opposite(flagged)])
         self._go_on(trial, judged, accepted, goes_on)
         (tick,) = loop.values
         following = code.give(f"add i64 {tick}, 1")
         more = code.give(f"icmp ult i64 {following}, %ticks")
-        calm = code.give(f"xor i1 {code.in_any_lane(flagged)}, true")
+        ended = code.compare("oeq", memory.pace(T), memory.pace(END))
+        halts = code.any_of(flagged, code.all_of([active, ended]))
+        calm = code.give(f"xor i1 {code.in_any_lane(halts)}, true")
         loop.repeat(code.give(f"and i1 {more}, {calm}"), [following])
         bits = flagged
         if code.lanes > 1:
@@ -139,15 +157,36 @@ class Advance:
 
     def _needs_more(self, trial: Trial, judged: Judged, sound: str, accepted: str) -> str:
         """In which lanes the step must be finished elsewhere."""
-        code, memory = self._code, self._memory
-        left = code.subtract(trial.end, memory.pace(SAMPLE))
-        left = code.select(trial.forward, left, code.negate(left))
-        sampled = code.compare("oge", left, code.constant(0.0))
-        special = code.any_of(sampled, self._margins_fall(trial))
+        code = self._code
+        special = code.any_of(self._margins_fall(trial), self._tangents_fade())
         shorter = code.absolute(code.multiply(trial.h, judged.factor))
         small = code.compare("olt", shorter, trial.finest)
         found = code.select(accepted, special, small, code.truth)
         return code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
+
+    def _is_sampled(self, trial: Trial) -> str:
+        """In which lanes a sample lies within the step."""
+        code = self._code
+        left = code.subtract(trial.end, self._memory.pace(SAMPLE))
+        left = code.select(trial.forward, left, code.negate(left))
+        return code.compare("oge", left, code.constant(0.0))
+
+    def _sample(self, sampled: str, flagged: str) -> str:
+        """Take samples of a single motion that nobody watches; others raise their flag."""
+        code = self._code
+        if code.lanes > 1:
+            return code.any_of(sampled, flagged)
+        own = code.all_of([sampled, code.opposite(flagged), self._above(PLAIN)])
+        elsewhere = code.all_of([sampled, code.opposite(own)])
+        take, on, before = code.new_label("take"), code.new_label("on"), code.block
+        code.branch(own, take, on)
+        code.begin(take)
+        status = code.give("call i64 @samples(ptr %frame)")
+        failed = code.give(f"icmp ne i64 {status}, 0")
+        code.say(f"br label %{on}")
+        code.begin(on)
+        refused = code.give(f"phi i1 [ false, %{before} ], [ {failed}, %{take} ]")
+        return code.any_of(code.any_of(flagged, elsewhere), refused)
 
     def _margins_fall(self, trial: Trial) -> str:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""
@@ -175,6 +214,33 @@ class Advance:
 
         (found,) = fold(code, shape.blocks, [zero], block)
         return code.compare("ogt", found, zero)
+
+    def _tangents_fade(self) -> str:
+        """Whether errors of steps may come to show in the shortest tangent at the end.
+
+        Only what watches tangents knows; those that must be made orthogonal for it raise a flag
+        anyway.
+        """
+        code, memory, shape = self._code, self._memory, self._shape
+        columns, size = shape.tangents
+        end, zero = memory.row(self._tableau.stages), code.constant(0.0)
+        least, longest = code.constant(LARGEST_STATE), zero
+        for column in range(columns):
+            first, square = shape.n - (columns - column) * size, zero
+            for place in (
+                *range(first, first + size),
+                *range(shape.n + first, shape.n + first + size),
+            ):
+                value = code.load(end, place)
+                square = code.fused(value, value, square)
+            least, longest = smaller(code, least, square), larger(code, longest, square)
+        if not columns:
+            return code.compare("ogt", zero, zero)
+        rtol, atol = memory.pace(RTOL), code.load(memory["atol"], 2 * shape.n - 1)
+        doubt = larger(
+            code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
+        )
+        return code.compare("ogt", doubt, code.multiply(code.constant(MOST_DOUBT**2), least))
 
     def _go_on(self, trial: Trial, judged: Judged, accepted: str, goes_on: str) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""
@@ -204,6 +270,8 @@ class Advance:
         """Copy the end of the step into row 0, in some lanes; see `commit.commit`."""
         code, memory, shape = self._code, self._memory, self._shape
         start, end = memory.row(0), memory.row(self._tableau.stages)
+        if code.lanes == 1 and shape.counted:
+            self._count_turns(where, end)
 
         def entry(i: int | str, _: list[str]) -> list[str]:
             code.store(code.select(where, code.load(end, i), code.load(start, i)), start, i)
@@ -217,20 +285,16 @@ class Advance:
                 code.store(code.select(where, value, code.load(start, place)), start, place)
         for i in range(shape.n):
             if shape.rotates[i]:
-                self._wrap(where, start, i)
+                wrap(code, start, i, memory["turns"], where)
 
-    def _wrap(self, where: str, start: str, i: int) -> None:
-        """Bring a coordinate within one turn; see `turns.wrap_angles`."""
-        code, memory = self._code, self._memory
-        angle = code.load(start, i)
-        beyond = code.compare("ogt", code.absolute(angle), code.constant(TWO_PI / 2))
-        beyond = code.all_of([where, beyond])
-        turns = code.call("llvm.rint", code.divide(angle, code.constant(TWO_PI)))
-        turns = code.select(beyond, turns, code.constant(0.0))
-        back = code.negate(turns)
-        within = code.fused(back, code.constant(TWO_PI), angle)
-        within = code.fused(back, code.constant(TWO_PI_TAIL), within)
-        code.store(code.select(beyond, within, angle), start, i)
-        whole = code.give(f"fptosi {code.number} {turns} to {code.integer}")
-        before = whole_row(code, memory["turns"], i)
-        set_whole(code, code.on_integers("add", before, whole), memory["turns"], i)
+    def _count_turns(self, where: str, end: str) -> None:
+        """Take dependent angles at the end of a committed step of a single motion."""
+        code, memory, shape = self._code, self._memory, self._shape
+        count, on = code.new_label("count"), code.new_label("on")
+        code.branch(where, count, on)
+        code.begin(count)
+        weights = end_weights(code, self._tableau)
+        write_expected(code, shape, memory, memory.pace(LENGTH), weights)
+        write_counted(code, shape, memory, end, memory["angles"])
+        code.say(f"br label %{on}")
+        code.begin(on)

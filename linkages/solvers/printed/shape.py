@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, Loop
 from linkages.solvers.flow import Flow
+from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.steps.views import FRAME
 
 UNROLLED = 16
@@ -15,23 +16,31 @@ UNROLLED = 16
 
 @dataclass(frozen=True)
 class Shape:
-    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`."""
+    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`.
+
+    The last of the n coordinates are those of tangents, so many of so many entries.
+    """
 
     n: int
     blocks: int
     first_carried: int
     carried: int
+    counted: int
     width: int
     rotates: tuple[bool, ...]
+    tangents: tuple[int, int] = (0, 0)
 
     @classmethod
-    def of(cls, flow: Flow) -> Shape:
-        """That of a flow."""
+    def of(cls, flow: Flow, tangents: Renormalisation | None = None) -> Shape:
+        """That of a flow, and of tangents that are looked at one by one."""
+        alone = tangents is not None and (tangents.columns == 1 or not tangents.orthogonal)
         return cls(
+            tangents=(tangents.columns, tangents.size) if tangents and alone else (0, 0),
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,
             carried=flow.carried,
+            counted=flow.counted,
             width=2 * flow.coordinates + flow.written,
             rotates=tuple(bool(rotates) for rotates in flow.rotates),
         )
@@ -45,6 +54,11 @@ class Shape:
     def settled(self) -> int:
         """Place of what was found of coordinates that are carried along; its rates follow."""
         return 3 * self.n + 2 * self.blocks
+
+    @property
+    def cosines(self) -> int:
+        """Place of the cosines of dependent angles; sines and speeds follow."""
+        return self.settled + 2 * self.carried
 
 
 class Memory:

@@ -7,7 +7,15 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.printed.shape import Memory, Shape, call_clock, call_rates, fold
+from linkages.solvers.printed.shape import (
+    Memory,
+    Shape,
+    call_clock,
+    call_rates,
+    fold,
+    set_whole,
+    whole_row,
+)
 from linkages.solvers.steps.views import (
     FROM,
     LARGEST_ANGLE,
@@ -15,6 +23,8 @@ from linkages.solvers.steps.views import (
     LENGTH,
     NOT_FINITE,
     TO,
+    TWO_PI,
+    TWO_PI_TAIL,
 )
 
 KEEP, NODE, STEP_END = range(3)
@@ -98,24 +108,46 @@ class Stages:
 
     def _sound(self, status: str) -> str:
         """Statuses with that of ends which are not numbers that a motion can have."""
-        code, shape, end = self._code, self._shape, self._memory.row(self._end)
-        one = code.constant(1.0)
-
-        def entry(i: int | str, values: list[str]) -> list[str]:
-            # Written so that nan, which compares false with everything, is caught.
-            limit = code.constant(LARGEST_STATE)
-            fine = code.compare("olt", code.absolute(code.load(end, i)), limit)
-            return [code.select(fine, values[0], code.constant(0.0))]
-
-        (sound,) = fold(code, 3 * shape.n, [one], entry)
-        fine = code.compare("oeq", sound, one)
-        for i in range(shape.n):
-            if shape.rotates[i]:
-                angle = code.absolute(code.load(end, i))
-                near = code.compare("ole", angle, code.constant(LARGEST_ANGLE))
-                fine = code.all_of([fine, near])
+        code, shape = self._code, self._shape
+        fine = is_sound(code, shape, self._memory.row(self._end), 3 * shape.n)
         found = code.select(fine, code.whole(0), code.whole(NOT_FINITE), code.integer)
         return self._met(status, found, 0)
+
+
+def is_sound(code: Instructions, shape: Shape, row: str, columns: int) -> str:
+    """Whether the first columns of a row are numbers that a motion can have."""
+    one = code.constant(1.0)
+
+    def entry(i: int | str, values: list[str]) -> list[str]:
+        # Written so that nan, which compares false with everything, is caught.
+        fine = code.compare("olt", code.absolute(code.load(row, i)), code.constant(LARGEST_STATE))
+        return [code.select(fine, values[0], code.constant(0.0))]
+
+    (sound,) = fold(code, columns, [one], entry)
+    fine = code.compare("oeq", sound, one)
+    for i in range(shape.n):
+        if shape.rotates[i]:
+            near = code.compare(
+                "ole", code.absolute(code.load(row, i)), code.constant(LARGEST_ANGLE)
+            )
+            fine = code.all_of([fine, near])
+    return fine
+
+
+def wrap(code: Instructions, angles: str, i: int, turns: str, where: str | None = None) -> None:
+    """Bring an angle within one turn, in some lanes; see `turns.wrap_angles`."""
+    angle = code.load(angles, i)
+    beyond = code.compare("ogt", code.absolute(angle), code.constant(TWO_PI / 2))
+    if where is not None:
+        beyond = code.all_of([where, beyond])
+    taken = code.call("llvm.rint", code.divide(angle, code.constant(TWO_PI)))
+    taken = code.select(beyond, taken, code.constant(0.0))
+    back = code.negate(taken)
+    within = code.fused(back, code.constant(TWO_PI), angle)
+    within = code.fused(back, code.constant(TWO_PI_TAIL), within)
+    code.store(code.select(beyond, within, angle), angles, i)
+    whole = code.give(f"fptosi {code.number} {taken} to {code.integer}")
+    set_whole(code, code.on_integers("add", whole_row(code, turns, i), whole), turns, i)
 
 
 def clocks(tableau: Tableau) -> NDArray[np.int64]:

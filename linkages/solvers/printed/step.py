@@ -13,6 +13,13 @@ from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.advance import Advance
+from linkages.solvers.printed.samples import (
+    write_begin,
+    write_first,
+    write_interpolation,
+    write_sample,
+    write_samples,
+)
 from linkages.solvers.printed.shape import Memory, Shape, set_whole
 from linkages.solvers.printed.stages import Stages
 from linkages.solvers.steps.views import STATUS
@@ -50,11 +57,32 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
             set_whole(code, status, memory["pace"], STATUS)
             code.say("ret void")
             module.define(f"internal void @{name}(ptr %frame)", code)
+    if lanes == 1:
+        _single(module, tableau, shape)
     if tableau.error.size:
         code = module.instructions()
         Advance(code, tableau, shape, gain).write()
         module.define("i64 @advance(ptr %frame, i64 %ticks)", code)
     return module.text
+
+
+def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
+    """What a single motion has beside its steps."""
+    code = module.instructions()
+    write_interpolation(code, tableau, shape)
+    module.define("i64 @interpolate(ptr %frame)", code)
+    code = module.instructions()
+    write_first(code, shape, tableau.error_order)
+    module.define("i64 @first(ptr %frame)", code)
+    code = module.instructions()
+    write_sample(code, shape)
+    module.define("internal i64 @sample(ptr %frame, ptr %row)", code)
+    code = module.instructions()
+    write_samples(code, tableau, shape)
+    module.define("internal i64 @samples(ptr %frame)", code)
+    code = module.instructions()
+    write_begin(code, shape)
+    module.define("i64 @begin(ptr %frame)", code)
 
 
 @lru_cache(maxsize=256)

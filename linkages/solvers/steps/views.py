@@ -42,6 +42,8 @@ class System(NamedTuple):
     pace: int  # of 8-byte entries: see FROM and those behind it
     attempt: int  # of the printed step: see `linkages.solvers.printed.step`
     further: int
+    interpolate: int
+    first: int
 
 
 class Table(NamedTuple):
@@ -65,11 +67,8 @@ class Control(NamedTuple):
     """How the steps of a motion follow its tolerance; numbers stand in the pace."""
 
     advance: int  # address of the printed function that makes steps
-    begin: int  # of the functions of `loops.adaptive_steps` that start a motion
-    conclude: int  # and finish a step that needs more than arithmetic
+    start: int  # and of that which begins a motion that nothing watches
     atol: int  # (2n,) of float64
-    zeros: int  # (2n,) of float64
-    order: int  # of the error estimate
     budget: int  # number of steps
 
 
@@ -90,6 +89,8 @@ class Lanes(NamedTuple):
     turns: int
     size: int  # number of parameters
     advance: int  # address of the printed function that makes steps
+    begin: int  # of the functions of `loops.adaptive_steps` that begin a motion
+    conclude: int  # and finish a step that needs more than arithmetic
     motions: int  # (number,) of int64: their contexts, see `adaptive_steps`
     number: int  # of motions
     outcomes: int  # (number,) of int64
@@ -247,8 +248,13 @@ SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, and whether to stop.
 NOW, STOP = range(2)
 # Arrays of a frame.
+# Those of a single motion alone.
+SINGLE = (
+    "counters", "times", "states", "sampled_turns", "accelerations", "angles", "ahead", "sampled",
+)  # fmt: skip
 FRAME = (
     "clock", "rates", "parameters", "timed", "rows", "pace", "atol", "scale", "smallest", "turns",
+    *SINGLE,
 )  # fmt: skip
 TURNS = FRAME.index("turns")
 # Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
@@ -267,7 +273,10 @@ TROUBLE, FRESH, KIND = range(16, 19)
 # Whether every step is watched, whether the lane is in use, relative tolerance, and steps made and
 # rejected that are not counted yet.
 ALWAYS, ACTIVE, RTOL, TAKEN, REJECTIONS = range(19, 24)
-PACE = 24
+# Whether nothing watches the motion, so that printed code takes its samples; at which fraction of a
+# step the state is interpolated.
+PLAIN, THETA = range(24, 26)
+PACE = 26
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 NOT_FINITE = -1

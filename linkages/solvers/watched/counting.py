@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from linkages.solvers.steps.compiled import compiled, floats, integers
+from linkages.solvers.steps.compiled import compiled, floats, fused, integers
 from linkages.solvers.steps.stages import address_of
 from linkages.solvers.steps.views import TWO_PI, Nodes, Record, System, Table
 
@@ -27,7 +27,7 @@ def counted_angle(system: System, record: Record, row: int, i: int) -> float:
     """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
     values, first = floats(address_of(system, row)), first_cosine(system)
     angle = math.atan2(values[first + system.counted + i], values[first + i])
-    return angle + TWO_PI * np.rint((floats(record.ahead)[i] - angle) / TWO_PI)
+    return fused(TWO_PI, np.rint((floats(record.ahead)[i] - angle) / TWO_PI), angle)
 
 
 @compiled

@@ -82,7 +82,7 @@ def dense_value(
     theta: float,
 ) -> float:
     """Function of an event, less its level, by the dense output at a fraction of a step."""
-    interpolate(system, table, h, theta)
+    interpolate(system, h, theta)
     return value(system, events, record, event, table.rows, t + theta * h)
 
 

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import compiled, floats, integers
+from linkages.solvers.steps.compiled import call_step, compiled, floats, integers
 from linkages.solvers.steps.stages import address_of, evaluate, further_stages, set_clock
 from linkages.solvers.steps.turns import wrap_angles
-from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Table
+from linkages.solvers.steps.views import (
+    EVALUATIONS,
+    LENGTH,
+    SAMPLES,
+    THETA,
+    WORD,
+    Record,
+    System,
+    Table,
+)
 from linkages.solvers.watched.counting import counted_angle, expect_between, expect_end
 
 # Relative to a fixed step, below this distance a sample time is meant to be the step's end.
@@ -32,21 +41,10 @@ def write_sample(system: System, record: Record, row: int) -> None:
 
 
 @compiled
-def interpolate(system: System, table: Table, h: float, theta: float) -> None:
+def interpolate(system: System, h: float, theta: float) -> None:
     """Write the state at the fraction theta of a step into the last row, by the dense output."""
-    n, width, degree = system.n, system.width, table.degree
-    rows, dense = floats(system.rows), floats(table.dense)
-    target = floats(address_of(system, table.rows))
-    for i in range(2 * n):
-        target[i] = 0.0
-    for j in range(table.rows):
-        weight = 0.0
-        for power in range(degree - 1, -1, -1):
-            weight = (weight + dense[j * degree + power]) * theta
-        for i in range(2 * n):
-            target[i] += weight * rows[j * width + n + i]
-    for i in range(2 * n):
-        target[i] = rows[i] + h * target[i]
+    floats(system.pace)[LENGTH], floats(system.pace)[THETA] = h, theta
+    call_step(system.interpolate, system.frame)
 
 
 @compiled
@@ -77,7 +75,7 @@ def sample_between(
                 return status
             more = 0
         theta = min((time - t) / h, 1.0)
-        interpolate(system, table, h, theta)
+        interpolate(system, h, theta)
         counters[EVALUATIONS] += 1
         status = set_clock(system, time)
         if status == 0:

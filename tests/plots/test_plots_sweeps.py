@@ -1,0 +1,53 @@
+"""Figures of sweeps: a curve, a band, an image or a histogram, by what is varied."""
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.plots.sweeps import figure
+
+ROD, CRANK = "bars.rod.length", "bars.crank.length"
+GRID = {ROD: ["130 mm", "140 mm", "150 mm"], CRANK: ["38 mm", "40 mm"]}
+
+
+def swept(over, **how):
+    mechanism = linkages.load("slider-crank")
+    measure = {"stroke": "stroke(piston.position)"}
+    return linkages.sweep(mechanism, over, measure, samples=51, **how)
+
+
+def test_one_axis_is_a_curve():
+    data = swept({CRANK: GRID[CRANK]})
+    (ax,) = figure(data, "stroke").axes
+    (line,) = ax.lines
+    assert line.get_xdata().tolist() == [38, 40]
+    # twice the crank, known to round-off
+    assert line.get_ydata() == pytest.approx([0.076, 0.08], rel=1e-9)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", "stroke [m]")
+
+
+def test_two_axes_are_an_image():
+    data = swept(GRID)
+    ax, bar = figure(data, "stroke").axes
+    (image,) = ax.collections
+    assert image.get_array().shape == (3, 2)
+    assert np.array_equal(image.get_array(), data.stroke)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", f"{ROD} [mm]")
+    assert bar.get_ylabel() == "stroke [m]"
+
+
+def test_draws_are_counted_and_along_an_axis_a_band():
+    drawn = {CRANK: "normal(40 mm, 0.1 mm)"}
+    data = swept(drawn, draws=64)
+    (ax,) = figure(data, "stroke").axes
+    assert sum(patch.get_height() for patch in ax.patches) == 64
+    data = swept({ROD: GRID[ROD], **drawn}, draws=64)
+    (ax,) = figure(data, "stroke").axes
+    (line,) = ax.lines
+    assert np.array_equal(line.get_ydata(), data.stroke.median("draw"))
+    assert len(ax.collections) == 1
+
+
+def test_nothing_is_drawn_of_nothing_or_of_more_than_two_axes():
+    assert figure(swept({ROD: [0.01, 0.02]}), "stroke") is None
+    assert figure(swept({**GRID, "bars.rod.mass": [0.4, 0.5]}), "stroke") is None

@@ -229,6 +229,9 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         loses=int(own is not None and own.closes),
         seen=memory.integers(np.zeros(1)),
         lengths=memory.floats(job.lengths),
+        grown=memory.floats(job.grown),
+        copy=memory.floats(np.zeros(2 * job.tangents.columns * job.tangents.size)),
+        tolerances=memory.floats([job.rtol, job.atol[-1]]),
         memories=0 if own is None else len(own.owners),
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )

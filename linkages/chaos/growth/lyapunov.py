@@ -12,7 +12,6 @@ import numpy as np
 from linkages.chaos.growth.certificate import certificate, samples_within
 from linkages.chaos.growth.exponents import (
     FEWEST_INTERVALS,
-    FURTHEST_APART,
     Exponents,
     lyapunov_spectrum,
 )
@@ -38,11 +37,8 @@ from linkages.solution.options import options_of
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_RUNS = 4
-"""Runs with shorter and shorter intervals."""
-
 PARTS = 4
-"""Intervals within a period, more if tangents come too far apart within one."""
+"""Intervals within a period."""
 
 
 @takes(ExponentOptions)
@@ -171,49 +167,25 @@ def run_exponents(
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")
     length = options.interval or characteristic_period(system.mechanism)
 
-    def run(parts: int) -> Exponents:
-        if log is not None:
-            log.restart(since=system.time + skip * length)
-        needed = samples_needed(system, periods * parts) if columns == whole else 0
-        tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
-
-        def certify(exponents: Exponents) -> tuple[Invariant, ...]:
-            return certificate(tangents, exponents, skip * parts)
-
-        found = lyapunov_spectrum(
-            tangents,
-            intervals=periods * parts,
-            interval=length / parts,
-            count=columns,
-            skip=skip * parts,
-            certify=certify if columns == whole else None,
-            watch=watch,
-        )
-        return replace(found, touch=tangents.slowest)
-
     parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
-    return run(parts) if options.interval is not None else resolved(run, parts)
+    if log is not None:
+        log.restart(since=system.time + skip * length)
+    needed = samples_needed(system, periods * parts) if columns == whole else 0
+    tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
 
+    def certify(exponents: Exponents) -> tuple[Invariant, ...]:
+        return certificate(tangents, exponents, skip * parts)
 
-def resolved(run: Callable[[int], Exponents], parts: int) -> Exponents:
-    """Exponents with intervals short enough for all tangents.
-
-    Parameters
-    ----------
-    run
-        Computes them with so many intervals within a period.
-    parts
-        How many to begin with.
-    """
-    most = math.log(FURTHEST_APART)
-    found = run(parts)
-    for _ in range(MOST_RUNS - 1):
-        if found.apart <= most:
-            break
-        # round-off hides how far tangents shrink, so that one more run may not be enough
-        parts *= math.ceil(2 * found.apart / most)
-        found = run(parts)
-    return found
+    found = lyapunov_spectrum(
+        tangents,
+        intervals=periods * parts,
+        interval=length / parts,
+        count=columns,
+        skip=skip * parts,
+        certify=certify if columns == whole else None,
+        watch=watch,
+    )
+    return replace(found, touch=tangents.slowest)
 
 
 def samples_needed(system: System, intervals: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -99,6 +100,11 @@ class LinkageTangents:
     def time(self) -> float:
         """Seconds."""
         return self.march.time
+
+    @property
+    def furthest(self) -> float:
+        """Any ratio of lengths: steps bring tangents back before errors show in the shortest."""
+        return math.inf
 
     @property
     def tolerance(self) -> float:

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
 from linkages.chaos.sections.free_states import PAIRS, free_names
+from linkages.chaos.sections.touches import VARIABLES as TOUCHES
+from linkages.chaos.sections.touches import touch_variables
 from linkages.chaos.sweeps.continuation import Visited
 from linkages.chaos.sweeps.map_data import longest
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
+from linkages.solution.values.surface import parse_section
 from linkages.sweeps.answers import CODES, Answer, Arrays, Field, reasons
 from linkages.sweeps.pointwise import stop_code
 from linkages.sweeps.running import reason_of
@@ -47,8 +50,9 @@ class Value:
     refusal: ComputationError | None = None
 
 
-def value_fields(system: System, points: int) -> dict[str, Field]:
+def value_fields(system: System, points: int, section: str | None) -> dict[str, Field]:
     """What is found at a value: at most so many points, and what goes with them."""
+    touching = section is not None and parse_section(system, section).touch
     clearances = (len(links(system.model)),)
     return {
         **{
@@ -56,6 +60,7 @@ def value_fields(system: System, points: int) -> dict[str, Field]:
             for dim, elements in free_names(system).items()
             for output in PAIRS[dim]
         },
+        **{name: Field(shape=(points, 1)) for name in TOUCHES if touching},
         "exponent": Field(), "error": Field(), "warning": Field("U"), "interval": Field(),
         **{name: Field(shape=clearances) for name in CONTACT},
     }  # fmt: skip
@@ -117,6 +122,10 @@ def diagram(
             entry = VARIABLES[output]
             attrs = {"units": entry.units, "long_name": entry.long_name}
             variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
+    # some sections and mechanisms have no phase or direction
+    touches = {name: grid[name] for name in TOUCHES if name in grid}
+    touches = {name: values for name, values in touches.items() if np.isfinite(values).any()}
+    variables |= touch_variables(touches, str(attributes["section"]), (*dims, "crossing"))
     if exponent:
         for name, text in (
             ("exponent", "largest Lyapunov exponent"),

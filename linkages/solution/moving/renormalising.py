@@ -26,14 +26,18 @@ class Renormalised:
     def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
         self._every, self._orthogonal = every, orthogonal
         self._seen = 0
+        self._grown: Floats | None = None
         self._lengths: list[Floats] = []
         self._tangents: list[Floats] = []
 
     def plan(self, layout: Layout) -> Renormalisation:
         """What the next integration is to do with its tangents."""
+        if self._grown is None:
+            self._grown = np.zeros(layout.tangents)
         return Renormalisation(
             size=len(layout.free),
             columns=layout.tangents,
+            grown=self._grown,
             every=self._every,
             offset=self._seen % self._every,
             orthogonal=self._orthogonal,
@@ -42,6 +46,7 @@ class Renormalised:
     def add(self, trajectory: Trajectory, layout: Layout) -> None:
         """Take what an integration did."""
         self._lengths.append(trajectory.lengths)
+        self._grown = trajectory.grown
         first = self._every - 1 - self._seen % self._every
         self._tangents.append(trajectory.state[first :: self._every, layout.tangent_rows])
         self._seen += len(trajectory.time)
@@ -60,7 +65,8 @@ class Renormalised:
         -------
         What tangents at its end are multiplied by, shape (k, k).
         """
-        lengths, tangents, factor = self.plan(layout).undone(samples)
+        plan = self.plan(layout)
+        lengths, tangents, factor = plan.undone(samples, plan.grown)
         self._lengths.append(lengths)
         self._tangents.append(tangents)
         self._seen += len(samples)

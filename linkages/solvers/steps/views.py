@@ -206,6 +206,9 @@ class Tangents(NamedTuple):
     loses: int  # 0 or 1: whether contacts that close take tangents away
     seen: int  # (1,) of int64: samples that are done
     lengths: int  # (times, columns) of float64: logarithms of lengths before
+    grown: int  # (columns,) of float64: those since the last of these times
+    copy: int  # (2·columns·size,) of float64: room for tangents
+    tolerances: int  # (2,) of float64: relative and absolute
     memories: int  # number of what is remembered
     moved: int  # (columns, memories) of float64: its tangents
 

@@ -33,7 +33,7 @@ def write_counted(code: Instructions, shape: Shape, memory: Memory, row: str, in
     turn = code.constant(TWO_PI)
     for i in range(shape.counted):
         sine = code.load(cosines, shape.counted + i)
-        angle = code.call("atan2", sine, code.load(cosines, i))
+        angle = code.library("atan2", sine, code.load(cosines, i))
         apart = code.subtract(code.load(memory["ahead"], i), angle)
         whole = code.call("llvm.rint", code.divide(apart, turn))
         code.store(code.fused(turn, whole, angle), into, i)

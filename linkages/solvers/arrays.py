@@ -222,6 +222,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     own = job.flow.switching
     tangents = Tangents(
         size=job.tangents.size,
+        placed=job.tangents.placed,
         columns=job.tangents.columns,
         every=job.tangents.every,
         offset=job.tangents.offset,

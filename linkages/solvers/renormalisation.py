@@ -21,6 +21,9 @@ class Renormalisation:
     ----------
     size, columns
         The last ``columns·size`` coordinates are those of tangents, one after the other.
+    placed
+        Of those of a tangent the first ones are lengths themselves; only the rates of the others
+        are.
     every
         They are renormalised at every sample whose number is a multiple of this.
     offset
@@ -33,6 +36,7 @@ class Renormalisation:
 
     size: int
     columns: int
+    placed: int
     grown: Floats
     every: int = 1
     offset: int = 0
@@ -74,7 +78,7 @@ class Renormalisation:
         Parameters
         ----------
         samples
-            Tangents at the next samples, shape (samples, 2·size, columns).
+            Tangents at the next samples, shape (samples, size + placed, columns).
         grown
             By how much they have grown since the last time; set to zero at the next one.
         seen
@@ -82,7 +86,7 @@ class Renormalisation:
 
         Returns
         -------
-        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, 2·size,
+        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, size + placed,
         columns), and what later tangents are to be multiplied by, shape (columns, columns).
         """
         lengths, found, factor = [], [], np.eye(self.columns)

@@ -83,12 +83,13 @@ def certificate(
     logarithms = _joined(passed.part(each=parts), Volumes.logarithm)
     numeric = _numeric(tangents.tolerance, exponents)
     floor = max(SMALL * float(exponents.errors.max()), numeric)
-    traces = np.trace(damping, axis1=1, axis2=2)
+    traces = np.trace(damping, axis1=1, axis2=2) + _joined(passed, Volumes.relaxation)
     found = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
     rate = volumes.uniform(damping) if volumes.told else None
     if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
-    rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]
+    count = len(tangents.system.topology.free)
+    rates = free_vectors(tangents.system, passed)[:, count : 2 * count]
     if volumes.autonomous and _goes_on(rates, numeric):
         found += _zeros(exponents, volumes.conservative and volumes.potential, floor)
     return tuple(found)

@@ -37,6 +37,9 @@ from linkages.solution.options import options_of
 if TYPE_CHECKING:
     import xarray as xr
 
+TOUCH = ("least_touch", "least_touch_time", "least_touch_of")
+"""Attributes: smallest rate of a touch, when, and of what."""
+
 PARTS = 4
 """Intervals within a period."""
 
@@ -66,10 +69,9 @@ def lyapunov(
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
     ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
-    and where something touches, ``least_touch`` and ``least_touch_at``: the smallest rate of a
-    touch, its time, and the name of the contact. With clearances, `contact_lost` and `least_force`
-    (clearance) as `linkages.poincare` has them, over
-    what is averaged.
+    and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
+    smallest rate of a touch, its time, and the name of the contact. With clearances, `contact_lost`
+    and `least_force` (clearance) as `linkages.poincare` has them, over what is averaged.
 
     Raises
     ------
@@ -134,7 +136,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
             "sum": total,
             "sum_error": total_error,
             "lost": exponents.lost,
-            **({} if touch is None else {"least_touch": touch[0], "least_touch_at": touch[1:]}),
+            **({} if touch is None else dict(zip(TOUCH, touch, strict=True))),
         },
     )
 
@@ -161,7 +163,7 @@ def run_exponents(
     """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
     periods, skip, count = options.periods, options.skip, options.count
-    whole = 2 * len(system.topology.free)
+    whole = system.layout.directions
     columns = whole if count is None else count
     if columns > whole:
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")

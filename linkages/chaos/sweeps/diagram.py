@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
-from linkages.chaos.sections.free_states import PAIRS, free_names
+from linkages.chaos.sections.free_states import state_outputs
 from linkages.chaos.sections.touches import VARIABLES as TOUCHES
 from linkages.chaos.sections.touches import touch_variables
 from linkages.chaos.sweeps.continuation import Visited
@@ -57,8 +57,7 @@ def value_fields(system: System, points: int, section: str | None) -> dict[str, 
     return {
         **{
             output: Field(shape=(points, len(elements)))
-            for dim, elements in free_names(system).items()
-            for output in PAIRS[dim]
+            for output, (_, elements) in state_outputs(system).items()
         },
         **{name: Field(shape=(points, 1)) for name in TOUCHES if touching},
         "exponent": Field(), "error": Field(), "warning": Field("U"), "interval": Field(),
@@ -114,14 +113,14 @@ def diagram(
     """
     import xarray as xr
 
-    names, dims = free_names(system), ("start", "value")
+    dims = ("start", "value")
     grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
     variables: dict[str, Any] = {}
-    for dim in names:
-        for output in PAIRS[dim]:
-            entry = VARIABLES[output]
-            attrs = {"units": entry.units, "long_name": entry.long_name}
-            variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
+    own = state_outputs(system)
+    for output, (dim, _) in own.items():
+        units, long_name = VARIABLES[output].described(system.model)
+        attrs = {"units": units, "long_name": long_name}
+        variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
     # some sections and mechanisms have no phase or direction
     touches = {name: grid[name] for name in TOUCHES if name in grid}
     touches = {name: values for name, values in touches.items() if np.isfinite(values).any()}
@@ -140,5 +139,5 @@ def diagram(
     variables["warning"] = (dims, grid["warning"].astype(object))
     attrs = {"units": "s", "long_name": "time at which the motion stopped"}
     variables["stop_time"] = (dims, grid["stop_time"], attrs)
-    members = {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
+    members = {dim: np.array(elements, dtype=object) for dim, elements in own.values()}
     return xr.Dataset(variables, {**varied, **members}, attributes)

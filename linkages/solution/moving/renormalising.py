@@ -35,7 +35,8 @@ class Renormalised:
         if self._grown is None:
             self._grown = np.zeros(layout.tangents)
         return Renormalisation(
-            size=len(layout.free),
+            size=layout.moved,
+            placed=len(layout.free),
             columns=layout.tangents,
             grown=self._grown,
             every=self._every,
@@ -59,7 +60,7 @@ class Renormalised:
         layout
             Where the tangents are.
         samples
-            Tangents at the samples of that part, shape (samples, 2n, k).
+            Tangents at the samples of that part, shape (samples, x, k).
 
         Returns
         -------
@@ -79,5 +80,5 @@ class Renormalised:
 
     @property
     def tangents(self) -> Floats:
-        """Tangents after that, shape (times, 2n, k), in the coordinates they were integrated in."""
+        """Tangents after that, shape (times, x, k), in the coordinates they were integrated in."""
         return np.concatenate(self._tangents)

@@ -211,13 +211,13 @@ class StiffRun:
 
     @property
     def _tangents(self) -> NDArray[np.intp]:
-        """Places of the tangents in a state, shape (2·size, columns)."""
+        """Places of what tangents are lengths of in a state, shape (placed + size, columns)."""
         tangents = self.job.tangents
         assert tangents is not None
         first = self.n - tangents.columns * tangents.size
         places = first + np.arange(tangents.columns) * tangents.size
         places = places + np.arange(tangents.size)[:, None]
-        return np.concatenate([places, self.n + places])
+        return np.concatenate([places[: tangents.placed], self.n + places])
 
     def _renormalised(self) -> bool:
         """Renormalise tangents at new samples, and if need be behind; whether any are."""

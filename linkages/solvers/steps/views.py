@@ -165,7 +165,7 @@ class Switches(NamedTuple):
     modes: int  # their number m
     memories: int  # number of what is remembered
     tangents: int
-    free: int  # number of free coordinates, and of entries of a tangent
+    free: int  # number of free coordinates and internal states, and of entries of a tangent
     values: int  # number of new values that `transition` writes
     active: int  # (m,) of int64: see `flow.Switching`
     owners: int  # (memories,) of int64
@@ -199,6 +199,7 @@ class Tangents(NamedTuple):
     """Tangents that are renormalised; see `tangents.Renormalisation`."""
 
     size: int
+    placed: int
     columns: int
     every: int
     offset: int

@@ -33,12 +33,17 @@ TAKEN = 1e-7
 
 
 @compiled
-def product(n: int, size: int, one: int, other: int) -> float:
-    """Scalar product of two tangents at their addresses: places, then n words on their rates."""
+def product(n: int, size: int, placed: int, one: int, other: int) -> float:
+    """Scalar product of two tangents at their addresses: places, then n words on their rates.
+
+    Places behind the first `placed` ones mean nothing.
+    """
     a, b = floats(one), floats(other)
     total = 0.0
-    for i in range(size):
+    for i in range(placed):
         total += a[i] * b[i] + a[n + i] * b[n + i]
+    for i in range(placed, size):
+        total += a[n + i] * b[n + i]
     return total
 
 
@@ -68,7 +73,7 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
     they have grown by, −∞ where a contact has taken a tangent away; returns the least length.
     """
     least = math.inf
-    n, size = system.n, tangents.size
+    n, size, placed = system.n, tangents.size, tangents.placed
     begin = WORD * (n - tangents.columns * size)
     stride = WORD * 2 * n
     here, first = system.rows + begin, samples + begin
@@ -79,18 +84,18 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
     for column in range(tangents.columns):
         own = WORD * column * size
         total = 1.0
-        whole = product(n, size, at + own, at + own) if tangents.loses > 0 else 0.0
+        whole = product(n, size, placed, at + own, at + own) if tangents.loses > 0 else 0.0
         for _ in range(1 + tangents.orthogonal):
             for before in range(column * tangents.orthogonal):
                 other = WORD * before * size
-                factor = product(n, size, at + other, at + own)
+                factor = product(n, size, placed, at + other, at + own)
                 for k in range(count):
                     later = first + stride * k
                     subtract(n, 2, size, factor, later + other, later + own)
                 subtract(n, 3, size, factor, here + other, here + own)
                 for r in range(memories):
                     moved[column * memories + r] -= factor * moved[before * memories + r]
-            length = math.sqrt(product(n, size, at + own, at + own))
+            length = math.sqrt(product(n, size, placed, at + own, at + own))
             total *= length
             taken = tangents.loses > 0 and total <= TAKEN * max(1.0, math.sqrt(whole))
             factor = 0.0 if taken else 1.0 / length
@@ -124,11 +129,11 @@ def stretched(system: System, tangents: Tangents) -> bool:
         own = tangents.copy + WORD * column * size
         for before in range(column * tangents.orthogonal):
             other = tangents.copy + WORD * before * size
-            square = product(width, size, other, other)
+            square = product(width, size, tangents.placed, other, other)
             if square > 0.0:
-                factor = product(width, size, other, own) / square
+                factor = product(width, size, tangents.placed, other, own) / square
                 subtract(width, 2, size, factor, other, own)
-        length = math.sqrt(product(width, size, own, own))
+        length = math.sqrt(product(width, size, tangents.placed, own, own))
         longest = max(longest, length)
         if length > 0.0 or tangents.loses == 0:
             least = min(least, length)

@@ -164,7 +164,8 @@ class Switches:
         """
         if self._collecting:
             number = self._number(mode)
-            self.switches[number] = replace(self.switches[number], jump=tuple(rates))
+            behind = (*rates, *self._model.internal)
+            self.switches[number] = replace(self.switches[number], jump=behind)
 
     def together(
         self,

@@ -238,7 +238,7 @@ friction: [{joint: O, coefficient: 0.1, radius: 10 mm, slip_speed: 0.1}]
         ("{joint: A, bar: rod, size: 0.1 mm}", "clearance 'gap' opens 'A'; expected 'friction'"),
         (
             "{joint: B, bar: rod, size: 0.1 mm, contact: restitution, restitution: 0.8}",
-            "impacts of clearance 'gap' have impulses",
+            "impacts of 'gap' have impulses",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""Make the figure and the table of docs/contact_published.md.
+"""Make figure and table of docs/contact_published.md, and the impact map of docs/contact.md.
 
 python docs/figures_contact_published.py    # about a minute
 """
@@ -9,11 +9,12 @@ import re
 from pathlib import Path
 
 import numpy as np
-from figures import STATIC
+from figures import STATIC, write_small
 from figures_stability import write
 from matplotlib.figure import Figure
 
 import linkages
+from linkages.plots.chaos import touches
 from linkages.plots.figures import write_figure
 from linkages.plots.style import BLACK, line_style, panels, styled
 
@@ -107,13 +108,24 @@ def figure() -> Figure:
     return drawn
 
 
+def touch_map() -> Figure:
+    """Rates and directions of touches over the phase."""
+    shipped = linkages.load("slider-crank-contact")
+    options = {"section": "gap.touch", "periods": 3000, "skip": 100, "end": 6.0}
+    data = linkages.poincare(shipped, **options, rtol=1e-8)
+    drawn = touches.figure(data)
+    assert drawn is not None
+    return drawn
+
+
 def _colour(index: int) -> dict:
     return {"color": line_style(index)["color"]}
 
 
 def main() -> None:
-    """Write both."""
+    """Write all files."""
     write_figure(figure(), STATIC / "contact-published.svg")
+    write_small(touch_map(), STATIC / "contact-touches.png")
     write("contact-published.md", table())
 
 

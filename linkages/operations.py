@@ -179,9 +179,6 @@ COMPOSITE = {
     "max": Composite(2, max, lambda apply, a, b: apply("select", apply("sub", a, b), a, b)),
     "sign": Composite(1, lambda x: 1.0 if x >= 0.0 else -1.0,
                       lambda apply, x: apply("select", x, 1.0, -1.0)),
-    # the sign of a speed; where a motion sticks, what keeps that speed zero
-    "stick": Composite(1, lambda x: 1.0 if x >= 0.0 else -1.0,
-                       lambda apply, x: apply("select", x, 1.0, -1.0), formula=False),
     # its first argument is a difference: formulas write a comparison
     "where": Composite(3, lambda c, a, b: a if c >= 0.0 else b,
                        lambda apply, c, a, b: apply("select", c, a, b)),

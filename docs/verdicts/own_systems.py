@@ -16,6 +16,8 @@ from linkages.errors import ComputationError
 class _Moving(ABC):
     """State, tangents and time of a system, and what may be done to them between advances."""
 
+    furthest = 1e9  # of numbers with 16 digits
+
     def __init__(self, state: ArrayLike, angles: ArrayLike | None, time: float) -> None:
         self._state = np.array(state, dtype=float)
         if self._state.ndim != 1 or not np.isfinite(self._state).all():

@@ -92,7 +92,7 @@ def expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any
         For what is no expression: iterations, splines, conditions.
     """
     model = problem.system.model
-    roots = model.free_accelerations
+    roots = model.changes
     numbers = problem.system.parameters
     inputs = {"t": lambda _: heyoka.time, "p": lambda i: heyoka.expression(float(numbers[i]))}
     inputs["y"] = variables.__getitem__

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from linkages.chaos.sections.free_states import PAIRS
+from linkages.chaos.sections.touches import TOUCH
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
 from linkages.cli.terminal import number, print_notes
@@ -115,11 +116,11 @@ def any_computed(data: xr.Dataset) -> bool:
 
 
 def free_columns(data: xr.Dataset) -> dict[str, Any]:
-    """Head → series of every free coordinate and its rate, flattened over all other dimensions."""
+    """Head → series of free coordinates, rates and touches, flattened over all other dimensions."""
     columns: dict[str, Any] = {}
     for name, array in data.data_vars.items():
         dim = str(array.dims[-1])
-        if "crossing" not in array.dims or dim not in PAIRS:
+        if "crossing" not in array.dims or dim not in (*PAIRS, TOUCH):
             continue
         for element in data[dim].values:
             series = array.sel({dim: element}).to_numpy().ravel()

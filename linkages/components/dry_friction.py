@@ -1,61 +1,117 @@
-"""Dry friction at joints and in guides under a constant load: Coulomb's and Stribeck's.
+"""Dry friction at joints and in guides under a constant load: Coulomb's, Stribeck's and LuGre.
 
 References
 ----------
 .. [1] E. Pennestrì, V. Rossi, P. Salvini, P. P. Valentini, "Review and comparison of dry friction
    force models", Nonlinear Dyn. 83 (2016) 1785-1801.
+.. [2] C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, "A new model for control of
+   systems with friction", IEEE Trans. Automat. Contr. 40 (1995) 419-425: LuGre.
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Required, TypedDict
 
 from linkages.components.contributed.component import Section, component
 from linkages.components.contributed.friction_laws import stribeck
-from linkages.components.contributed.functions import Function, Number, V, applied
+from linkages.components.contributed.functions import (
+    PRESSED,
+    Function,
+    Number,
+    V,
+    applied,
+    constant,
+)
+from linkages.components.contributed.internal import InternalState, value_of
 from linkages.components.contributed.listed import ListedComponent, turning, two_bodies
-from linkages.components.contributed.measures import JointFriction, Load, Slide
+from linkages.components.contributed.measures import Bearing, JointFriction, Load, Slide
 from linkages.components.contributed.references import References
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.state_laws import negated
+from linkages.components.contributed.terms import Parameter, Path, axis_label
 from linkages.spec.quantities import (
+    Damping,
     Name,
     NonNegativeForce,
+    NonNegativeNumber,
     NonNegativeTorque,
     PositiveAngularSpeed,
+    PositiveLength,
     PositiveSpeed,
+    PositiveStiffness,
+    PositiveTorsionalStiffness,
+    TorsionalDamping,
 )
+
+
+class _Law(TypedDict, total=False):
+    """What a load or a friction at a joint has of it."""
+
+    law: Required[Function]
+    stores: Function
+    states: tuple[InternalState, ...]
 
 
 class _Dry(ListedComponent):
     static: float | None
     stribeck_speed: float | None
     slip_speed: float | None
+    bristle_stiffness: float | None
+    bristle_damping: float
+    size: ClassVar[str]
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
-        """What breaks away is at least what slides, and comes with a speed."""
+        """What breaks away is at least what slides, and comes with a speed; bristles slide."""
+        return (*self._faults(), *self._of_bristles())
+
+    def _of_bristles(self) -> tuple[tuple[Path, str], ...]:
+        if self.bristle_stiffness is None:
+            path = (*self.path, "bristle_damping")
+            return ((path, "expected 'bristle_stiffness' with it"),) if self.bristle_damping else ()
+        if self.slip_speed is not None:
+            path = (*self.path, "slip_speed")
+            return ((path, "bristles are smooth themselves; expected no 'slip_speed' with them"),)
+        if getattr(self, self.size) == 0:
+            return (((*self.path, self.size), "expected > 0, for bristles slide at it"),)
+        return ()
+
+    def _faults(self) -> tuple[tuple[Path, str], ...]:
         if (self.static is None) != (self.stribeck_speed is None):
             missing = "stribeck_speed" if self.stribeck_speed is None else "static"
             given = "static" if missing == "stribeck_speed" else "stribeck_speed"
             return ((self.path, f"missing key {missing!r}: it goes with {given!r}"),)
-        return ()
-
-    def _less(self, key: str) -> tuple[tuple[Path, str], ...]:
-        """What is wrong if less breaks away than slides."""
-        sliding = getattr(self, key)
+        sliding = getattr(self, self.size)
         if self.static is None or self.static >= sliding:
             return ()
-        message = f"expected at least {sliding:g}, what {key!r} is, found {self.static:g}"
+        message = f"expected at least {sliding:g}, what {self.size!r} is, found {self.static:g}"
         return (((*self.path, "static"), message),)
 
-    def _law(self, key: str) -> Function:
-        """Return −(F + (F_static − F)·exp(−(v/v_stribeck)²))·sign(v), or smoothed [1]_."""
-        size: Function = Number(self.number(key))
+    @property
+    def _law(self) -> _Law:
+        """Return −g(v)·sign(v), or smoothed [1]_, or the LuGre law [2]_.
+
+        There g = F + (F_static − F)·exp(−(v/v_stribeck)²). Bristles of stiffness σ0 and damping σ1
+        are bent by z, with ż = v − σ0·|v|·z/g, and pull with σ0·z + σ1·ż.
+        """
+        size: Function = Number(self.number(self.size))
         if self.static is not None and self.stribeck_speed is not None:
             static = Number(self.number("static"))
             size = stribeck(size, static, self._number("stribeck_speed"))
+        if self.bristle_stiffness is not None:
+            return self._bristles(size, self.bristle_stiffness)
         if self.slip_speed is None:
-            return applied("neg", size * applied("stick", V))
-        return applied("neg", size * applied("tanh", V / self._number("slip_speed")))
+            return _Law(law=applied("neg", size * applied("sign", V)))
+        return _Law(law=applied("neg", size * applied("tanh", V / self._number("slip_speed"))))
+
+    def _bristles(self, size: Function, stiffness: float) -> _Law:
+        path, unit = (*self.path, "bristle"), {"torque": "rad", "force": "m"}[self.size]
+        force = self._number("bristle_stiffness") * value_of(path)
+        rate = V - force * applied("abs", V) / size
+        state = InternalState(path, unit, rate, scale=getattr(self, self.size) / stiffness)
+        return _Law(
+            law=negated(force + Number(self.number("bristle_damping")) * rate),
+            stores=constant(0.5) * force * state.value,
+            states=(state,),
+        )
 
     def _number(self, key: str) -> Number:
         return Number(Parameter((*self.path, key), getattr(self, key)))
@@ -81,9 +137,14 @@ class DryJointFriction(_Dry):
         Speed in rad/s, > 0, over which it falls from `static` to `torque`; goes with `static`.
     slip_speed
         Speed in rad/s, > 0, over which friction is smoothed: nothing is held then.
+    bristle_stiffness
+        Torque per angle in N·m/rad, > 0, of bristles that bend before they slide (LuGre).
+    bristle_damping
+        Damping of the bristles in N·m·s/rad, ≥ 0.
     """
 
     section: ClassVar[str] = "friction"
+    size: ClassVar[str] = "torque"
     opens: ClassVar[Section] = Section("list", "{joint: A, torque: 0.2 N m}")
 
     index: int
@@ -93,25 +154,22 @@ class DryJointFriction(_Dry):
     static: NonNegativeTorque | None = None
     stribeck_speed: PositiveAngularSpeed | None = None
     slip_speed: PositiveAngularSpeed | None = None
+    bristle_stiffness: PositiveTorsionalStiffness | None = None
+    bristle_damping: TorsionalDamping = 0.0
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Two different bodies, and a friction that breaks away."""
         bodies = two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
-        return (*bodies, *super().problems(), *self._less("torque"))
+        return (*bodies, *super().problems())
 
     def references(self) -> References:
         """The joint, and the bodies that have it."""
-        path, bars = (*self.path, "bars"), self.bars or ()
-        return References(
-            joints=(((*self.path, "joint"), self.joint),),
-            bodies=turning(path, bars),
-            meeting=tuple(((*path, place), bar, self.joint) for place, bar in enumerate(bars)),
-        )
+        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
 
     def terms(self) -> tuple[JointFriction, ...]:
         """Friction between bodies that only the whole mechanism knows."""
-        law = self._law("torque")
-        return (JointFriction(self.joint, self.bars, law, self.path, called="friction"),)
+        called = "friction"
+        return (JointFriction(self.joint, self.bars, path=self.path, called=called, **self._law),)
 
 
 @component
@@ -132,10 +190,15 @@ class DryGuideFriction(_Dry):
         Speed in m/s, > 0, over which it falls from `static` to `force`; goes with `static`.
     slip_speed
         Speed in m/s, > 0, over which friction is smoothed: nothing is held then.
+    bristle_stiffness
+        Force per displacement in N/m, > 0, of bristles that bend before they slide (LuGre).
+    bristle_damping
+        Damping of the bristles in N·s/m, ≥ 0.
     """
 
     section: ClassVar[str] = "friction"
     told_by: ClassVar[str] = "slider"
+    size: ClassVar[str] = "force"
 
     index: int
     slider: Name
@@ -143,10 +206,8 @@ class DryGuideFriction(_Dry):
     static: NonNegativeForce | None = None
     stribeck_speed: PositiveSpeed | None = None
     slip_speed: PositiveSpeed | None = None
-
-    def problems(self) -> tuple[tuple[Path, str], ...]:
-        """A friction that breaks away."""
-        return (*super().problems(), *self._less("force"))
+    bristle_stiffness: PositiveStiffness | None = None
+    bristle_damping: Damping = 0.0
 
     def references(self) -> References:
         """The slider."""
@@ -154,4 +215,105 @@ class DryGuideFriction(_Dry):
 
     def terms(self) -> tuple[Load, ...]:
         """Friction along the axis."""
-        return (Load(Slide(self.slider), self._law("force"), self.path, called="friction"),)
+        return (Load(Slide(self.slider), path=self.path, called="friction", **self._law),)
+
+
+class _Pressed(ListedComponent):
+    coefficient: float
+
+    def _friction(self, *factors: str) -> Function:
+        """Return −μ·P·tanh(v/v_slip), with further factors of the definition."""
+        size: Function = self._parameter("coefficient") * PRESSED
+        for key in factors:
+            size = self._parameter(key) * size
+        return negated(size * applied("tanh", V / self._parameter("slip_speed")))
+
+    def _parameter(self, key: str) -> Number:
+        return Number(Parameter((*self.path, key), getattr(self, key)))
+
+
+@component
+class JournalFriction(_Pressed):
+    """Friction of a pin in its hole that follows the reaction in the joint.
+
+    Parameters
+    ----------
+    index
+        Place in the list of frictions.
+    joint
+        A joint at which two bodies turn against each other, or one against the ground.
+    coefficient
+        Friction force over reaction, ≥ 0.
+    radius
+        Of the pin in metres, > 0.
+    slip_speed
+        Speed in rad/s, > 0, over which friction is smoothed.
+    bars
+        Which two, where more meet; the first may be ``ground``.
+    """
+
+    section: ClassVar[str] = "friction"
+    told_by: ClassVar[str] = "radius"
+
+    index: int
+    joint: Name
+    coefficient: NonNegativeNumber
+    radius: PositiveLength
+    slip_speed: PositiveAngularSpeed
+    bars: tuple[Name, Name] | None = None
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """Two different bodies."""
+        return two_bodies((*self.path, "bars"), self.bars) if self.bars else ()
+
+    def references(self) -> References:
+        """The joint, and the bodies that have it."""
+        return _turning_at((*self.path, "joint"), self.joint, (*self.path, "bars"), self.bars or ())
+
+    def terms(self) -> tuple[JointFriction, ...]:
+        """Friction between bodies that only the whole mechanism knows."""
+        law = self._friction("radius")
+        return (JointFriction(self.joint, self.bars, law, self.path, called="friction"),)
+
+
+@component
+class PressedGuideFriction(_Pressed):
+    """Friction of a slider that follows the normal force in its guide.
+
+    Parameters
+    ----------
+    index
+        Place in the list of frictions.
+    slider
+        Slider name.
+    coefficient
+        Friction force over normal force, ≥ 0.
+    slip_speed
+        Speed in m/s, > 0, over which friction is smoothed.
+    """
+
+    section: ClassVar[str] = "friction"
+    told_by: ClassVar[str] = "coefficient"
+
+    index: int
+    slider: Name
+    coefficient: NonNegativeNumber
+    slip_speed: PositiveSpeed
+
+    def references(self) -> References:
+        """The slider."""
+        return References(bodies=(((*self.path, "slider"), self.slider, ("slider",)),))
+
+    def terms(self) -> tuple[Load, ...]:
+        """Friction along the axis, under the force across it."""
+        bearing = Bearing(self.slider, axis_label(self.slider))
+        law, called = self._friction(), "friction"
+        return (Load(Slide(self.slider), law, self.path, called=called, bearing=bearing),)
+
+
+def _turning_at(at: Path, joint: str, path: Path, bars: tuple[str, ...]) -> References:
+    return References(
+        joints=((at, joint),),
+        bodies=turning(path, bars),
+        meeting=tuple(((*path, place), bar, joint) for place, bar in enumerate(bars)),
+    )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from linkages.components.contributed.component import Component, Section, component
 from linkages.components.contributed.functions import Function, Number, V
+from linkages.components.contributed.functions import constant as constant_of
+from linkages.components.contributed.internal import InternalState, value_of
 from linkages.components.contributed.listed import TURNING
 from linkages.components.contributed.measures import Load, Turn
 from linkages.components.contributed.references import References
@@ -15,23 +17,42 @@ from linkages.components.laws.law import VoltageLaw, function_of
 from linkages.spec import quantities
 from linkages.spec.quantities import (
     AngularSpeed,
+    Current,
     Inertia,
     Name,
+    PositiveInductance,
     PositiveResistance,
     PositiveTorqueConstant,
     Torque,
 )
 
 
+@component
 class _Motor(Component):
-    """What acts between a bar and what carries the motor; its rotor turns behind a gear."""
+    """What acts between a bar and what carries the motor; its rotor turns behind a gear.
 
-    name: str
-    bar: str
-    against: str
-    joint: str | None
-    gear_ratio: float
-    rotor_inertia: float
+    Parameters
+    ----------
+    name
+        Name of the motor; its rotor, if it has inertia, is a body of that name in results.
+    bar
+        The bar or plate that it turns.
+    against
+        The bar or plate that carries the motor; the ground if not given.
+    gear_ratio
+        Speed of the rotor over that of the bar, both against what carries the motor; not 0.
+    rotor_inertia
+        About the rotor's own axis in kg·m².
+    joint
+        A joint of the bar at which the rotor sits; needed with an inertia.
+    """
+
+    name: Name
+    bar: Name
+    against: Name = GROUND
+    gear_ratio: quantities.Number = 1.0
+    rotor_inertia: Inertia = 0.0
+    joint: Name | None = None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """A gear that turns, two bodies, and a place for the rotor."""
@@ -57,29 +78,32 @@ class _Motor(Component):
             points=((joint, self.bar, self.joint),) if self.joint else (),
         )
 
-    @property
-    def _gear(self) -> Number:
-        return Number(Parameter((*self.path, "gear_ratio"), self.gear_ratio))
+    def _number(self, key: str) -> Number:
+        return Number(Parameter((*self.path, key), getattr(self, key)))
 
-    def _terms(self, start: Function, fall: Function) -> tuple[Load | Body | Relation, ...]:
-        """A torque start − fall·speed of the rotor, both behind the gear, and the rotor."""
+    def _falling(self, start: Function, fall: Function) -> Function:
+        """A torque start − fall·speed of the rotor, both behind the gear."""
+        gear = self._number("gear_ratio")
+        return gear * start - gear * gear * fall * V
+
+    def _terms(self, law: Function, **electric: Any) -> tuple[Load | Body | Relation, ...]:
+        """A torque on the bar, and the rotor itself."""
         against = None if self.against == GROUND else self.against
-        gear = self._gear
-        law = gear * start - gear * gear * fall * V
-        torque = Load(Turn(self.bar, against), law, self.path, called="motor", applied=True)
+        gear, turn = self._number("gear_ratio"), Turn(self.bar, against)
+        load = Load(turn, law, self.path, called="motor", applied=True, **electric)
         if self.rotor_inertia == 0 or self.joint is None:
-            return (torque,)
+            return (load,)
         rotor = Body(
             name=self.name,
             kind="plate",
             path=self.path,
             points={self.joint: (ZERO, ZERO)},
-            inertia=Parameter((*self.path, "rotor_inertia"), self.rotor_inertia),
+            inertia=self._number("rotor_inertia").parameter,
         )
         parts: tuple[tuple[str, Parameter], ...] = ((self.bar, gear.parameter),)
         if against is not None:
             parts = (*parts, (against, Parameter((*self.path, "against"), 1.0 - self.gear_ratio)))
-        return torque, rotor, Relation(self.name, parts, ZERO, self.path)
+        return load, rotor, Relation(self.name, parts, ZERO, self.path)
 
 
 @component
@@ -88,22 +112,10 @@ class Motor(_Motor):
 
     Parameters
     ----------
-    name
-        Name of the motor; its rotor, if it has inertia, is a body of that name in results.
-    bar
-        The bar or plate that it turns.
     stall_torque
         Torque of the rotor at standstill in N·m.
     no_load_speed
         Speed of the rotor without torque in rad/s, of the same sign.
-    against
-        The bar or plate that carries the motor; the ground if not given.
-    gear_ratio
-        Speed of the rotor over that of the bar, both against what carries the motor; not 0.
-    rotor_inertia
-        About the rotor's own axis in kg·m².
-    joint
-        A joint of the bar at which the rotor sits; needed with an inertia.
     """
 
     section: ClassVar[str] = "motors"
@@ -111,14 +123,8 @@ class Motor(_Motor):
         "mapping", "hoist: {bar: crank, stall_torque: 2 N m, no_load_speed: 3000 rpm}"
     )
 
-    name: Name
-    bar: Name
     stall_torque: Torque
     no_load_speed: AngularSpeed
-    against: Name = GROUND
-    gear_ratio: quantities.Number = 1.0
-    rotor_inertia: Inertia = 0.0
-    joint: Name | None = None
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """A torque that falls with the speed."""
@@ -130,53 +136,58 @@ class Motor(_Motor):
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque on the bar, and the rotor if it has inertia."""
-        torque = Number(Parameter((*self.path, "stall_torque"), self.stall_torque))
-        speed = Number(Parameter((*self.path, "no_load_speed"), self.no_load_speed))
-        return self._terms(torque, torque / speed)
+        torque, speed = self._number("stall_torque"), self._number("no_load_speed")
+        return self._terms(self._falling(torque, torque / speed))
 
 
 @component
 class ElectricMotor(_Motor):
-    """A motor with permanent magnets at a voltage; its inductance is neglected.
+    """A motor with permanent magnets at a voltage.
 
     Parameters
     ----------
-    name
-        Name of the motor; its rotor, if it has inertia, is a body of that name in results.
-    bar
-        The bar or plate that it turns.
     voltage
         Volts, or a law.
     torque_constant
         Torque of the rotor per current in N·m/A, which is also voltage per speed in V·s/rad; > 0.
     resistance
         Of the winding in ohms, > 0.
-    against
-        The bar or plate that carries the motor; the ground if not given.
-    gear_ratio
-        Speed of the rotor over that of the bar, both against what carries the motor; not 0.
-    rotor_inertia
-        About the rotor's own axis in kg·m².
-    joint
-        A joint of the bar at which the rotor sits; needed with an inertia.
+    inductance
+        Of the winding in henrys, > 0; neglected if not given.
+    current
+        Through the winding at the start in amperes, with an inductance.
     """
 
     section: ClassVar[str] = "motors"
     told_by: ClassVar[str] = "voltage"
 
-    name: Name
-    bar: Name
     voltage: VoltageLaw
     torque_constant: PositiveTorqueConstant
     resistance: PositiveResistance
-    against: Name = GROUND
-    gear_ratio: quantities.Number = 1.0
-    rotor_inertia: Inertia = 0.0
-    joint: Name | None = None
+    inductance: PositiveInductance | None = None
+    current: Current = 0.0
+
+    def problems(self) -> tuple[tuple[Path, str], ...]:
+        """A current at the start is one through an inductance."""
+        found = super().problems()
+        if self.current and self.inductance is None:
+            message = "without 'inductance' the current follows from voltage and speed"
+            found = (*found, ((*self.path, "current"), message))
+        return found
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
-        """The torque k·(U − k·ω)/R on the bar, and the rotor if it has inertia."""
-        constant = Number(Parameter((*self.path, "torque_constant"), self.torque_constant))
-        resistance = Number(Parameter((*self.path, "resistance"), self.resistance))
+        """The torque k·i on the bar, and the rotor if it has inertia.
+
+        The current is (U − k·ω)/R or, with an inductance, L·di/dt = U − k·ω − R·i.
+        """
+        constant, resistance = self._number("torque_constant"), self._number("resistance")
         voltage = function_of(self.voltage, (*self.path, "voltage"))
-        return self._terms(voltage * constant / resistance, constant * constant / resistance)
+        if self.inductance is None:
+            fall = constant * constant / resistance
+            return self._terms(self._falling(voltage * constant / resistance, fall))
+        inductance, path = self._number("inductance"), (*self.path, "current")
+        gear = self._number("gear_ratio")
+        drop = voltage - constant * gear * V - resistance * value_of(path)
+        current = InternalState(path, "A", drop / inductance, initial=self.current)
+        stored = constant_of(0.5) * inductance * current.value**2
+        return self._terms(gear * constant * current.value, stores=stored, states=(current,))

@@ -16,7 +16,7 @@ from linkages.components.contributed.contacts import (
     PinInHole,
     RigidContact,
 )
-from linkages.components.contributed.functions import FIRST, Measured
+from linkages.components.contributed.functions import FIRST, Internal, Measured
 from linkages.components.contributed.state_laws import leaves
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
@@ -28,14 +28,18 @@ from linkages.equations.symbols import Symbols
 
 
 def require_forces_of_the_state(mechanism: Mechanism) -> None:
-    """Impulses, and forces that depend on how a contact began, are no functions of the state.
+    """Impulses, and forces that depend on reactions or on how a contact began, have no closed form.
 
     Raises
     ------
     InputError
-        For the laws of such contacts.
+        For such laws.
     """
-    found = []
+    reactions = (
+        "the law depends on a reaction, which follows from accelerations: there are no equations "
+        "in closed form; expected friction under a constant load"
+    )
+    found = [(load.path, reactions) for load in mechanism.loads if load.bearing is not None]
     for contact in mechanism.contacts:
         normal = contact.normal
         if isinstance(normal, RigidContact):
@@ -49,6 +53,9 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
             "expected a law without that (hertz, hunt-crossley-constant, kelvin-voigt)"
         )
         found.append(((*contact.path, "contact"), message))
+    for path in dict.fromkeys(end.path for end in mechanism.ends):
+        why = "impacts change rates at once, by no force: there are no equations in closed form"
+        found.append(((*path, "restitution"), f"{why}; expected 'stiffness'"))
     if found:
         raise mechanism.error(found)
 
@@ -86,9 +93,14 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     return ContactForces(tuple(definitions), {q: force for q, force in total.items() if force != 0})
 
 
-def _picked(*values: sp.Expr) -> Callable[[Measured], sp.Expr]:
+def _picked(*values: sp.Expr) -> Callable[[Measured | Internal], sp.Expr]:
     """What laws are measured by, by its order."""
-    return lambda found: values[found.order]
+
+    def value(found: Measured | Internal) -> sp.Expr:
+        assert isinstance(found, Measured)
+        return values[found.order]
+
+    return value
 
 
 class _Gap(NamedTuple):

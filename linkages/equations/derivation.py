@@ -61,6 +61,8 @@ class Equations:
         zero.
     lagrange
         The same over the generalised coordinates.
+    internal
+        Internal state → its rate, over the coordinates, their rates, internal states and time.
     """
 
     title: str
@@ -81,6 +83,7 @@ class Equations:
     elastic: sp.Expr
     forces: dict[sp.Symbol, sp.Expr]
     lagrange: ReducedEquations
+    internal: dict[sp.Symbol, sp.Expr]
 
     @property
     def loops(self) -> tuple[LoopEquation, ...]:
@@ -163,6 +166,7 @@ def derive(topology: Topology) -> Equations:
         lagrange=reduce(
             blocks, (*driven, *free), bodies, potential, acting.lengths.values(), forces, symbols
         ),
+        internal=acting.internal_rates(),
     )
 
 

@@ -11,6 +11,7 @@ import sympy as sp
 
 from linkages.components.contributed.functions import (
     Function,
+    Internal,
     Measured,
     Number,
     Operation,
@@ -51,14 +52,14 @@ class Spline(sp.Function):
         return Spline(number, order + 1, time)
 
 
-def _of_time_alone(_: Measured) -> sp.Expr:
+def _of_time_alone(_: Measured | Internal) -> sp.Expr:
     raise ValueError("a function of time is not measured along anything")
 
 
 def law_of(
     function: Function,
     symbols: Symbols,
-    measured: Callable[[Measured], sp.Expr] = _of_time_alone,
+    measured: Callable[[Measured | Internal], sp.Expr] = _of_time_alone,
 ) -> sp.Expr:
     """Return a law over the symbols of its numbers, of time, and of what it is `measured` by."""
     match function:
@@ -66,7 +67,7 @@ def law_of(
             return symbols.parameter(parameter) if parameter.path else exact(parameter.value)
         case Time():
             return symbols.time
-        case Measured():
+        case Measured() | Internal():
             return measured(function)
         case Table():
             over = law_of(function.over, symbols, measured)

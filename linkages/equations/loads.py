@@ -9,7 +9,7 @@ from typing import assert_never
 
 import sympy as sp
 
-from linkages.components.contributed.functions import Function, Measured, Number
+from linkages.components.contributed.functions import Function, Internal, Measured, Number
 from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
@@ -128,6 +128,14 @@ class ActingLoads:
                 total[q] = total.get(q, sp.S.Zero) + _work(parts, q)
         return {coordinate: force for coordinate, force in total.items() if force != 0}
 
+    def internal_rates(self) -> dict[sp.Symbol, sp.Expr]:
+        """Internal state → its rate, a function of the state and of time."""
+        return {
+            self._symbols.internal[state.name]: self._law(state.rate, self._along(load.measure))
+            for load in self._loads
+            for state in load.states
+        }
+
     def _force(self, load: Load, along: Along) -> sp.Expr:
         """What works along a measure beyond the stored energy."""
         if isinstance(load.measure, Coordinate | BodyAxis) and isinstance(load.law, Number):
@@ -138,7 +146,9 @@ class ActingLoads:
         return self._law(load.working, along)
 
     def _law(self, law: Function, along: Along) -> sp.Expr:
-        def measured(found: Measured) -> sp.Expr:
+        def measured(found: Measured | Internal) -> sp.Expr:
+            if isinstance(found, Internal):
+                return self._symbols.internal[found.name]
             of = along if found.measure is None else self._along(found.measure)
             return of.rate if found.order else of.value
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import sympy as sp
 
@@ -15,7 +15,8 @@ from linkages.operations import ELEMENTARY
 _HEADER = '''"""Closure and energies of a planar linkage, written by linkages.
 
 q: one coordinate per body, in the order of COORDINATES (rad, m); dq: their rates; p: parameters
-in SI by name; t: time in s; efforts: of the drives, in the order of DRIVEN (N·m, N).
+in SI by name; t: time in s; efforts: of the drives, in the order of DRIVEN (N·m, N). z: internal
+states, if there are any.
 """
 
 '''
@@ -81,7 +82,15 @@ def _functions(equations: Equations) -> list[str]:
     drives, efforts = (list(v.values()) for v in (equations.drives, equations.efforts))
     rates = [sp.diff(law, time) for law in drives]
     potential = equations.gravitational + equations.elastic
-    acting: Mapping[str, Sequence[sp.Symbol]] = {"t": (), "q": q, "dq": dq, "efforts": efforts}
+    states = list(equations.internal)
+    inner = {"z": states} if states else {}
+    acting: Mapping[str, Sequence[sp.Symbol]] = {
+        "t": (),
+        "q": q,
+        "dq": dq,
+        "efforts": efforts,
+        **inner,
+    }
     write = FunctionWriter(equations)
     return [
         write.vector("drives", {"t": ()}, "Coordinates of DRIVEN at time t.", drives),
@@ -95,7 +104,7 @@ def _functions(equations: Equations) -> list[str]:
         write.vector("closure", {"q": q}, "Φ(q) in m: zero where all loops close.", list(closure)),
         write.matrix("closure_jacobian", "∂Φ/∂q.", _jacobian(closure, q)),
         write.scalar("kinetic_energy", {"q": q, "dq": dq}, "T in J.", equations.kinetic_energy),
-        write.scalar("potential_energy", {"q": q}, "V in J.", potential),
+        write.scalar("potential_energy", {"q": q, **inner}, "V in J.", potential),
         write.vector(
             "potential_gradient",
             {"q": q},
@@ -108,10 +117,20 @@ def _functions(equations: Equations) -> list[str]:
             "Q of every coordinate: of loads, dampers and drives.",
             [equations.forces.get(c, sp.S.Zero) for c in q],
         ),
+        *_internal_rates(equations, write),
         write.matrix("mass_matrix", "a with 2 T = Σ a_uv u̇ v̇.", _masses(equations)),
         write.coefficients(),
         _INERTIA,
     ]
+
+
+def _internal_rates(equations: Equations, write: FunctionWriter) -> Iterator[str]:
+    rates, symbols = equations.internal, equations.symbols
+    if rates:
+        q = equations.coordinates
+        given = {"t": (), "q": q, "dq": [symbols.rates[c] for c in q], "z": list(rates)}
+        doc = "Rates of the internal states z."
+        yield write.vector("internal_rates", given, doc, list(rates.values()))
 
 
 _INERTIA = '''

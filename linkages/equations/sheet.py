@@ -93,6 +93,7 @@ def sections(equations: Equations) -> tuple[Section, ...]:
         Section("Potential energy", (Line((Formula("V", "V"), _potential(equations))),)),
         Section("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
         Section("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
+        Section("Internal states", tuple(_internal(equations))),
         Section("Lagrange's equations", tuple(_lagrange(equations))),
     )
     return tuple(section for section in found if section.lines)
@@ -149,7 +150,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _distances(equations: Equations) -> Iterator[Line]:
     """Lengths, and the rates of those that have a damper."""
-    used = set().union(*(force.free_symbols for force in equations.forces.values()))
+    laws = (*equations.forces.values(), *equations.internal.values())
+    used = set().union(*(law.free_symbols for law in laws))
     for distance in equations.loads.lengths.values():
         yield Line((distance.symbol, Norm(distance.between)))
         if distance.rate in used:
@@ -202,6 +204,11 @@ def _system(system: LinearSystem) -> Iterator[Line]:
             left, right = product[row, column], system.right[row, column]
             if left != 0 or right != 0:
                 yield Line((left, right))
+
+
+def _internal(equations: Equations) -> Iterator[Line]:
+    for state, rate in equations.internal.items():
+        yield Line((equations.symbols.dotted(state), rate), "integrated with the motion")
 
 
 def _lagrange(equations: Equations) -> Iterator[Line]:

@@ -41,6 +41,7 @@ _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("motors", "torque_constant"): ("k",),
     ("motors", "resistance"): ("R",),
     ("motors", "voltage"): ("U",),
+    ("motors", "inductance"): ("L",),
     ("cylinders", "bore"): ("D",),
     ("cylinders", "rod"): ("D", "rod"),
     ("cylinders", "pressure"): ("p",),
@@ -50,6 +51,8 @@ _BY_PLACE: dict[tuple[str | int, ...], tuple[str, ...]] = {
     ("cylinders", "volume"): ("V", "0"),
     ("cylinders", "exponent"): ("n",),
     ("cams", "offset"): ("s", "0"),
+    ("maxwell", "stiffness"): ("k",),
+    ("maxwell", "damping"): ("d",),
     ("racks", "radius"): ("R",),
     ("racks", "radius", "inverse"): ("kappa",),
     ("racks", "carrier"): ("R", "carrier"),
@@ -119,6 +122,8 @@ class Symbols:
         Body that follows others → the symbol of its angle in print.
     rates
         Coordinate → its time derivative.
+    internal
+        Internal state → its symbol.
     values
         Parameter symbol → value in SI.
     paths
@@ -142,6 +147,8 @@ class Symbols:
         follow = [mechanism.bodies[name] for name in followers]
         self.followers = {b.name: self.define(_coordinate_letter(b), b.name) for b in follow}
         self.rates = {q: self.dotted(q) for q in self.coordinates.values()}
+        states = mechanism.internal.values()
+        self.internal = {z.name: self.define("z", *map(_counted, z.path[1:])) for z in states}
 
     def define(self, letter: str, *subscripts: str, dots: int = 0) -> sp.Symbol:
         """Make a new real symbol whose identifier and looks are its own."""

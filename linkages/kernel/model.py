@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from linkages.components.contributed.functions import Internal, Measured
 from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.kernel.closure.motion import Accelerations, Rates
@@ -17,6 +18,7 @@ from linkages.kernel.forces.impacts import Unilateral
 from linkages.kernel.forces.inertia import Inertia
 from linkages.kernel.forces.loads import Acting, LoadNodes
 from linkages.kernel.forces.measures import load_nodes
+from linkages.kernel.forces.pressing import Pressing
 from linkages.kernel.forces.walls import Walls
 from linkages.kernel.graph.evaluator import Evaluator
 from linkages.kernel.graph.remembered import Remembered
@@ -59,6 +61,7 @@ class Model:
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
         self.switches = Switches(self)
+        self._pressing: dict[int, Scalar] = {}
         self._evaluators: Remembered[tuple[Scalar, ...], Evaluator] = Remembered(MOST_EVALUATORS)
         self.outputs: dict[object, list[Scalar]] = {}
 
@@ -90,6 +93,31 @@ class Model:
             measure: load_nodes(self, Load(measure, NOTHING, ()), place)
             for place, measure in enumerate(self.mechanism.sensed, first)
         }
+
+    @property
+    def pressing(self) -> dict[int, Scalar]:
+        """Number of a load whose law depends on a reaction → the size of that."""
+        _ = self.changes
+        return self._pressing
+
+    @property
+    def unpressed(self) -> list[Acting]:
+        """All that acts, but for what follows a reaction."""
+        loads = [load for load in self.loads if load.load.bearing is None]
+        return [*loads, *self.contacts, *self.ends]
+
+    @cached_property
+    def internal(self) -> list[Scalar]:
+        """Values of the internal states: rates of coordinates that mean nothing."""
+        first = len(self.topology.free)
+        return [self.inputs.rate(first + k) for k in range(len(self.topology.internal))]
+
+    def sense(self, found: Measured | Internal) -> Scalar:
+        """The value or rate of a measure that laws depend on, or the value of an internal state."""
+        if isinstance(found, Internal):
+            return self.internal[self.topology.internal.index(found.name)]
+        assert found.measure is not None
+        return self.sensed[found.measure].measured(found.order)
 
     @cached_property
     def contacts(self) -> list[GapNodes]:
@@ -141,6 +169,10 @@ class Model:
             {name: self.inputs.acceleration(i) for i, name in enumerate(self.topology.free)}
         )
 
+    def moving_with(self, free: list[Scalar]) -> Accelerations:
+        """Accelerations of everything, given those of the free coordinates."""
+        return self._accelerations(dict(zip(self.topology.free, free, strict=True)))
+
     def _accelerations(self, free: dict[str, Scalar]) -> Accelerations:
         known = self.driven_accelerations | free
         return Accelerations(self.positions, self.velocities, known, "a")
@@ -158,13 +190,16 @@ class Model:
         It is Σ_j J_ij q̈_j + … + ∂V/∂q_i − Q_i of the paper's Eq. 4, as the work of inertia,
         gravity and loads on the partial velocities.
         """
-        return self._required(accelerations, partial, self.acting)
+        return self.required_of(accelerations, partial, self.acting)
 
-    def _required(
+    def required_of(
         self, accelerations: Accelerations, partial: Rates, acting: Sequence[Acting]
     ) -> Scalar:
+        """The same of some of what acts."""
         with section(f"projection on {partial.label}"):
             force = self.inertia.product(accelerations, partial, self.gravity)
+            if partial.apart is not None:
+                force = force + self.inertia.apart(accelerations, *partial.apart, self.gravity)
             for load in acting:
                 force = force - load.power(partial)
         return force
@@ -208,13 +243,13 @@ class Model:
         speeds = [self.velocities.turning(name) for name in names]
         return [*(unit.x for unit in units), *(unit.y for unit in units), *speeds]
 
-    def integrated_accelerations(self, free: list[Scalar]) -> list[Scalar]:
-        """Second derivatives of all integrated coordinates, given those of the free ones."""
+    def integrated_accelerations(self, changes: list[Scalar]) -> list[Scalar]:
+        """Second derivatives of all integrated coordinates, given `changes`."""
         if not self.topology.carried:
-            return free
-        known = dict(zip(self.topology.free, free, strict=True))
+            return changes
+        known = dict(zip(self.topology.free, changes, strict=False))
         bodies = self._accelerations(known).bodies
-        return [*free, *(bodies[name] for name in self.topology.carried)]
+        return [*changes, *(bodies[name] for name in self.topology.carried)]
 
     @cached_property
     def partials(self) -> list[Rates]:
@@ -234,8 +269,13 @@ class Model:
     def unheld_accelerations(self) -> list[Scalar]:
         """Second derivatives of the free coordinates as if no rigid contact pressed."""
         given = [nodes for nodes in self.acting if not isinstance(nodes, Unilateral)]
-        forces = [-self._required(self.bias, partial, given) for partial in self.partials]
+        forces = [-self.required_of(self.bias, partial, given) for partial in self.partials]
         return solve_symmetric(self.mass_matrix, forces)
+
+    @property
+    def free_accelerations(self) -> list[Scalar]:
+        """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
+        return self.changes[: len(self.topology.free)]
 
     @cached_property
     def unheld(self) -> Accelerations:
@@ -246,16 +286,19 @@ class Model:
 
     @cached_property
     @section("accelerations of the free coordinates")
-    def free_accelerations(self) -> list[Scalar]:
-        """Second derivatives of the free coordinates: J q̈ = −(force required without them)."""
+    def changes(self) -> list[Scalar]:
+        """Second derivatives of the free coordinates, then the rates of internal states."""
         matrix = self.mass_matrix
         with self.switches.collecting():
-            forces = [-self.required_force(self.bias, partial) for partial in self.partials]
-        solution = solve_symmetric(matrix, forces)
+            forces = [-self.required_of(self.bias, p, self.unpressed) for p in self.partials]
+            rates = [rate for load in self.loads for rate in load.internal_rates]
+            solution = solve_symmetric(matrix, forces)
+            if pressed := [load for load in self.loads if load.load.bearing is not None]:
+                solution, self._pressing = Pressing(self, pressed).solved(solution)
         for index, value in enumerate(solution):
             if value.label is None and value.operands:
                 value.label = f"acceleration{index}"
-        return self.switches.sticking(solution)
+        return self.switches.sticking([*solution, *rates])
 
     @cached_property
     def power(self) -> Scalar:

@@ -70,6 +70,8 @@ class Variable:
         What the numbers 0, 1, … of a variable mean that has no other values.
     opening
         Whether it is there for mechanisms with a clearance that opens only.
+    unit_of
+        Units of its elements where they differ.
     """
 
     dims: tuple[str, ...]
@@ -89,6 +91,7 @@ class Variable:
     compared: str = ""
     flags: tuple[str, ...] = ()
     opening: bool = False
+    unit_of: Callable[[Model], list[str]] | None = None
 
     @property
     def whole(self) -> bool:
@@ -111,6 +114,8 @@ class Variable:
 
     def described(self, model: Model) -> tuple[str, str]:
         """Units and long name that the variable has for a mechanism."""
+        if self.unit_of is not None:
+            return " or ".join(dict.fromkeys(self.unit_of(model))), self.long_name
         turning = {model.mechanism.bodies[name].rotates for name in model.topology.driven}
         if self.pushed is None or False not in turning:
             return self.units, self.long_name
@@ -130,6 +135,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return model.topology.driven
     if dim == "dyad":
         return tuple(_dyad_label(model, block) for block in dyads(model))
+    if dim == "internal":
+        return model.topology.internal
     if dim == "cam":
         return tuple(model.mechanism.cams)
     if dim in LOADS:

@@ -38,8 +38,8 @@ class Switch:
         Number of another mode: where that is −1 the function is not watched and this one is −1 as
         well. None if it is watched always.
     jump
-        Rates of the free coordinates behind a time at which the function rises through zero; empty
-        if they are those before it.
+        Rates of the free coordinates and values of internal states behind a time at which the
+        function rises through zero; empty if they are those before it.
     stick
         Whether the motion may stay on the zero of its function: where it is pushed back from both
         sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function zero.
@@ -152,7 +152,8 @@ class Switches:
                 return graph.select(function, graph.one, -graph.one)
             known = len(self.switches)
             self._known[function.index, owner] = known
-            self.switches.append(Switch(self._unused(name), function, owner, tuple(jump), stick))
+            behind = (*jump, *self._model.internal) if jump else ()
+            self.switches.append(Switch(self._unused(name), function, owner, behind, stick))
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
 
@@ -195,6 +196,16 @@ class Switches:
         for k, function in enumerate(functions(modes), first):
             self.switches[k] = replace(self.switches[k], function=function)
         return modes
+
+    def next_mode(self, further: int = 0) -> Scalar:
+        """The mode that `add` will give, for a function that depends on its own mode.
+
+        Parameters
+        ----------
+        further
+            How many others are added before it.
+        """
+        return self._model.inputs.mode(len(self.switches) + further)
 
     def memory(self, name: str, node: Scalar) -> Scalar:
         """The value that a node had when a switch rose last, or at the start.
@@ -251,10 +262,10 @@ class Switches:
         mode = self._model.inputs.mode(number)
         return 0.5 - mode * mode
 
-    def _sticky(self, free: list[Scalar]) -> list[int]:
+    def _sticky(self, changes: list[Scalar]) -> list[int]:
         """Switches on whose zeros motions may stay: those whose rates are affine in the mode."""
         inputs, zero = self._model.inputs, self._model.graph.zero
-        speeds = [inputs.rate(i) for i in range(len(free))]
+        speeds = [inputs.rate(i) for i in range(len(changes))]
         slopes = derivative(self.functions, speeds)
         moved = [
             number
@@ -263,7 +274,7 @@ class Switches:
         ]
         modes, found = [inputs.mode(number) for number in moved], []
         for number, mode in zip(moved, modes, strict=True):
-            effects = [effect for (effect,) in derivative(free, [mode])]
+            effects = [effect for (effect,) in derivative(changes, [mode])]
             bends = derivative(effects, modes)
             affine = all(bend is zero for row in bends for bend in row)
             pairs = zip(slopes[number], effects, strict=True)
@@ -272,30 +283,30 @@ class Switches:
                 found.append(number)
         return found
 
-    def sticking(self, free: list[Scalar]) -> list[Scalar]:
-        """Accelerations of the free coordinates with the values that modes of 0 stand for.
+    def sticking(self, changes: list[Scalar]) -> list[Scalar]:
+        """`changes` of a model with the values that modes of 0 stand for.
 
         The rate of a function is affine in the modes, as the accelerations are. Where it is to stay
         zero that is a linear system for their values (equivalent control [1]_).
 
         Parameters
         ----------
-        free
-            Accelerations with the modes as they are.
+        changes
+            Those with the modes as they are.
 
         References
         ----------
         .. [1] A. F. Filippov, Differential Equations with Discontinuous Righthand Sides, Kluwer
                1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
         """
-        sticky = self._sticky(free)
+        sticky = self._sticky(changes)
         if not sticky:
-            return free
+            return changes
         self.switches = [replace(s, stick=k in sticky) for k, s in enumerate(self.switches)]
         graph, inputs = self._model.graph, self._model.inputs
         modes = [inputs.mode(number) for number in sticky]
         functions = [self.switches[number].function for number in sticky]
-        rates = self.rates(functions, self._model.integrated_accelerations(free))
+        rates = self.rates(functions, self._model.integrated_accelerations(changes))
         slopes = derivative(rates, modes)
         matrix, right = [], []
         for row, number in enumerate(sticky):
@@ -306,10 +317,10 @@ class Switches:
             right.append(graph.select(stuck, -rates[row], graph.zero))
         values = [right[0] / matrix[0][0]] if len(sticky) == 1 else graph.solve(matrix, right)
         self.equivalent = dict(zip(sticky, values, strict=True))
-        effects = derivative(free, modes)
+        effects = derivative(changes, modes)
         return [
-            acceleration + graph.total(e * v for e, v in zip(row, values, strict=True))
-            for acceleration, row in zip(free, effects, strict=True)
+            change + graph.total(e * v for e, v in zip(row, values, strict=True))
+            for change, row in zip(changes, effects, strict=True)
         ]
 
     def held(self, value: Scalar) -> Scalar:

@@ -106,6 +106,13 @@ class System:
         """The same with other whole turns: in the state, and of torsional springs."""
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
 
+    def with_internal(self, values: Mapping[str, float]) -> System:
+        """The same with values of internal states by their names; others are left out."""
+        state, coordinates = self.state.copy(), self.topology.coordinates
+        for name in values.keys() & set(self.topology.internal):
+            state[len(coordinates) + coordinates.index(name)] = values[name]
+        return self._with(state=state)
+
     def bound(
         self,
         mechanism: Mechanism,
@@ -153,6 +160,11 @@ class System:
         """Loads must have a value at the start, as the laws of drives must."""
         found = []
         for load in self.model.loads:
+            if load.load.bearing is not None and self.topology.redundant:
+                places = self.topology.redundant_places
+                message = f"constraints at {places} are redundant: rigid bodies do not determine "
+                found.append((load.load.path, f"{message}the reaction that friction follows"))
+                continue
             given = np.isfinite(self._place.values(load.given, self.assembly))
             rated = np.isfinite(self._place.values(load.doubtful, self.assembly))
             if not given.all() or (not rated[:1].all() and rated[1:].all()):
@@ -169,9 +181,12 @@ class System:
     def _given(self) -> Floats:
         """Free coordinates and their rates as they are given; zero for those carried along."""
         initial = [self.mechanism.initial[name] for name in self.topology.free]
+        internal = [state.initial for state in self.mechanism.internal.values()]
         carried = [0.0] * len(self.topology.carried)
         positions, speeds = [i.position for i in initial], [i.speed for i in initial]
-        return np.array([*positions, *carried, *speeds, *carried])
+        return np.array(
+            [*positions, *[0.0] * len(internal), *carried, *speeds, *internal, *carried]
+        )
 
     def _settled(self, assembly: Assembly) -> Floats:
         """The initial state of all integrated coordinates."""
@@ -205,7 +220,7 @@ class System:
         """
         if self.held is not None:
             return self.held.copy()
-        accelerations = self.model.integrated_accelerations(self.model.free_accelerations)
+        accelerations = self.model.integrated_accelerations(self.model.changes)
         switches = self.model.switches
         held = self._signed(self._inputs(np.array([self.time]), self.state[:, None]))[:, 0]
         values = self.evaluate(switches.functions, held=held[:, None])[:, 0]

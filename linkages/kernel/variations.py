@@ -23,22 +23,23 @@ def variations(model: Model, layout: Layout) -> list[Scalar]:
 
     Returns
     -------
-    For each tangent n nodes.
+    For each tangent n nodes, and one for each internal state.
     """
     if not layout.tangents:
         return []
-    n = len(layout.free)
-    rows = derivative_along(model.free_accelerations, tangent_directions(model, layout))
+    n = layout.moved
+    rows = derivative_along(model.changes, tangent_directions(model, layout))
     return [rows[i][k] for k in range(layout.tangents) for i in range(n)]
 
 
 def tangent_directions(model: Model, layout: Layout) -> list[Mapping[int, Scalar]]:
-    """For each tangent the rates of inputs along it: of free coordinates, rates and memories."""
+    """For each tangent the rates of inputs along it: of all of the state, and of memories."""
     inputs, n = model.inputs, len(layout.free)
     memories = range(len(model.switches.memories))
     directions: list[Mapping[int, Scalar]] = []
-    for column, rows in enumerate(layout.tangent_rows[:n].T.tolist()):
-        moved = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(rows)}
+    for column, places in enumerate(layout.tangent_rows[n:].T.tolist()):
+        rows = [place - layout.size for place in places]
+        moved = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(rows[:n])}
         moved |= {inputs.rate(i): inputs.rate(row) for i, row in enumerate(rows)}
         first = column * len(memories)
         moved |= {inputs.memory(r): inputs.memory_tangent(first + r) for r in memories}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.component import Component, Term
+from linkages.components.contributed.measures import JointFriction, Load
 from linkages.components.contributed.terms import Body, Displacement, GroundPin, Hint, Initial, Path
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.reread import owner, reread
@@ -54,7 +55,7 @@ class _Base:
             place for place, key in enumerate(own) if self.keys[place : place + 1] != [key]
         }
         self.places = system.model.inputs.parameters
-        self.coordinates = {name: row for row, name in enumerate(system.layout.free)}
+        self.coordinates = {name: row for row, name in enumerate(system.layout.coordinates)}
         self.half = len(system.layout.coordinates)
         self.settling = Settling(system.model, system.mechanism.hints)
         self.numbers, self.given = system.numbers.copy(), np.zeros(2 * self.half)
@@ -74,6 +75,9 @@ class _Base:
             if isinstance(term, Initial) and term.body in self.coordinates:
                 row = self.coordinates[term.body]
                 given[row], given[self.half + row] = term.position, term.speed
+            elif isinstance(term, Load | JointFriction):
+                for state in term.states:
+                    given[self.half + self.coordinates[state.name]] = state.initial
             elif isinstance(term, Hint) and term.position is not None:
                 hints[term.joint] = np.array(term.position, dtype=float)
 

@@ -28,9 +28,10 @@ class SectionOptions(RunOptions):
         Where in the period of the drives points are taken, from 0 to 1. Not with `section`.
     section
         Take points where this is crossed instead, e.g. ``slider9.velocity=0``. It is an element, a
-        quantity of position or velocity (angle, speed, position, velocity) and a value in SI.
+        quantity of position or velocity (angle, speed, position, velocity) and a value in SI; or
+        ``gap.touch``, where the pin of a clearance that opens touches its hole.
     direction
-        How the section is crossed.
+        How the section is crossed; ``down`` is where a pin that touches leaves its hole.
     end
         Time in s until which crossings of a section are looked for. If not given, ``periods + skip
         + 2`` times the common period of the drives (or the file's end time, if there is none).

@@ -45,7 +45,7 @@ def accelerated(piece: Piece) -> Piece:
     if piece.samples is not None or not len(piece.acceleration):
         return piece
     model = piece.system.model
-    nodes = model.integrated_accelerations(model.free_accelerations)
+    nodes = model.integrated_accelerations(model.changes)
     values = piece.system.evaluate(
         nodes, piece.time, piece.state, flipped=piece.flipped, held=piece.held
     )

@@ -222,6 +222,7 @@ def record(memory: Memory, job: Job, system: System) -> Record:
     own = job.flow.switching
     tangents = Tangents(
         size=job.tangents.size,
+        placed=job.tangents.placed,
         columns=job.tangents.columns,
         every=job.tangents.every,
         offset=job.tangents.offset,
@@ -229,6 +230,9 @@ def record(memory: Memory, job: Job, system: System) -> Record:
         loses=int(own is not None and own.closes),
         seen=memory.integers(np.zeros(1)),
         lengths=memory.floats(job.lengths),
+        grown=memory.floats(job.grown),
+        copy=memory.floats(np.zeros(2 * job.tangents.columns * job.tangents.size)),
+        tolerances=memory.floats([job.rtol, job.atol[-1]]),
         memories=0 if own is None else len(own.owners),
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )

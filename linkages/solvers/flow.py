@@ -61,7 +61,7 @@ class Switching:
     sticks : m of bool
         For each switch whether the motion may stay on the zero of its function, with a mode of 0.
     free
-        Number of free coordinates: the first ones, whose rates may jump.
+        Number of free coordinates and internal states: the first ones, whose rates may jump.
     tangents
         Number of tangents, the last coordinates, with `free` entries each.
     transition

@@ -68,6 +68,7 @@ class Job:
     angles: NDArray[np.float64] = field(init=False)
     final_angles: NDArray[np.float64] = field(init=False)
     lengths: NDArray[np.float64] = field(init=False)
+    grown: NDArray[np.float64] = field(init=False)
     held: NDArray[np.float64] = field(init=False)
     parameters: NDArray[np.float64] = field(init=False)
     changes: ChangeLog = field(init=False)
@@ -84,6 +85,7 @@ class Job:
             "angles": np.zeros((m, d)),
             "final_angles": np.zeros(d) if self.begun is None else self.begun.copy(),
             "lengths": np.zeros(self._renormalised(m)),
+            "grown": np.zeros(0) if self.tangents is None else self.tangents.grown.copy(),
             "held": np.zeros((m, self.flow.held)),
             "parameters": self.holding(self.flow),
             # Samples, steps, rejected steps, evaluations, block, switch: see `views`.
@@ -145,6 +147,7 @@ class Job:
             final_angles=self.final_angles,
             crossings=self.log.crossings,
             lengths=self.lengths[: self._renormalised(samples)[0]],
+            grown=self.grown,
             held=self.held[:samples],
             final_held=self.parameters[len(self.parameters) - self.flow.held :].copy(),
             changes=self.changes.changes,

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+MOST_DOUBT = 1e-3
+"""Part of the shortest tangent that the error of a step may amount to."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Renormalisation:
@@ -18,16 +21,23 @@ class Renormalisation:
     ----------
     size, columns
         The last ``columns·size`` coordinates are those of tangents, one after the other.
+    placed
+        Of those of a tangent the first ones are lengths themselves; only the rates of the others
+        are.
     every
         They are renormalised at every sample whose number is a multiple of this.
     offset
         How many samples are taken to be before the first one.
     orthogonal
         Whether tangents are made orthonormal, or only of length one each.
+    grown : (columns,)
+        Logarithms of the lengths by which they have grown since the last time.
     """
 
     size: int
     columns: int
+    placed: int
+    grown: Floats
     every: int = 1
     offset: int = 0
     orthogonal: bool = True
@@ -36,32 +46,57 @@ class Renormalisation:
         """How often tangents are renormalised within so many samples."""
         return (samples + self.offset) // self.every
 
-    def undone(self, samples: Floats, seen: int = 0) -> tuple[Floats, Floats, Floats]:
+    def stretched(self, tangents: Floats, rtol: float, atol: float) -> bool:
+        """Whether errors of the next steps would show in the shortest tangent.
+
+        `tangents` has shape (2·size, columns); the tolerances are those of its entries.
+        """
+        lengths = np.exp(self.factors(tangents)[0])
+        lengths = lengths[lengths > 0.0]  # a contact that closed may have taken others away
+        return bool(max(rtol * lengths.max(), atol) > MOST_DOUBT * lengths.min())
+
+    def factors(self, tangents: Floats) -> tuple[Floats, Floats]:
+        """Logarithms of lengths, shape (columns,), and what makes tangents renormalised.
+
+        Parameters
+        ----------
+        tangents
+            Shape (2·size, columns); they are multiplied by the result, shape (columns, columns).
+        """
+        upper = np.linalg.qr(tangents)[1]
+        grown = upper if self.orthogonal else np.diag(np.linalg.norm(tangents, axis=0))
+        taken = np.diag(grown) == 0.0
+        grown = grown + np.diag(taken)
+        lengths = np.where(taken, -np.inf, np.log(np.abs(np.diag(grown))))
+        return lengths, np.linalg.inv(grown)
+
+    def undone(
+        self, samples: Floats, grown: Floats, seen: int = 0
+    ) -> tuple[Floats, Floats, Floats]:
         """What renormalisation gives for samples between which nobody did it.
 
         Parameters
         ----------
         samples
-            Tangents at the next samples, shape (samples, 2·size, columns).
+            Tangents at the next samples, shape (samples, size + placed, columns).
+        grown
+            By how much they have grown since the last time; set to zero at the next one.
         seen
             How many samples came before them.
 
         Returns
         -------
-        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, 2·size,
+        Logarithms of lengths, shape (times, columns), tangents behind, shape (times, size + placed,
         columns), and what later tangents are to be multiplied by, shape (columns, columns).
         """
         lengths, found, factor = [], [], np.eye(self.columns)
         for number, tangents in enumerate(samples, start=seen + self.offset + 1):
             if number % self.every:
                 continue
-            here = tangents @ factor
-            upper = np.linalg.qr(here)[1]
-            grown = upper if self.orthogonal else np.diag(np.linalg.norm(here, axis=0))
-            taken = np.diag(grown) == 0.0  # by a contact that closed
-            grown = grown + np.diag(taken)
-            lengths.append(np.where(taken, -np.inf, np.log(np.abs(np.diag(grown)))))
-            factor = factor @ np.linalg.inv(grown)
+            further, then = self.factors(tangents @ factor)
+            lengths.append(grown + further)
+            grown[:] = 0.0
+            factor = factor @ then
             found.append(tangents @ factor)
         shape = (len(found), *samples.shape[1:])
         return np.reshape(lengths, (-1, self.columns)), np.reshape(found, shape), factor

@@ -47,7 +47,9 @@ class Trajectory:
     crossings
         What was found of each event.
     lengths : (k, columns)
-        Logarithms of the lengths to which tangents had grown whenever they were renormalised.
+        Logarithms of the lengths to which tangents had grown from one time to the next.
+    grown : (columns,)
+        The same since the last of these times, less those of tangents as they are at `stop_time`.
     held : (m, h)
         Modes and what is remembered.
     final_held : (h,)
@@ -77,6 +79,7 @@ class Trajectory:
     changes: Changes
     crossings: tuple[Crossings, ...] = ()
     lengths: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    grown: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     held: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
     final_held: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     switch: int = -1

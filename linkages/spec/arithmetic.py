@@ -35,7 +35,7 @@ class Numbers(Builder[float]):
             raise NumberError("too large for a number")
         return value
 
-    def word(self, word: str) -> float | None:
+    def word(self, word: str, span: Span) -> float | None:  # noqa: ARG002
         """Return pi."""
         return CONSTANTS.get(word)
 

@@ -77,11 +77,13 @@ PRESSURE = Dimension("pressure", "Pa", "pascals")
 VOLUME = Dimension("volume", "m**3", "cubic metres")
 VOLTAGE = Dimension("voltage", "V", "volts")
 RESISTANCE = Dimension("resistance", "ohm", "ohms")
+INDUCTANCE = Dimension("inductance", "H", "henrys")
+CURRENT = Dimension("current", "A", "amperes")
 TORQUE_CONSTANT = Dimension("torque constant", "N*m/A", "N·m/A", ("V*s/rad",))
 KNOWN = (
     LENGTH, ANGLE, ANGULAR_SPEED, SPEED, MASS, INERTIA, ACCELERATION, FORCE, TORQUE, STIFFNESS,
     TORSIONAL_STIFFNESS, DAMPING, TORSIONAL_DAMPING, DURATION, FREQUENCY, PRESSURE, VOLUME,
-    VOLTAGE, RESISTANCE, TORQUE_CONSTANT,
+    VOLTAGE, RESISTANCE, TORQUE_CONSTANT, INDUCTANCE, CURRENT,
     Dimension("temperature", "K"), Dimension("area", "m**2"), Dimension("power", "W"),
     Dimension("momentum", "kg*m/s"),
     Dimension("angular acceleration", "rad/s**2"),

@@ -46,7 +46,12 @@ def _power(base: str, power: Fraction) -> str:
     return _SYMBOLS.get(base, base) + ("" if power == 1 else f"^{power}")
 
 
-def require(formula: Formula, expected: Dimension, unit_of: Callable[[Sensed], str]) -> None:
+def require(
+    formula: Formula,
+    expected: Dimension,
+    powers_of: Callable[[Sensed], Powers | None],
+    shared: bool = False,
+) -> None:
     """Make sure that a formula measures what stands in its place.
 
     Parameters
@@ -55,30 +60,32 @@ def require(formula: Formula, expected: Dimension, unit_of: Callable[[Sensed], s
         Without units it is in SI, and passes.
     expected
         What is asked for.
-    unit_of
-        SI unit of a named quantity.
+    powers_of
+        What a named quantity measures; None if that is not said.
+    shared
+        Whether a parameter in it has a unit, so that all numbers are what they say.
 
     Raises
     ------
     NumberError
         With what was found, and what is expected.
     """
-    if not formula.has_units:
+    if not (formula.has_units or shared):
         return
-    found = measured(formula, unit_of)
+    found = measured(formula, powers_of)
     wanted = powers(unit(expected.unit)) if expected.unit else PURE
     if found is not None and found != wanted:
         raise NumberError(f"it is {described(found)}, not {expected.article}")
 
 
-def measured(formula: Formula, unit_of: Callable[[Sensed], str]) -> Powers | None:
+def measured(formula: Formula, powers_of: Callable[[Sensed], Powers | None]) -> Powers | None:
     """What a formula with units measures; None if it is zero. Raises as `require` does."""
-    return _Measuring(formula.text, unit_of).of(formula.tree)
+    return _Measuring(formula.text, powers_of).of(formula.tree)
 
 
 class _Measuring:
-    def __init__(self, text: str, unit_of: Callable[[Sensed], str]) -> None:
-        self._text, self._unit_of = text, unit_of
+    def __init__(self, text: str, powers_of: Callable[[Sensed], Powers | None]) -> None:
+        self._text, self._powers_of = text, powers_of
 
     def of(self, node: Node) -> Powers | None:
         match node:
@@ -89,7 +96,7 @@ class _Measuring:
             case Clock():
                 return TIME
             case Sensed():
-                return powers(unit(self._unit_of(node)))
+                return self._powers_of(node)
             case Call("power", (base, Constant(exponent))):
                 return raised(self.of(base), Fraction(int(exponent)))
             case Call(name, arguments, _, span):
@@ -136,6 +143,13 @@ class _Measuring:
 def raised(found: Powers | None, exponent: Fraction) -> Powers | None:
     """The dimension of a power."""
     return None if found is None else {base: power * exponent for base, power in found.items()}
+
+
+def product(first: Powers, *others: tuple[Powers, int]) -> Powers:
+    """A dimension times whole powers of others."""
+    for other, exponent in others:
+        first = times(first, raised(other, Fraction(exponent)) or PURE)
+    return first
 
 
 def times(first: Powers, second: Powers) -> Powers:

@@ -1,7 +1,7 @@
 """Where a unit ends that stands behind a number of a formula: ``20 N*s/m * piston.velocity``.
 
 A unit goes on as long as names of units follow, with ``*``, ``/`` or nothing between them. What is
-called, or has a quantity, is no unit (``5 N*min(…)``, ``5 N*m.angle``); nor are t and pi.
+called, or has a quantity, is no unit (``5 N*min(…)``, ``5 N*m.angle``); nor are t, pi, and, or.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from linkages.spec.grammar import NumberError
 from linkages.spec.units import UnitError, unit
 
 _POWER = r"(?:[ \t]*(?:\*\*|\^)[ \t]*[-+]?[1-9](?![0-9.])|[²³])?"
-_NAME = rf"(°|(?!(?:t|pi|π)\b)[^\W\d]\w*)(?!\w)(?![ \t]*[(.]){_POWER}"
+_NAME = rf"(°|(?!(?:t|pi|π|and|or)\b)[^\W\d]\w*)(?!\w)(?![ \t]*[(.]){_POWER}"
 _FIRST = re.compile(rf"[ \t]*(?:1[ \t]*/[ \t]*)?{_NAME}")
 _NEXT = re.compile(rf"[ \t]*[*/·⋅×]?[ \t]*{_NAME}")
 

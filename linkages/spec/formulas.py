@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias, TypeGuard
 
 from linkages.operations import formula_functions
 from linkages.reading.wording import listed, shown, suggestion
@@ -26,6 +26,9 @@ _HIGHEST_POWER = 100
 
 WORDS = ("position", "velocity", "angle", "speed", "x", "y", "vx", "vy")
 """What a law may depend on, behind the name of a slider, bar, plate, clearance or joint."""
+
+PARAMETER = "parameter"
+"""The word of a number that has a name of its own in a mechanism."""
 
 CALLED = {"distance": 2, "angle": 2}
 """What is called with two names: joints, or bodies that turn."""
@@ -56,7 +59,7 @@ class Sensed:
     Parameters
     ----------
     word
-        One of `WORDS` of one name, or one of `CALLED` of two.
+        One of `WORDS` of one name, one of `CALLED` of two, or `PARAMETER`.
     names
         As the definition has them.
     rate
@@ -130,12 +133,13 @@ def formula(text: str, refused: str = "") -> Formula:
     plain = text.replace("−", "-")
     try:
         tree, end = parsed(plain, FormulaTrees(refused))
-        if isinstance(tree, Call) and tree.name in _ORDER:
+        if _is_condition(tree):
             raise _misplaced(tree)
         if end < len(plain.rstrip()):
             hint = "; an operator is missing, or the number its unit"
             hint = "; powers are written **" if plain[end] == "^" else hint
-            hint = "; a comparison stands in 'where(…)' only" if plain[end] in "<>=" else hint
+            joined = plain[end] in "<>=" or plain[end:].split()[0] in ("and", "or")
+            hint = "; a comparison stands in 'where(…)' only" if joined else hint
             raise NumberError(f"cannot read {shown(plain[end:])}", hint, end)
     except NumberError as error:
         place = "" if error.at is None else f" (character {error.at + 1})"
@@ -144,6 +148,7 @@ def formula(text: str, refused: str = "") -> Formula:
 
 
 _ORDER = ("<", "<=", ">", ">=")
+_JOINED = ("and", "or", "not")
 
 
 class FormulaTrees(Builder[Node]):
@@ -180,14 +185,13 @@ class FormulaTrees(Builder[Node]):
             raise NumberError(str(error)) from None
         return Constant(Numbers().number(found.convert(value)), found)
 
-    def word(self, word: str) -> Node | None:
-        """The time, or a constant."""
+    def word(self, word: str, span: Span) -> Node | None:
+        """The time, a constant, or a parameter of the mechanism."""
         if word == "t":
             return Clock()
         if word in CONSTANTS:
             return Constant(CONSTANTS[word])
-        hint = "" if self._refused else ", or a quantity such as crank.angle"
-        raise NumberError(f"unknown name {word!r}", f"; expected t or pi{hint}")
+        return Sensed(PARAMETER, (word,), span=span)
 
     def quantity(self, word: str, names: tuple[str, ...], span: Span) -> Node:
         """A quantity of the mechanism."""
@@ -208,8 +212,10 @@ class FormulaTrees(Builder[Node]):
         """A call, or the number that it is."""
         if name == "where":
             return self._where(arguments, span)
+        if name in _JOINED:
+            return _joined(name, arguments, span)
         for argument in arguments:
-            if isinstance(argument, Call) and argument.name in _ORDER:
+            if _is_condition(argument):
                 raise _misplaced(argument)
         if name == "rate":
             return _rate(arguments[0], span)
@@ -227,12 +233,22 @@ class FormulaTrees(Builder[Node]):
         return _call(name, *arguments, span=span)
 
     def _where(self, arguments: tuple[Node, ...], span: Span) -> Node:
-        """A difference that is not negative takes the place of the comparison."""
+        """A difference that is not negative takes the place of each comparison."""
         condition, first, second = arguments
-        if not isinstance(condition, Call) or condition.name not in _ORDER:
+        if not isinstance(condition, Call) or not _is_condition(condition):
             raise NumberError(
                 "'where' expects a comparison first, such as where(t < 1 s, 0 N, 5 N)", at=span[0]
             )
+        for other in (first, second):
+            if _is_condition(other):
+                raise _misplaced(other)
+        match condition.name, condition.arguments:
+            case "not", (one,):
+                return self._where((one, second, first), span)
+            case "and", (one, other):
+                return self._where((one, self._where((other, first, second), span), second), span)
+            case "or", (one, other):
+                return self._where((one, first, self._where((other, first, second), span)), span)
         sign, (a, b) = condition.name, condition.arguments
         if sign in _TURNED:  # a < b is what a >= b is not
             sign, first, second = _TURNED[sign], second, first
@@ -247,9 +263,20 @@ def _unit(text: str) -> Unit:
     return unit(" ".join(text.split()))
 
 
-def _misplaced(comparison: Call) -> NumberError:
+def _is_condition(node: Node) -> TypeGuard[Call]:
+    return isinstance(node, Call) and node.name in (*_ORDER, *_JOINED)
+
+
+def _joined(name: str, arguments: tuple[Node, ...], span: Span) -> Node:
+    if not all(map(_is_condition, arguments)):
+        example = "not t < 1 s" if name == "not" else f"t > 1 s {name} t < 2 s"
+        raise NumberError(f"{name!r} expects comparisons, such as {example}", at=span[0])
+    return _call(name, *arguments, span=span)
+
+
+def _misplaced(condition: Call) -> NumberError:
     message = "a comparison stands first in 'where(…)' only"
-    return NumberError(message, at=comparison.span[0])
+    return NumberError(message, at=condition.span[0])
 
 
 def _rate(argument: Node, span: Span) -> Node:

@@ -6,9 +6,11 @@ Nothing is ever evaluated as code. With the precedence of Python::
     product  = signed {("*" | "/") signed}
     signed   = ("+" | "-") signed | power
     power    = atom ["**" signed]
-    atom     = NUMBER [UNIT] | WORD | SERIES | name "." WORD | call | "(" sum ")"
-    call     = WORD "(" argument {"," argument} ")" | WORD "(" name {"," name} ")"
-    argument = sum [("<=" | ">=" | "<" | ">") sum]
+    atom     = NUMBER [UNIT] | WORD | SERIES | name "." WORD | call | "(" either ")"
+    call     = WORD "(" either {"," either} ")" | WORD "(" name {"," name} ")"
+    either   = both {"or" both}
+    both     = negation {"and" negation}
+    negation = "not" negation | sum {("<=" | ">=" | "<" | ">") sum}
     name     = WORD | "'" TEXT "'" | '"' TEXT '"'
 
 Units, names and calls stand in formulas only, see `linkages.spec.formulas`, and the names of series
@@ -99,12 +101,12 @@ class Builder(ABC, Generic[Value]):
         raise NumberError(f"unknown name {'.'.join((*names, word))!r}", at=span[0])
 
     @abstractmethod
-    def word(self, word: str) -> Value | None:
+    def word(self, word: str, span: Span) -> Value | None:
         """Return the value of a name; None where a number should stand."""
 
     @abstractmethod
     def operation(self, name: str, arguments: tuple[Value, ...], span: Span = (0, 0)) -> Value:
-        """Return neg, add, sub, mul, div, power, a comparison or a function of its arguments."""
+        """Return an operation, a comparison, and, or, not or a function of its arguments."""
 
 
 def parsed(text: str, builder: Builder[Value]) -> tuple[Value, int]:
@@ -157,7 +159,7 @@ class _Reader(Generic[Value]):
     def atom(self) -> Value:
         start = self.at
         if self._take("("):
-            value = self.sum()
+            value = self.either() if self.builder.functions else self.sum()
             self._close()
             return value
         if (end := self.builder.series_end(self.text, start)) > start:
@@ -214,7 +216,7 @@ class _Reader(Generic[Value]):
         if functions and (word in functions or self.text.startswith("(", self.at)):
             return self._called(word, start)
         try:
-            value = self.builder.word(word)
+            value = self.builder.word(word, (start, start + len(word)))
         except NumberError as error:
             raise NumberError(error.message, error.hint, start) from None
         if value is None:
@@ -230,9 +232,9 @@ class _Reader(Generic[Value]):
             raise NumberError(f"unknown function {word!r}", hint, start)
         if not self._take("("):
             raise self._expected(f"'(' after {word!r}")
-        arguments = [self._argument()]
+        arguments = [self.either()]
         while self._take(","):
-            arguments.append(self._argument())
+            arguments.append(self.either())
         self._close()
         self._count(word, start, count, len(arguments))
         return self._made(start, word, *arguments)
@@ -258,11 +260,50 @@ class _Reader(Generic[Value]):
             wanted = f"{' or '.join(map(str, counts))} argument{'s' if max(counts) > 1 else ''}"
             raise NumberError(f"{word!r} takes {wanted}, found {found}", at=start)
 
-    def _argument(self) -> Value:
-        start, value = self.at, self.sum()
-        if sign := self._take(*_COMPARISONS):
-            value = self._made(start, sign, value, self.sum())
+    def either(self) -> Value:
+        start, value = self.at, self._both()
+        while self._take_word("or"):
+            value = self._made(start, "or", value, self._both())
         return value
+
+    def _both(self) -> Value:
+        start, value = self.at, self._negation()
+        while self._take_word("and"):
+            value = self._made(start, "and", value, self._negation())
+        return value
+
+    def _negation(self) -> Value:
+        start = self.at
+        if not self._take_word("not"):
+            return self._comparison()
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise NumberError(f"nested more than {_DEEPEST} deep")
+        value = self._made(start, "not", self._negation())
+        self._depth -= 1
+        return value
+
+    def _comparison(self) -> Value:
+        start, first = self.at, self.sum()
+        value = first
+        while sign := self._take(*_COMPARISONS):
+            second = self.sum()
+            compared = self._made(start, sign, first, second)
+            value = compared if value is first else self._made(start, "and", value, compared)
+            first = second
+        return value
+
+    def _take_word(self, word: str) -> bool:
+        """Take a word that joins conditions; a name of the mechanism is followed by a point."""
+        found, start = _WORD.match(self.text, self.at), self.at
+        if found is None or found.group() != word:
+            return False
+        self.at = found.end()
+        self._skip()
+        if self.text.startswith(".", self.at):
+            self.at = start
+            return False
+        return True
 
     def _made(self, start: int, name: str, *arguments: Value) -> Value:
         try:

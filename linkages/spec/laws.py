@@ -102,29 +102,42 @@ class LawRule(FieldType):
 
 @dataclass(frozen=True)
 class ArgumentRule(FieldType):
-    """What a table is a function of: a quantity of the mechanism, or a formula of some."""
+    """What a table is a function of: a quantity of the mechanism, or a formula of some.
+
+    Parameters
+    ----------
+    constant
+        Whether it may be a number as well.
+    """
+
+    constant: bool = False
 
     def read(self, value: Any) -> Any:
         """Return a `Formula`; one that has been read is returned as it is."""
         if isinstance(value, Formula):
             return value
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if number and self.constant and isfinite(value):
+            return Formula(repr(value), Constant(float(value)))
         if not isinstance(value, str):
             raise QuantityError(self.expected(), shown(value))
         try:
             read = formula(value)
         except NumberError as why:
             raise QuantityError(self.expected(), f"{shown(value)}: {why}") from None
-        if isinstance(read.tree, Constant):
+        if isinstance(read.tree, Constant) and not self.constant:
             raise QuantityError(self.expected(), shown(value))
         return read
 
     def expected(self) -> str:
         """Return what messages expect."""
-        return "a quantity such as crank.angle or piston.position, or a formula of some"
+        number = "a number, " if self.constant else ""
+        return f"{number}a quantity such as crank.angle or piston.position, or a formula of some"
 
     def json_schema(self) -> dict[str, Any]:
-        """Return text."""
-        return {"type": "string", "pattern": _BEGINNING}
+        """Return text, and a number where there may be one."""
+        kinds = ["number", "string"] if self.constant else "string"
+        return {"type": kinds, "pattern": _BEGINNING}
 
 
 @dataclass(frozen=True)

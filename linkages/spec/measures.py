@@ -140,13 +140,13 @@ class _Measures(FormulaTrees):
         """A series."""
         return Sensed(re.sub("['\"]", "", name), (), span=span)
 
-    def word(self, word: str) -> Node:
+    def word(self, word: str, span: Span) -> Node:
         """The time, a constant, or an output of the whole mechanism."""
         if word in ("t", "time"):
             return Clock()
         if word in CONSTANTS:
             return Constant(CONSTANTS[word])
-        return Sensed(word, ())
+        return Sensed(word, (), span=span)
 
     def operation(self, name: str, arguments: tuple[Node, ...], span: Span = (0, 0)) -> Node:
         """A call of a function or a reduction."""

@@ -96,9 +96,17 @@ class Topology:
         return tuple(dict.fromkeys([*self.iterated, *turned]))
 
     @property
+    def internal(self) -> tuple[str, ...]:
+        """Names of the internal states."""
+        return tuple(self.mechanism.internal)
+
+    @property
     def coordinates(self) -> tuple[str, ...]:
-        """Bodies whose coordinate is integrated: the free ones, then those carried along."""
-        return (*self.free, *self.carried)
+        """What is integrated twice: free coordinates, internal states, coordinates carried along.
+
+        An internal state is the rate of its coordinate, which itself means nothing.
+        """
+        return (*self.free, *self.internal, *self.carried)
 
     @property
     def counted(self) -> tuple[str, ...]:

@@ -200,5 +200,5 @@ def test_a_drift_is_what_exceeds_six_errors(seed):
 def test_tangents_that_come_too_far_apart(ratio, known):
     """Of numbers of 16 digits one has seven left where another is 1e9 times as large."""
     growth = np.tile([math.log(ratio), 0.0], (64, 1))
-    found = Exponents(growth, np.zeros((65, 2)), np.arange(65.0))
+    found = Exponents(growth, np.zeros((65, 2)), np.arange(65.0), furthest=1e9)
     assert found.settled is known

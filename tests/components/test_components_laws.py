@@ -211,7 +211,10 @@ def test_tables_that_are_none(inside, found):
             "law (harmonic, rise, run-up or table), found '5 N': N is a force, not an angle",
         ),
         ("sine(t)", "found 'sine(t)': unknown function 'sine' (character 1); did you mean 'sin'?"),
-        ("2*x*t", "found '2*x*t': unknown name 'x' (character 3); expected t or pi"),
+        (
+            "2*x*t",
+            "unknown name 'x'; expected t, pi, or a quantity such as crank.angle (character 3 of",
+        ),
         ("20 dgree*sin(t)", "unknown unit 'dgree'; did you mean 'degree'? (character 4)"),
         (
             "20 deg*sin(t)",

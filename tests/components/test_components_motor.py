@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from component_reading import assert_frozen_and_keyword_only, complaints, component
+from scipy.linalg import expm
 
 import linkages
 from linkages.chaos.verdicts.evidence import conservative
@@ -121,3 +122,59 @@ motors:
 def test_wrong_entries(entry, found):
     problems = complaints(WHEEL + f"  m: {entry}\n")
     assert found in problems[0]
+
+
+def test_a_current_rises_in_a_locked_motor():
+    """U/R (1 - exp(-R t/L)), with nothing else integrated."""
+    held = WHEEL.replace(
+        "free: {wheel: {angle: 0, speed: 0}}", "drives: {wheel: {angle: 0, speed: 0}}"
+    )
+    entry = """
+  m: {bar: wheel, voltage: 24 V, torque_constant: 0.1, resistance: 0.5 ohm, inductance: 20 mH,
+      gear_ratio: 3, current: 5 A}
+"""
+    outputs = ["internal_state", "drive_effort"]
+    data = linkages.simulate(
+        linkages.loads(held + entry), end=0.2, samples=21, outputs=outputs
+    ).data
+    rest = 24 / 0.5
+    expected = rest + (5 - rest) * np.exp(-data.time.to_numpy() * 0.5 / 0.02)
+    found = data.internal_state.sel(internal="motors.m.current").to_numpy()
+    assert found == pytest.approx(expected, abs=5e-9)  # rtol 1e-10 of 48 A
+    assert data.drive_effort.to_numpy()[:, 0] == pytest.approx(-3 * 0.1 * expected, abs=2e-9)
+
+
+@pytest.mark.parametrize("rotor", [0.0, 4e-4])
+def test_run_up_with_inductance(rotor):
+    """Speed and current are linear; without inductance the current follows at once."""
+    entry = f"""
+  m: {{bar: wheel, voltage: 24, torque_constant: 0.1, resistance: 0.5, inductance: INDUCTANCE,
+      gear_ratio: 3, rotor_inertia: {rotor}, joint: O}}
+"""
+    outputs = ["bar_speed", "internal_state", "load_torque", "energy_residual", "load_power"]
+    options = {"end": 1.0, "samples": 11, "outputs": outputs}
+    mechanism = linkages.loads(WHEEL + entry.replace("INDUCTANCE", "0.02"))
+    data = linkages.simulate(mechanism, **options).data
+    inertia = 0.02 + 9 * rotor
+    matrix = np.array([[0, 0.3 / inertia], [-0.3 / 0.02, -0.5 / 0.02]])
+    rest = np.array([24 / 0.3, 0.0])
+    expected = np.array([expm(matrix * t) @ -rest + rest for t in data.time.to_numpy()])
+    wheel = data.bar_speed.sel(bar="wheel").to_numpy()
+    found = np.array([wheel, data.internal_state.to_numpy()[:, 0]]).T
+    assert found == pytest.approx(expected, abs=2e-8)
+    assert data.load_torque.sel(torque="motors.m").to_numpy() == pytest.approx(0.3 * found[:, 1])
+    assert abs(data.energy_residual.to_numpy()).max() < 1e-7
+    quick = linkages.loads(WHEEL + entry.replace("INDUCTANCE", "1e-6"))
+    plain = linkages.loads(WHEEL + entry.replace("inductance: INDUCTANCE,", ""))
+    options["outputs"] = ["bar_speed"]
+    ends = [
+        linkages.simulate(m, **options, method="radau").data.bar_speed.to_numpy()[:, 0]
+        for m in (quick, plain)
+    ]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-2)  # L/R is 2 µs, times 360 rad/s²
+    assert not conservative(mechanism)
+
+
+def test_a_current_at_the_start_needs_an_inductance():
+    entry = "  m: {bar: wheel, voltage: 9, torque_constant: 1, resistance: 1, current: 2}\n"
+    assert "without 'inductance' the current follows" in complaints(WHEEL + entry)[0]

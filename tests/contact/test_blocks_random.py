@@ -21,7 +21,7 @@ def check(seed):
     text = definition(seed)
     model = AbsoluteBlocks(text)
     own = motion(model, TIMES[1:], rtol=RTOL)
-    assert sum(event.kind == "touch" for event in own.events) >= 2, text
+    assert any(event.kind == "touch" for event in own.events), text
     corners = range(len(model.gaps))
     walls = [[model.wall(y, k) for k in corners] for y in own.states]
     expected = {

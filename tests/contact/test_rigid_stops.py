@@ -218,3 +218,24 @@ def test_a_driven_slider_does_not_bounce():
         linkages.simulate(
             linkages.loads(text + "- {slider: cart, upper: 1, restitution: 1}\n"), end=1
         )
+
+
+def test_a_rigid_stop_has_no_equations_in_closed_form():
+    from linkages.equations import derive
+    from linkages.topology.topology import build_topology
+
+    with pytest.raises(InputError, match=r"stops\[0\].restitution.* impacts change rates at once"):
+        derive(build_topology(linkages.loads(BALL)))
+
+
+def test_sections_sweeps_and_files(tmp_path):
+    """Sections, sweeps of a restitution and files of exponents take rigid stops."""
+    mechanism = linkages.loads(SHAKEN + "free: {ball: {position: 0.3, speed: 0}}\n")
+    data = linkages.lyapunov(mechanism, periods=64)
+    data.to_netcdf(tmp_path / "found.nc", engine="h5netcdf")
+    found = linkages.bifurcation(
+        mechanism, {"stops.0.restitution": [0.3, 0.5]}, periods=40, skip=60
+    )
+    speed = found.slider_velocity.isel(start=0).to_numpy()
+    # at rest, or in another motion of one period: points repeat
+    assert np.ptp(speed, axis=-2).max() < 1e-6

@@ -138,7 +138,7 @@ assembly: {{E: {hints[0]}, F: {hints[1]}, G: {hints[2]}}}
 def kernels(text):
     of = system_of(text)
     model = of.model
-    accelerations = model.integrated_accelerations(model.free_accelerations)
+    accelerations = model.integrated_accelerations(model.changes)
     program = write_program(model, accelerations)
     return of, accelerations, program
 

@@ -85,7 +85,7 @@ def test_velocities_and_accelerations(text):
 def test_a_free_parallelogram_is_a_pendulum(text):
     """All masses of couplers on circles of the same radius: (ΣJ + m r²) θ̈ = torque of gravity."""
     of = system_of(free(text).replace("speed: 3", "speed: 1.5"))
-    accelerations = of.model.integrated_accelerations(of.model.free_accelerations)
+    accelerations = of.model.integrated_accelerations(of.model.changes)
     found = of.evaluate(accelerations)[:, 0]
     if text == THREE_CRANKS:
         crank, coupler, arm = 3 * 0.4**2 / 3, 2.0 * 0.4**2, 3 * 0.2 + 2 * 0.4

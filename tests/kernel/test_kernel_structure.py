@@ -101,7 +101,7 @@ def test_many_structures_do_not_fill_the_memory():
 def printed(mechanism):
     """The kernel that a mechanism of its own would have."""
     model = Model(build_topology(mechanism))
-    return write_program(model, model.integrated_accelerations(model.free_accelerations)).text
+    return write_program(model, model.integrated_accelerations(model.changes)).text
 
 
 def places(node, path=""):

@@ -4,4 +4,6 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-sys.path += [str(ROOT / folder) for folder in ("tests/oracle", "tests/kernel", "docs")]
+sys.path += [
+    str(ROOT / folder) for folder in ("tests/oracle", "tests/kernel", "tests/contact", "docs")
+]

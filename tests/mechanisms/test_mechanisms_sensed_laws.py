@@ -134,7 +134,7 @@ def test_a_formula_is_the_entry_that_it_writes_out(formula, entry):
     states = given.state[:, None] + 0.3 * random
     times = np.full(5, 0.3)
     for nodes in (
-        lambda model: model.integrated_accelerations(model.free_accelerations),
+        lambda model: model.integrated_accelerations(model.changes),
         lambda model: [model.potential_energy] if "0*t" not in formula else [],
     ):
         found, expected = (s.evaluate(nodes(s.model), times, states) for s in (written, given))

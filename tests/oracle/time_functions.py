@@ -55,7 +55,6 @@ ELEMENTARY = {
     "tanh": _hyperbolic_tangent,
     "abs": lambda x: (abs(x), math.copysign(1.0, x), 0.0),
     "sign": lambda x: (math.copysign(1.0, x), 0.0, 0.0),
-    "stick": lambda x: (math.copysign(1.0, x), 0.0, 0.0),
     "atan": lambda x: (math.atan(x), 1 / (1 + x * x), -2 * x / (1 + x * x) ** 2),
 }
 """Name → x ↦ (g, g′, g″)."""

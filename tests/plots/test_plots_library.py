@@ -25,7 +25,9 @@ def test_every_shipped_mechanism(name):
     beside = clearance_ends(mechanism)
     for joint in system.topology.joints:
         assert (joint in beside) != (joint in written)
-    assert set(mechanism.bodies) <= set(written)
+    # both axes of a clearance that opens are drawn as one
+    named = {name.removesuffix(".x").removesuffix(".y") for name in mechanism.bodies}
+    assert named <= set(written)
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_accelerations_are_those_of_the_graph(name):
     random = np.random.default_rng(3)
     states = rhs.state[:, None] + 0.01 * random.standard_normal((len(rhs.state), 7))
     times = random.uniform(0, 0.01, 7)
-    nodes = system.model.integrated_accelerations(system.model.free_accelerations)
+    nodes = system.model.integrated_accelerations(system.model.changes)
     expected = system.evaluate(nodes, times, states)
     found = rhs.batch(times, states)
     n = len(nodes)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from linkages.spec import dimensions
-from linkages.spec.formula_dimensions import described, measured, require
+from linkages.spec.formula_dimensions import described, measured, powers, require
 from linkages.spec.formulas import Call, Clock, Constant, formula
 from linkages.spec.grammar import NumberError
 from linkages.spec.units import unit
@@ -15,6 +15,10 @@ UNITS = {"position": "m", "velocity": "m/s", "angle": "rad", "speed": "rad/s", "
 
 def unit_of(quantity):
     return UNITS[quantity.word]
+
+
+def powers_of(node):
+    return powers(unit(unit_of(node)))
 
 
 def numbers(text):
@@ -70,7 +74,7 @@ def test_a_unit_belongs_to_its_number_alone():
     ],
 )
 def test_forces(text):
-    require(formula(text), dimensions.FORCE, unit_of)
+    require(formula(text), dimensions.FORCE, powers_of)
 
 
 @pytest.mark.parametrize(
@@ -90,10 +94,10 @@ def test_forces(text):
 )
 def test_what_does_not_go_together(text, reason):
     with pytest.raises(NumberError) as caught:
-        require(formula(text), dimensions.FORCE, unit_of)
+        require(formula(text), dimensions.FORCE, powers_of)
     assert reason in str(caught.value)
 
 
 def test_a_zero_measures_nothing():
-    assert measured(formula("0*p.position + 2 N*0"), unit_of) is None
+    assert measured(formula("0*p.position + 2 N*0"), powers_of) is None
     assert described({}) == "an angle or a pure number"

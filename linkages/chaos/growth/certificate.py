@@ -8,6 +8,7 @@ References
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from linkages.chaos.growth.volumes import Volumes
 from linkages.chaos.series.averages import mean_error
 from linkages.solution.moving.free_coordinates import free_vectors
 from linkages.solution.moving.motion import Motion, Piece
+from linkages.solvers.renormalisation import MOST_DOUBT
 
 Floats = NDArray[np.float64]
 
@@ -79,17 +81,29 @@ def certificate(
     passed = tangents.motion.part(first, last, between)
     damping = _joined(passed, Volumes.damping_rates)
     logarithms = _joined(passed.part(each=parts), Volumes.logarithm)
-    numeric = STEPS * tangents.tolerance / float(np.diff(exponents.times).min())
+    numeric = _numeric(tangents.tolerance, exponents)
     floor = max(SMALL * float(exponents.errors.max()), numeric)
-    traces = np.trace(damping, axis1=1, axis2=2)
+    traces = np.trace(damping, axis1=1, axis2=2) + _joined(passed, Volumes.relaxation)
     found = [_sum(exponents, traces, logarithms, parts, floor)] if volumes.told else []
     rate = volumes.uniform(damping) if volumes.told else None
     if rate is not None and volumes.potential:
         found += _pairs(exponents, rate, floor)
-    rates = free_vectors(tangents.system, passed)[:, len(tangents.system.topology.free) :]
+    count = len(tangents.system.topology.free)
+    rates = free_vectors(tangents.system, passed)[:, count : 2 * count]
     if volumes.autonomous and _goes_on(rates, numeric):
         found += _zeros(exponents, volumes.conservative and volumes.potential, floor)
     return tuple(found)
+
+
+def _numeric(tolerance: float, exponents: Exponents) -> float:
+    """Errors of integration that growth rates may have.
+
+    Those of as many steps as may add up in an interval, or in each of the stretches within it after
+    which tangents that come apart are brought back.
+    """
+    stretch = max(1.0, math.log(MOST_DOUBT / tolerance))
+    stretches = int(np.ptp(exponents.values) * exponents.lengths.mean() / stretch)
+    return STEPS * max(tolerance, stretches * MOST_DOUBT) / float(exponents.lengths.min())
 
 
 def _joined(motion: Motion, values: Callable[[Volumes, Piece], Floats]) -> Floats:
@@ -102,8 +116,7 @@ def _sum(
     exponents: Exponents, damping: Floats, logarithms: Floats, parts: int, floor: float
 ) -> Invariant:
     """Every interval has its own sum, so that only errors of integration are left."""
-    lengths = np.diff(exponents.times)
-    moved = np.diff(logarithms) / lengths
+    moved = np.diff(logarithms) / exponents.lengths
     expected = -moved - _means(damping, parts)
     coarse = expected if parts == 1 else -moved - _means(damping[::2], parts // 2)
     found, mean = float(exponents.growth.sum(axis=1).mean()), float(expected.mean())

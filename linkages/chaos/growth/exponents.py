@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,9 +20,6 @@ Floats = NDArray[np.float64]
 FEWEST_INTERVALS = 64
 """Four parts of a history are compared, each with an error of its own."""
 
-FURTHEST_APART = 1e9
-"""Ratio of lengths of tangents after one interval beyond which the shortest is but error."""
-
 DRIFTS = 6.0
 """Drift, in standard errors, from which on a history has not settled."""
 
@@ -38,6 +36,8 @@ class Exponents:
         States at the ends of intervals, the start included, shape (intervals + 1, d).
     times
         Their times, shape (intervals + 1,), in seconds or steps.
+    furthest
+        As `TangentSystem` has it.
     certificate
         What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
     lost
@@ -55,9 +55,15 @@ class Exponents:
     growth: Floats
     states: Floats
     times: Floats
+    furthest: float = math.inf
     certificate: tuple[Invariant, ...] = ()
     lost: int = 0
     touch: tuple[float, float, str] | None = None
+
+    @property
+    def lengths(self) -> Floats:
+        """Lengths of intervals, shape (intervals,)."""
+        return np.diff(self.times)
 
     @cached_property
     def values(self) -> Floats:
@@ -84,12 +90,12 @@ class Exponents:
     @cached_property
     def apart(self) -> float:
         """Largest ratio of lengths that tangents come to within one interval, as a logarithm."""
-        return float((np.ptp(self.growth, axis=1) * np.diff(self.times)).max())
+        return float((np.ptp(self.growth, axis=1) * self.lengths).max())
 
     @cached_property
     def unsettled(self) -> str:
         """Why the values cannot be trusted yet; empty if they can."""
-        if self.apart > np.log(FURTHEST_APART):
+        if self.apart > math.log(self.furthest):
             return (
                 f"Tangents differ by a factor of {np.exp(min(self.apart, 700)):.0e} after an "
                 "interval, more than numbers resolve: take shorter intervals."
@@ -137,8 +143,8 @@ def lyapunov_spectrum(
     intervals
         How many are averaged, at least 64.
     interval
-        Length of one in seconds or steps, in which lengths of tangents come to differ by less than
-        1e6 or so. A whole part or multiple of the drive period makes the history smooth.
+        Length of one in seconds or steps. A whole part or multiple of the drive period makes the
+        history smooth.
     count
         How many exponents, the largest ones; all of them by default.
     skip
@@ -184,6 +190,7 @@ def lyapunov_spectrum(
             growth=joined[0][:, left],
             states=joined[1],
             times=joined[2],
+            furthest=system.furthest,
             lost=columns - int(left.sum()),
         )
         return part if certify is None else replace(part, certificate=certify(part))

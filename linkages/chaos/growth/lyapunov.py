@@ -12,7 +12,6 @@ import numpy as np
 from linkages.chaos.growth.certificate import certificate, samples_within
 from linkages.chaos.growth.exponents import (
     FEWEST_INTERVALS,
-    FURTHEST_APART,
     Exponents,
     lyapunov_spectrum,
 )
@@ -38,11 +37,11 @@ from linkages.solution.options import options_of
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_RUNS = 4
-"""Runs with shorter and shorter intervals."""
+TOUCH = ("least_touch", "least_touch_time", "least_touch_of")
+"""Attributes: smallest rate of a touch, when, and of what."""
 
 PARTS = 4
-"""Intervals within a period, more if tangents come too far apart within one."""
+"""Intervals within a period."""
 
 
 @takes(ExponentOptions)
@@ -70,10 +69,9 @@ def lyapunov(
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
     ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
-    and where something touches, ``least_touch`` and ``least_touch_at``: the smallest rate of a
-    touch, its time, and the name of the contact. With clearances, `contact_lost` and `least_force`
-    (clearance) as `linkages.poincare` has them, over
-    what is averaged.
+    and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
+    smallest rate of a touch, its time, and the name of the contact. With clearances, `contact_lost`
+    and `least_force` (clearance) as `linkages.poincare` has them, over what is averaged.
 
     Raises
     ------
@@ -138,7 +136,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
             "sum": total,
             "sum_error": total_error,
             "lost": exponents.lost,
-            **({} if touch is None else {"least_touch": touch[0], "least_touch_at": touch[1:]}),
+            **({} if touch is None else dict(zip(TOUCH, touch, strict=True))),
         },
     )
 
@@ -165,55 +163,31 @@ def run_exponents(
     """Exponents of a motion that is integrated in a certain way; a log notes it behind `skip`."""
     require_free(system)
     periods, skip, count = options.periods, options.skip, options.count
-    whole = 2 * len(system.topology.free)
+    whole = system.layout.directions
     columns = whole if count is None else count
     if columns > whole:
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")
     length = options.interval or characteristic_period(system.mechanism)
 
-    def run(parts: int) -> Exponents:
-        if log is not None:
-            log.restart(since=system.time + skip * length)
-        needed = samples_needed(system, periods * parts) if columns == whole else 0
-        tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
-
-        def certify(exponents: Exponents) -> tuple[Invariant, ...]:
-            return certificate(tangents, exponents, skip * parts)
-
-        found = lyapunov_spectrum(
-            tangents,
-            intervals=periods * parts,
-            interval=length / parts,
-            count=columns,
-            skip=skip * parts,
-            certify=certify if columns == whole else None,
-            watch=watch,
-        )
-        return replace(found, touch=tangents.slowest)
-
     parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
-    return run(parts) if options.interval is not None else resolved(run, parts)
+    if log is not None:
+        log.restart(since=system.time + skip * length)
+    needed = samples_needed(system, periods * parts) if columns == whole else 0
+    tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
 
+    def certify(exponents: Exponents) -> tuple[Invariant, ...]:
+        return certificate(tangents, exponents, skip * parts)
 
-def resolved(run: Callable[[int], Exponents], parts: int) -> Exponents:
-    """Exponents with intervals short enough for all tangents.
-
-    Parameters
-    ----------
-    run
-        Computes them with so many intervals within a period.
-    parts
-        How many to begin with.
-    """
-    most = math.log(FURTHEST_APART)
-    found = run(parts)
-    for _ in range(MOST_RUNS - 1):
-        if found.apart <= most:
-            break
-        # round-off hides how far tangents shrink, so that one more run may not be enough
-        parts *= math.ceil(2 * found.apart / most)
-        found = run(parts)
-    return found
+    found = lyapunov_spectrum(
+        tangents,
+        intervals=periods * parts,
+        interval=length / parts,
+        count=columns,
+        skip=skip * parts,
+        certify=certify if columns == whole else None,
+        watch=watch,
+    )
+    return replace(found, touch=tangents.slowest)
 
 
 def samples_needed(system: System, intervals: int) -> int:

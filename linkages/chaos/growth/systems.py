@@ -66,6 +66,13 @@ class TangentSystem(Protocol):
     def tangents(self, values: Floats) -> None: ...
 
     @property
+    def furthest(self) -> float:
+        """Ratio of lengths of tangents after one interval beyond which the shortest is but error.
+
+        Infinite for a system that brings them back in time by itself.
+        """
+
+    @property
     def time(self) -> float:
         """Seconds for a flow, steps for a map."""
 

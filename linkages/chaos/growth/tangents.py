@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -29,7 +30,7 @@ MOST_NUMBERS = 2**22
 
 
 class LinkageTangents:
-    """Free coordinates and rates of a mechanism, with solutions of the variational equations.
+    """States of a mechanism, with solutions of the variational equations.
 
     The free coordinates are those of the system at its start; where the motion is integrated in
     others for a while, the state is still in these, and tangents are in those.
@@ -39,7 +40,7 @@ class LinkageTangents:
     system
         A system with free coordinates.
     tangents
-        Number of tangents, at most 2n.
+        Number of tangents, at most x, the number of free coordinates, rates and internal states.
     run
         How it is integrated; `max_steps` are those of all advances together.
     parts
@@ -101,6 +102,11 @@ class LinkageTangents:
         return self.march.time
 
     @property
+    def furthest(self) -> float:
+        """Any ratio of lengths: steps bring tangents back before errors show in the shortest."""
+        return math.inf
+
+    @property
     def tolerance(self) -> float:
         """Error of a step in tangents of length one."""
         return max(TANGENT_ATOL, self.march.run.rtol)
@@ -110,11 +116,11 @@ class LinkageTangents:
         """Which entries of the state are angles, kept within one turn."""
         topology, bodies = self.system.topology, self.system.mechanism.bodies
         rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in topology.free]
-        return np.array([*rotates, *[False] * self._size])
+        return np.array([*rotates, *[False] * (self.system.layout.directions - self._size)])
 
     @property
     def state(self) -> Floats:
-        """Free coordinates, then their rates, shape (2n,)."""
+        """Free coordinates, their rates, and internal states, shape (x,)."""
         return self._states(Motion(pieces=(self.march.sample,)))[0]
 
     @property
@@ -139,7 +145,7 @@ class LinkageTangents:
 
     @property
     def tangents(self) -> Floats:
-        """Of the coordinates that the motion is integrated in, shape (2n, k)."""
+        """Of the coordinates that the motion is integrated in, shape (x, k)."""
         return self.march.tangents
 
     @tangents.setter
@@ -218,7 +224,7 @@ class LinkageTangents:
         )
 
     def _states(self, motion: Motion) -> Floats:
-        """Free coordinates and rates, angles within one turn, shape (samples, 2n)."""
+        """States, angles within one turn, shape (samples, x)."""
         found = free_vectors(self.system, motion, turns=False)
         beyond = self.angles & (np.abs(found) > np.pi)
         return np.where(beyond, wrapped(found), found)

@@ -20,13 +20,14 @@ class Grown:
 
     Parameters
     ----------
-    state, tangents, angles, time
-        Where it started.
+    state, tangents, angles, time, furthest
+        As they were at its start.
     """
 
     def __init__(self, system: LinkageTangents) -> None:
         self.state, self.tangents = system.state, system.tangents
         self.angles, self.time = system.angles, system.time
+        self.furthest = system.furthest
         self.parts: list[Growth] = []
         self.error: LinkagesError | None = None
 

@@ -59,7 +59,7 @@ class Volumes:
         """Whether the accelerations do not depend on time, nor what changes modes."""
         model = self._model
         clock = model.inputs.time.index
-        needed = [*model.free_accelerations, *self._switches.nodes]
+        needed = [*model.changes, *self._switches.nodes]
         return all(node.index != clock for node in reachable(needed))
 
     @cached_property
@@ -90,7 +90,9 @@ class Volumes:
 
     @cached_property
     def conservative(self) -> bool:
-        """Whether no force depends on velocities, nor what changes modes."""
+        """Whether no force depends on velocities or internal states, nor what changes modes."""
+        if self.system.topology.internal:
+            return False
         return self.told and all(entry.constant == 0.0 for entry in self._damping)
 
     @cached_property
@@ -101,6 +103,8 @@ class Volumes:
         from none; nor does one that depends on more than it acts along, unless that is a function
         of time.
         """
+        if self.system.topology.internal:
+            return False
         if self._size == 1:
             return True
         moving = {m for m, nodes in self._model.sensed.items() if nodes.changing}
@@ -114,6 +118,14 @@ class Volumes:
             return np.zeros((len(piece.wanted), size, size))
         damping = self._values(self._damping, piece).T.reshape(-1, size, size)
         return np.asarray(np.linalg.solve(self._masses(piece), damping))
+
+    def relaxation(self, piece: Piece) -> Floats:
+        """Rates in 1/s at which volumes of internal states shrink, shape (times,)."""
+        model = self._model
+        rates = model.changes[self._size :]
+        pairs = zip(rates, model.internal, strict=True)
+        slopes = [derivative([rate], [value])[0][0] for rate, value in pairs]
+        return -self._values(slopes, piece).sum(axis=0)
 
     def uniform(self, damping: Floats) -> float | None:
         """The rate at which all momenta decay, in 1/s; None if they do so at several.

@@ -16,7 +16,7 @@ from linkages.components.contributed.functions import (
     Table,
     Time,
 )
-from linkages.components.contributed.measures import Load, Slide, Turn
+from linkages.components.contributed.measures import Slide, Turn
 from linkages.components.contributed.state_laws import (
     exchanged,
     time_functions,
@@ -94,11 +94,12 @@ def common_period(mechanism: Mechanism) -> float:
     turning = _turning(mechanism, rates)
     periods += [2 * math.pi / abs(rate) for rate in turning.values()]
     for load in mechanism.loads:
-        law = _driven(load, mechanism)
-        felt = (m.measure for m in winding(law) if isinstance(m.measure, Turn))
+        laws = [_driven(law, mechanism) for law in load.functions]
+        felt = (m.measure for law in laws for m in winding(law) if isinstance(m.measure, Turn))
         if on := [body for turn in felt for body in turn.bodies if body in turning]:
             raise NoPeriodError(f"a load feels whole turns of {on[0]!r}, which turns on and on")
-        for function in load.laws if load.given else time_functions(law):
+        parts = (part for law in laws for part in time_functions(law))
+        for function in load.laws if load.given else parts:
             course = _reduced(function)
             if course.periods is None or course.rate:
                 raise NoPeriodError("the law of a load does not repeat")
@@ -108,8 +109,8 @@ def common_period(mechanism: Mechanism) -> float:
     return _common(periods)
 
 
-def _driven(load: Load, mechanism: Mechanism) -> Function:
-    """The force of a load, in which coordinates that drives prescribe are their laws of time."""
+def _driven(law: Function, mechanism: Mechanism) -> Function:
+    """A law of a load, in which coordinates that drives prescribe are their laws of time."""
 
     def prescribed(found: Measured) -> Function:
         match found:
@@ -117,7 +118,7 @@ def _driven(load: Load, mechanism: Mechanism) -> Function:
                 return mechanism.prescribed[body].law
         return found
 
-    return exchanged(load.force, prescribed)
+    return exchanged(law, prescribed)
 
 
 def _turning(mechanism: Mechanism, rates: Mapping[str, float]) -> dict[str, float]:

@@ -51,8 +51,20 @@ def free_names(system: System) -> dict[str, list[str]]:
     return found
 
 
+def state_outputs(system: System) -> dict[str, tuple[str, list[str]]]:
+    """Output → its dimension and its elements: coordinates, rates and internal states."""
+    found = {
+        output: (dim, names) for dim, names in free_names(system).items() for output in PAIRS[dim]
+    }
+    if system.topology.internal:
+        found["internal_state"] = ("internal", list(system.topology.internal))
+    return found
+
+
 def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, Floats]:
     """Output → values of the free coordinates of its kind, shape (samples, coordinates).
+
+    Internal states are with them.
 
     Parameters
     ----------
@@ -63,8 +75,9 @@ def free_values(system: System, motion: Motion, wrap: bool = True) -> dict[str, 
     """
     names = free_names(system)
     outputs = [output for dim in names for output in PAIRS[dim]]
-    values = evaluate_variables(motion, outputs)
-    found = {}
+    own = ["internal_state"] if system.topology.internal else []
+    values = evaluate_variables(motion, [*outputs, *own])
+    found = {output: values[output] for output in own}
     for output in outputs:
         dim = VARIABLES[output].dims[0]
         columns = [labels(system.model, dim).index(name) for name in names[dim]]
@@ -103,8 +116,11 @@ def labelled_states(
     variables = {}
     for name, array in values.items():
         entry = VARIABLES[name]
-        attrs = {"units": entry.units, "long_name": entry.long_name}
+        units, long_name = entry.described(system.model)
+        attrs = {"units": units, "long_name": long_name}
         variables[name] = ((dim, entry.dims[0]), array, attrs)
     elements = {d: np.array(names, dtype=object) for d, names in free_names(system).items()}
+    if "internal_state" in values:
+        elements["internal"] = np.array(system.topology.internal, dtype=object)
     attrs = {"name": system.mechanism.name, "source": system.mechanism.source, **attributes}
     return xr.Dataset(variables, {**coordinates, **elements}, attrs)

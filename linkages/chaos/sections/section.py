@@ -16,6 +16,7 @@ from linkages.chaos.sections.contact_log import (
 from linkages.chaos.sections.crossed import crossed
 from linkages.chaos.sections.free_states import free_values, labelled_states, require_free
 from linkages.chaos.sections.strobe import strobe
+from linkages.chaos.sections.touches import touch_values, touch_variables
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted, UnfinishedError
 from linkages.kernel.system import System
@@ -55,12 +56,13 @@ def poincare(
     Returns
     -------
     Dataset with `time` (crossing) and, for each kind of free coordinate, value and rate, such as
-    `clearance_angle` and `clearance_speed` (crossing, clearance). The attribute ``warning`` says if
-    there are fewer points than asked for, since the time was over. With clearances, `contact_lost`
-    and `least_force` (clearance) say for which share of the time from the first point to the last
-    the massless link would have to push, and the least force in newtons along it; forces are looked
-    at every ``interval`` seconds, an attribute of both: 128 times a period, or as often as
-    `simulate` takes samples where drives have no period.
+    `clearance_angle` and `clearance_speed` (crossing, clearance); of a section at touches also
+    `touch_phase`, `touch_direction` and `touch_rate` (crossing, touch). The attribute ``warning``
+    says if there are fewer points than asked for, since the time was over. With clearances,
+    `contact_lost` and `least_force` (clearance) say for which share of the time from the first
+    point to the last the massless link would have to push, and the least force in newtons along it;
+    forces are looked at every ``interval`` seconds, an attribute of both: 128 times a period, or as
+    often as `simulate` takes samples where drives have no period.
 
     Raises
     ------
@@ -85,6 +87,7 @@ def section_points(
     """What `poincare` returns."""
     require_section(system, options)
     attributes: dict[str, object]
+    touches: dict[str, Floats] = {}
     if options.section is None:
         found = strobe(system, options, watch)
         motion, failure, time = found.motion, found.failure, found.time
@@ -97,6 +100,7 @@ def section_points(
         motion, failure, time = met.motion, met.motion.failure, met.motion.time
         values = free_values(system, motion, options.wrap)
         contacts, interval = met.contacts, met.interval
+        touches = touch_values(system, motion, parse_section(system, options.section))
         attributes = {
             "section": options.section,
             "direction": options.direction,
@@ -109,6 +113,7 @@ def section_points(
         {"time": ("crossing", time, {"units": "s", "long_name": "time"})},
         {**attributes, "skip": options.skip, **options.how},
     )
+    data = data.assign(touch_variables(touches, options.section or ""))
     if "clearance" in data.coords:
         names = [str(name) for name in data["clearance"].to_numpy()]
         data = data.assign(contact_variables(contact_values(contacts, names), interval))

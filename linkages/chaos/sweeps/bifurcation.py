@@ -95,7 +95,7 @@ class _Request(Question):
     @cached_property
     def fields(self) -> Mapping[str, Field]:
         """Points of the section, exponents and forces in clearances."""
-        return value_fields(self.first, self.options.periods)
+        return value_fields(self.first, self.options.periods, self.options.section)
 
     @property
     def together(self) -> tuple[int, int]:

@@ -37,6 +37,8 @@ class End:
         Free coordinate → value and rate; with whole turns where they count.
     places
         Point → where it was, shape (2,): which assembly mode the mechanism is in.
+    internal
+        Internal states by name.
     carried
         Coordinates carried along by the integration, with whole turns where they count.
     turns
@@ -47,6 +49,7 @@ class End:
 
     state: Mapping[str, tuple[float, float]]
     places: Mapping[str, Floats]
+    internal: Mapping[str, float]
     carried: Mapping[str, float]
     turns: Mapping[int, float]
     held: Mapping[str, float]
@@ -54,6 +57,7 @@ class End:
     def system(self, other: Mechanism) -> System:
         """Another mechanism in this state, assembly mode and modes, with the same whole turns."""
         system = System(other.with_state(self.state), near=self.places)
+        system = system.with_internal(self.internal)
         topology, state = system.topology, system.state.copy()
         for index, name in enumerate(topology.coordinates):
             if name in self.carried and topology.unwrapped(name):
@@ -70,14 +74,17 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> End:
     nodes = [node for place in positions.joints.values() for node in (place.x, place.y)]
     carried = system.topology.carried
     coordinates = [positions.coordinate(name) for name in carried]
+    coordinates += piece.system.model.internal
     found = piece.system.evaluate(
         [*nodes, *coordinates], piece.time, piece.state, flipped=piece.flipped
     )[:, 0]
     held = np.zeros(0) if piece.held is None else piece.held[:, 0]
+    first = len(nodes) + len(carried)
     return End(
         state=_free_state(system, motion, sample),
         places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
-        carried=dict(zip(carried, found[len(nodes) :].tolist(), strict=True)),
+        internal=dict(zip(system.topology.internal, found[first:].tolist(), strict=True)),
+        carried=dict(zip(carried, found[len(nodes) : first].tolist(), strict=True)),
         turns=piece.system.assembly.turns,
         held=dict(zip(piece.system.model.switches.names, held.tolist(), strict=True)),
     )

@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact_log import CONTACT, contact_variables
-from linkages.chaos.sections.free_states import PAIRS, free_names
+from linkages.chaos.sections.free_states import state_outputs
+from linkages.chaos.sections.touches import VARIABLES as TOUCHES
+from linkages.chaos.sections.touches import touch_variables
 from linkages.chaos.sweeps.continuation import Visited
 from linkages.chaos.sweeps.map_data import longest
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, links
 from linkages.kernel.system import System
+from linkages.solution.values.surface import parse_section
 from linkages.sweeps.answers import CODES, Answer, Arrays, Field, reasons
 from linkages.sweeps.pointwise import stop_code
 from linkages.sweeps.running import reason_of
@@ -47,15 +50,16 @@ class Value:
     refusal: ComputationError | None = None
 
 
-def value_fields(system: System, points: int) -> dict[str, Field]:
+def value_fields(system: System, points: int, section: str | None) -> dict[str, Field]:
     """What is found at a value: at most so many points, and what goes with them."""
+    touching = section is not None and parse_section(system, section).touch
     clearances = (len(links(system.model)),)
     return {
         **{
             output: Field(shape=(points, len(elements)))
-            for dim, elements in free_names(system).items()
-            for output in PAIRS[dim]
+            for output, (_, elements) in state_outputs(system).items()
         },
+        **{name: Field(shape=(points, 1)) for name in TOUCHES if touching},
         "exponent": Field(), "error": Field(), "warning": Field("U"), "interval": Field(),
         **{name: Field(shape=clearances) for name in CONTACT},
     }  # fmt: skip
@@ -109,14 +113,18 @@ def diagram(
     """
     import xarray as xr
 
-    names, dims = free_names(system), ("start", "value")
+    dims = ("start", "value")
     grid = {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
     variables: dict[str, Any] = {}
-    for dim in names:
-        for output in PAIRS[dim]:
-            entry = VARIABLES[output]
-            attrs = {"units": entry.units, "long_name": entry.long_name}
-            variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
+    own = state_outputs(system)
+    for output, (dim, _) in own.items():
+        units, long_name = VARIABLES[output].described(system.model)
+        attrs = {"units": units, "long_name": long_name}
+        variables[output] = ((*dims, "crossing", dim), grid[output], attrs)
+    # some sections and mechanisms have no phase or direction
+    touches = {name: grid[name] for name in TOUCHES if name in grid}
+    touches = {name: values for name, values in touches.items() if np.isfinite(values).any()}
+    variables |= touch_variables(touches, str(attributes["section"]), (*dims, "crossing"))
     if exponent:
         for name, text in (
             ("exponent", "largest Lyapunov exponent"),
@@ -131,5 +139,5 @@ def diagram(
     variables["warning"] = (dims, grid["warning"].astype(object))
     attrs = {"units": "s", "long_name": "time at which the motion stopped"}
     variables["stop_time"] = (dims, grid["stop_time"], attrs)
-    members = {dim: np.array(elements, dtype=object) for dim, elements in names.items()}
+    members = {dim: np.array(elements, dtype=object) for dim, elements in own.values()}
     return xr.Dataset(variables, {**varied, **members}, attributes)

@@ -100,7 +100,7 @@ class Section:
         try:
             motion = crossed(start, options, end).motion
         except NeverCrossedError:
-            return np.empty((0, 2 * len(system.topology.free))), np.empty(0)
+            return np.empty((0, system.layout.directions)), np.empty(0)
         return free_vectors(system, motion, turns=False), motion.time
 
 
@@ -143,8 +143,9 @@ def alike(system: System, period: float, rtol: float) -> Callable[[Floats], Floa
     rotates = np.array([system.mechanism.bodies[b].rotates for b in system.topology.free])
     places = np.array(list(system.places().values()))
     whole = np.where(rotates, 1.0, float(np.ptp(places, axis=0).max()))
-    whole = np.concatenate([whole, whole * 2 * np.pi / period])
-    turning = np.concatenate([rotates, np.zeros(size, dtype=bool)])
+    internal = [state.scale for state in system.mechanism.internal.values()]
+    whole = np.concatenate([whole, whole * 2 * np.pi / period, internal])
+    turning = np.concatenate([rotates, np.zeros(len(whole) - size, dtype=bool)])
 
     def tolerance(states: Floats) -> Floats:
         ranges = np.ptp(states, axis=0)
@@ -164,6 +165,8 @@ def labelled_section(system: System, section: Section, evidence: Evidence) -> xr
         at = evidence.points[:, columns]
         values[value] = at if dim == "slider" else wrapped(at)
         values[rate] = evidence.points[:, [size + column for column in columns]]
+    if system.topology.internal:
+        values["internal_state"] = evidence.points[:, 2 * size :]
     time = ("crossing", evidence.times, {"units": "s", "long_name": "time"})
     return labelled_states(system, values, "crossing", {"time": time}, section.attributes)
 
@@ -180,6 +183,8 @@ def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Soluti
     outputs = [output for dim in free_names(system) for output in PAIRS[dim]]
     if "clearance_angle" in outputs:
         outputs.append("clearance_force")
+    if system.topology.internal:
+        outputs.append("internal_state")
     return Solution(
         data=labelled(system, motion, evaluate_variables(motion, outputs)),
         mechanism=system.mechanism,
@@ -229,5 +234,5 @@ def conservative(mechanism: Mechanism) -> bool:
     Drives and given forces may still put energy in and take it out.
     """
     loads, contacts = mechanism.loads, mechanism.contacts
-    losing = [*(a.dissipates for a in loads), *(b.dissipates for b in contacts)]
-    return not any(losing) and not mechanism.ends
+    dissipating = [*(a.dissipates for a in loads), *(b.dissipates for b in contacts)]
+    return not any([*dissipating, *mechanism.internal, *mechanism.ends])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
-from linkages.chaos.growth.lyapunov import PARTS, resolved
+from linkages.chaos.growth.lyapunov import PARTS
 from linkages.chaos.growth.systems import TangentSystem, Watch
 from linkages.chaos.series.periods import differences
 from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
@@ -188,19 +188,13 @@ def _observed(
     start: T, course: Course[T], watch: Watch | None, *, tight: bool = False
 ) -> tuple[Evidence, T]:
     """Evidence of the stretch that begins where a system is, and the system at its end."""
-    end = start
-
-    def run(parts: int) -> Exponents:
-        nonlocal end
-        end = copy.copy(start)
-        return lyapunov_spectrum(
-            end,
-            intervals=course.periods * parts,
-            interval=course.period / parts,
-            watch=watch,
-        )
-
-    exponents = run(1) if course.parts == 1 else resolved(run, course.parts)
+    end = copy.copy(start)
+    exponents = lyapunov_spectrum(
+        end,
+        intervals=course.periods * course.parts,
+        interval=course.period / course.parts,
+        watch=watch,
+    )
     if not tight:
         exponents = course.certified(end, exponents)
     if course.section is None:

@@ -130,7 +130,7 @@ def _report(
     found = judge(
         LinkageTangents(
             system,
-            2 * len(system.topology.free),
+            system.layout.directions,
             options,
             parts=gathering.PER_PERIOD // course.parts,
         ),

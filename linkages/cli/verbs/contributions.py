@@ -33,6 +33,7 @@ from linkages.components.contributed.measures import (
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.sensing import named
 from linkages.components.contributed.state_laws import (
+    NOTHING,
     Monomial,
     addends,
     measured_in,
@@ -121,7 +122,17 @@ def loads(mechanism: Mechanism) -> list[Row]:
         for m in mechanism.point_masses
         if not m.mass.absent
     ]
-    return [*found, *_contacts(mechanism), *masses]
+    return [*found, *_contacts(mechanism), *_ends(mechanism), *masses]
+
+
+def _ends(mechanism: Mechanism) -> Iterator[Row]:
+    """Where bodies bounce: the end, and how much they do."""
+    for end in mechanism.ends:
+        law = f"restitution {number(end.law.restitution.value)}"
+        where = f"{'at most' if end.upper else 'at least'} {number(end.limit.value)}"
+        unit = "rad" if end.twists else "m"
+        on = _on(Load(end.measure, NOTHING, end.path, called="stop"))
+        yield _row("stop", f"{where} {unit}, {law}", end.path, on)
 
 
 def _contacts(mechanism: Mechanism) -> Iterator[Row]:

@@ -54,10 +54,10 @@ def run(request: Request) -> int:
                 "their walls"
             )
         if "least_touch" in said:
-            time, name = said["least_touch_at"]
             screen.print(
-                f"slowest touch: {number(said['least_touch'])} m/s in {escape(name)} at "
-                f"t = {number(time)} s; exponents converge slowly where it tends to zero"
+                f"slowest touch: {number(said['least_touch'])} in {escape(said['least_touch_of'])} "
+                f"at t = {number(said['least_touch_time'])} s; exponents converge slowly where "
+                "that tends to zero"
             )
         if known:
             heading, heads, cells = certificate_table(known)
@@ -70,6 +70,7 @@ def run(request: Request) -> int:
         "exponents": rows,
         "sum": {"value": said["sum"], "error": said["sum_error"]},
         "lost": int(said["lost"]),
+        "least_touch": said.get("least_touch"),
         "certificate": known,
         "contact": contact_content(data),
         "settled": bool(said["settled"]),

@@ -32,9 +32,9 @@ def run(request: Request) -> int:
         yield "poincare", data
         yield "poincare", columns
         if request.figures:
-            from linkages.plots.chaos import sections
+            from linkages.plots.chaos import sections, touches
 
-            yield "poincare", sections.figure(data)
+            yield "poincare", (touches if "touch_rate" in data else sections).figure(data)
 
     files = request.write(made())
     rows, warning = section_rows(data), data.attrs["warning"]

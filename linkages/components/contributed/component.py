@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, dataclass_transform
 
@@ -21,6 +21,7 @@ from linkages.components.contributed.terms import (
     GroundPin,
     Hint,
     Initial,
+    NamedNumber,
     Parameter,
     Path,
     Play,
@@ -28,6 +29,8 @@ from linkages.components.contributed.terms import (
     Prescribed,
     Relation,
 )
+from linkages.spec.formula_dimensions import Powers
+from linkages.spec.formulas import Formula
 
 Term = (
     Body
@@ -41,6 +44,7 @@ Term = (
     | Initial
     | Gravity
     | Hint
+    | NamedNumber
     | Load
     | Contact
     | End
@@ -136,4 +140,17 @@ class Component:
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """What is wrong within this component alone, beyond the types of its fields."""
+        return ()
+
+    def measuring(
+        self,
+        measured: Callable[[Formula], Powers | None],  # noqa: ARG002
+    ) -> Iterable[tuple[Path, str]]:
+        """What is wrong with units that formulas ask of other fields.
+
+        Parameters
+        ----------
+        measured
+            What a formula with sound units measures.
+        """
         return ()

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
+from linkages.components.contributed.functions import PRESSED
 from linkages.components.contributed.measures import (
+    Bearing,
     ClearanceFriction,
     Friction,
     JointFriction,
@@ -12,6 +15,7 @@ from linkages.components.contributed.measures import (
     Turn,
 )
 from linkages.components.contributed.revolute import GROUND
+from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import Body, Displacement, Path
 
 
@@ -50,8 +54,24 @@ def resolved(
     else:
         first, second = term.bodies or meeting(term.joint, bodies, ground)
     against = None if first == GROUND else first
-    called = term.called if isinstance(term, JointFriction) else ""
-    return Load(Turn(second, against), term.law, term.path, called=called)
+    load = Load(Turn(second, against), term.law, term.path)
+    if isinstance(term, ClearanceFriction):
+        return load
+    pressed = PRESSED in leaves(term.law)
+    bearing = _bearing(term.joint, (second, first), bodies, ground) if pressed else None
+    return replace(
+        load, called=term.called, stores=term.stores, states=term.states, bearing=bearing
+    )
+
+
+def _bearing(
+    joint: str, turning: tuple[str, str], bodies: Mapping[str, Body], ground: Iterable[str]
+) -> Bearing:
+    """The reaction on one of the bodies, but not on the one that loads at the joint belong to."""
+    there = [name for name, body in bodies.items() if joint in body.points]
+    others = there if joint in ground else there[1:]
+    chosen = next((name for name in turning if name in others), others[0])
+    return Bearing(chosen, joint)
 
 
 def ambiguity(

@@ -65,7 +65,8 @@ class Measured(Arithmetic):
     Parameters
     ----------
     order
-        0 or 1; laws of contact may also use the rate at which x became positive the last time (2).
+        0 or 1; laws of contact may also use the rate at which x became positive the last time (2),
+        laws of friction the force that presses surfaces together (3).
     measure
         Whose; None for the one that the load itself acts along.
     """
@@ -74,7 +75,14 @@ class Measured(Arithmetic):
     measure: Measure | None = None
 
 
-X, V, FIRST = Measured(0), Measured(1), Measured(2)
+X, V, FIRST, PRESSED = Measured(0), Measured(1), Measured(2), Measured(3)
+
+
+@dataclass(frozen=True)
+class Internal(Arithmetic):
+    """The value of an internal state of the mechanism, by its name."""
+
+    name: str
 
 
 @dataclass(frozen=True)
@@ -154,7 +162,7 @@ class Table(Arithmetic):
         return Table(path, places, none, self.periodic, "corners", over=self.over)
 
 
-Function: TypeAlias = Number | Time | Measured | Operation | Table
+Function: TypeAlias = Number | Time | Measured | Internal | Operation | Table
 
 
 def constant(value: float) -> Number:

@@ -6,7 +6,8 @@ x, v and time; so its power is force · v, and whatever a measure is, any law go
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -18,14 +19,17 @@ from linkages.components.contributed.functions import (
     V,
     X,
 )
+from linkages.components.contributed.internal import InternalState
 from linkages.components.contributed.state_laws import (
     NOTHING,
     addends,
     exchanged,
     folded,
+    internal,
     leaves,
     measured_in,
     monomial,
+    of_state,
     rated,
     stored,
     sum_of,
@@ -103,6 +107,20 @@ Measure = Distance | Turn | Slide | Coordinate | BodyAxis
 
 
 @dataclass(frozen=True)
+class Bearing:
+    """Where the reaction is that presses the surfaces of a friction together.
+
+    Parameters
+    ----------
+    body, point
+        It acts on a body at a joint; or at the point of a slider's axis, across that axis.
+    """
+
+    body: str
+    point: str
+
+
+@dataclass(frozen=True)
 class Load:
     """A force or torque along a measure.
 
@@ -121,8 +139,12 @@ class Load:
         Whether outputs list it with forces and torques from outside, though it depends on the
         state: a motor, a cylinder.
     stores
-        The potential energy, a function of `X` (J), of all terms of the law without v and t, where
-        their form does not give it.
+        The potential energy in J where the form of the law does not give it: a function of `X`, of
+        all terms without v and t, or a function of internal states.
+    states
+        Internal states that belong to it; their rates are functions like the law.
+    bearing
+        Whose reaction the law is a multiple of, if it depends on one.
     """
 
     measure: Measure
@@ -131,11 +153,29 @@ class Load:
     called: str = ""
     applied: bool = False
     stores: Function | None = None
+    states: tuple[InternalState, ...] = ()
+    bearing: Bearing | None = None
 
     def __post_init__(self) -> None:
         """What the law senses of its own measure is its value and its rate."""
-        if any(m.measure is not None and self._own(m.measure) for m in measured_in(self.law)):
-            object.__setattr__(self, "law", exchanged(self.law, self._renamed))
+        object.__setattr__(self, "law", self._owned(self.law))
+        states = tuple(replace(state, rate=self._owned(state.rate)) for state in self.states)
+        object.__setattr__(self, "states", states)
+
+    def _owned(self, law: Function) -> Function:
+        if any(m.measure is not None and self._own(m.measure) for m in measured_in(law)):
+            return exchanged(law, self._renamed)
+        return law
+
+    def sensing(self, changed: Callable[[Function], Function]) -> Load:
+        """The same where what its laws sense is something else."""
+        states = tuple(replace(state, rate=changed(state.rate)) for state in self.states)
+        return replace(self, law=changed(self.law), states=states)
+
+    @property
+    def functions(self) -> tuple[Function, ...]:
+        """The law without what exact zeros remove, and the rates of internal states."""
+        return (self.force, *(state.rate for state in self.states))
 
     def _own(self, other: Measure) -> bool:
         back = isinstance(other, Distance) and Distance(other.second, other.first)
@@ -158,18 +198,18 @@ class Load:
     @property
     def given(self) -> bool:
         """Whether the force is a function of time, as it is written: not a spring or damper."""
-        return not any(True for _ in measured_in(self.law))
+        return not of_state(self.law)
 
     @property
     def sensed(self) -> tuple[Measure, ...]:
-        """Other measures that the force depends on."""
-        found = (leaf.measure for leaf in measured_in(self.force))
+        """Other measures that the force and internal states depend on."""
+        found = (leaf.measure for law in self.functions for leaf in measured_in(law))
         return tuple(dict.fromkeys(measure for measure in found if measure is not None))
 
     @property
     def passive(self) -> bool:
         """Whether outputs list it with springs and dampers."""
-        return self.stores is not None or not (self.given or self.applied)
+        return not self.applied and (self.stores is not None or not self.given)
 
     @property
     def pushes(self) -> bool:
@@ -193,18 +233,19 @@ class Load:
 
     @property
     def elastic(self) -> bool:
-        """Whether the force depends on the value of the measure."""
-        return X in leaves(self.force)
+        """Whether it depends on the value of the measure, or internal states store energy."""
+        return X in leaves(self.force) or internal(self.energy)
 
     @property
     def dissipates(self) -> bool:
-        """Whether the force depends on a rate; what follows time alone shrinks no set of states."""
-        return rated(self.force)
+        """Whether it depends on a rate or an internal state; sets of states may shrink then."""
+        return rated(self.force) or internal(self.force)
 
     @cached_property
     def wound(self) -> tuple[Turn, ...]:
         """Angles whose whole turns it feels."""
-        found = (self.measure if m.measure is None else m.measure for m in winding(self.force))
+        angles = (m.measure for law in self.functions for m in winding(law))
+        found = (self.measure if measure is None else measure for measure in angles)
         return tuple(dict.fromkeys(m for m in found if isinstance(m, Turn)))
 
     @property
@@ -215,7 +256,9 @@ class Load:
     @property
     def laws(self) -> tuple[Function, ...]:
         """The functions of time that it follows: all of a given force, the factors of another."""
-        return (self.law,) if self.given else tuple(time_functions(self.force))
+        if self.given:
+            return (self.law,)
+        return tuple(part for law in self.functions for part in time_functions(law))
 
     @property
     def deflection(self) -> Function:
@@ -258,6 +301,8 @@ class JointFriction:
     law: Function
     path: Path
     called: str = ""
+    stores: Function | None = None
+    states: tuple[InternalState, ...] = ()
 
 
 @dataclass(frozen=True)

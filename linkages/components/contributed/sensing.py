@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import assert_never
 
 from linkages.components.contributed.functions import (
+    PRESSED,
     Function,
+    Internal,
     Measured,
     Number,
     Operation,
@@ -18,7 +19,6 @@ from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
     Distance,
-    Load,
     Measure,
     Slide,
     Turn,
@@ -55,8 +55,8 @@ def _measure(word: str, names: tuple[str, ...]) -> Measure:
     raise ValueError(f"no quantity {word!r}")
 
 
-def with_sliders(load: Load, sliders: Collection[str]) -> Load:
-    """The same load where the speeds of sliders are those along their axes."""
+def with_sliders(function: Function, sliders: Collection[str]) -> Function:
+    """The same function where the speeds of sliders are those along their axes."""
 
     def slid(found: Measured) -> Measured:
         match found.measure:
@@ -64,9 +64,9 @@ def with_sliders(load: Load, sliders: Collection[str]) -> Load:
                 return Measured(found.order, Slide(body))
         return found
 
-    if any(slid(found) != found for found in measured_in(load.law)):
-        return replace(load, law=exchanged(load.law, slid))
-    return load
+    if any(slid(found) != found for found in measured_in(function)):
+        return exchanged(function, slid)
+    return function
 
 
 def words(measure: Measure, order: int) -> str:
@@ -116,14 +116,16 @@ def _written(function: Function, own: Measure) -> tuple[str, int]:
             return f"{parameter.value:.6g}", ATOM if parameter.value >= 0.0 else 1
         case Time():
             return "t", ATOM
+        case Measured() if function == PRESSED:
+            return "reaction", ATOM
         case Measured(order, measure):
             return words(own if measure is None else measure, order), ATOM
+        case Internal(name):
+            return name, ATOM
         case Table():
             return f"table({_written(function.over, own)[0]})", ATOM
         case Operation("where", (difference, *_)):
             return f"where({_written(difference, own)[0]} >= 0)", ATOM
-        case Operation("stick", (speed,)):
-            return f"sign({_written(speed, own)[0]})", ATOM
         case Operation("power", (base, Number(exponent))):
             return f"{_bound(base, own, ATOM)}**{exponent.value:.0f}", 3
         case Operation(name, arguments):
@@ -146,6 +148,7 @@ def named(function: Function, own: Measure | None = None) -> list[str]:
     found = dict.fromkeys(
         "xv"[leaf.order] if (of := leaf.measure or own) is None else words(of, leaf.order)
         for leaf in measured_in(function)
+        if leaf != PRESSED
     )
     ordered = [name for name in ("x", "v") if name in found]
     timed = ["t"] if "t" in variables(function) else []

@@ -12,6 +12,7 @@ from functools import reduce
 
 from linkages.components.contributed.functions import (
     Function,
+    Internal,
     Measured,
     Number,
     Operation,
@@ -63,9 +64,14 @@ def measured_in(function: Function) -> Iterator[Measured]:
 def variables(function: Function) -> list[str]:
     """What a function depends on: ``"x"``, ``"v"``, ``"t"``, and ``"other"`` measures."""
     found = set(leaves(function))
-    other = any(leaf.measure is not None for leaf in measured_in(function))
+    other = internal(function) or any(m.measure is not None for m in measured_in(function))
     there = {"x": X in found, "v": V in found, "t": Time() in found, "other": other}
     return [name for name, occurs in there.items() if occurs]
+
+
+def internal(function: Function) -> bool:
+    """Whether a function depends on an internal state."""
+    return any(isinstance(leaf, Internal) for leaf in leaves(function))
 
 
 def rated(function: Function) -> bool:
@@ -74,7 +80,7 @@ def rated(function: Function) -> bool:
 
 
 _EVERYWHERE = (
-    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "stick", "where", "select",
+    "add", "sub", "mul", "neg", "power", "abs", "min", "max", "sign", "where", "select",
     "sin", "cos", "atan", "tanh",
 )  # fmt: skip
 
@@ -89,8 +95,9 @@ def everywhere(function: Function) -> bool:
     return True
 
 
-def _of_state(function: Function) -> bool:
-    return any(True for _ in measured_in(function))
+def of_state(function: Function) -> bool:
+    """Whether a function depends on the state: on a measure, or on an internal state."""
+    return any(isinstance(leaf, Measured | Internal) for leaf in leaves(function))
 
 
 def _of_own(function: Function) -> bool:
@@ -103,7 +110,7 @@ def time_functions(law: Function) -> Iterator[Function]:
 
     Of a sum within a sine the part that depends on time is within a sine as well: it repeats.
     """
-    if not _of_state(law):
+    if not of_state(law):
         if variables(law):
             yield law
         return
@@ -125,7 +132,7 @@ def _time_part(argument: Function) -> Function | None:
     """The terms of a sum that depend on time alone; None without any, or where others do too."""
     terms = list(addends(argument))
     timed = [term for term in terms if "t" in variables(term)]
-    return sum_of(timed) if timed and not any(map(_of_state, timed)) else None
+    return sum_of(timed) if timed and not any(map(of_state, timed)) else None
 
 
 def winding(function: Function) -> list[Measured]:
@@ -139,7 +146,7 @@ def _per_turn(function: Function, angle: Measured) -> float | None:
     match function:
         case Measured():
             return 1.0 if function == angle else 0.0
-        case Number() | Time():
+        case Number() | Time() | Internal():
             return 0.0
         case Table():
             grown = _per_turn(function.over, angle)

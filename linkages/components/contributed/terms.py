@@ -5,6 +5,7 @@ Lengths are metres, angles radians (counter-clockwise from +x), masses kilograms
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -44,6 +45,21 @@ class Parameter:
 
 
 ZERO = Parameter((), 0.0, structural=True)
+
+PARAMETERS = "parameters"
+"""The section of numbers that formulas share."""
+
+
+def named_number(name: str, value: float = math.nan) -> Parameter:
+    """A number that formulas share; only the whole mechanism knows its value."""
+    return Parameter((PARAMETERS, name), value)
+
+
+@dataclass(frozen=True)
+class NamedNumber:
+    """A number that formulas share by its name."""
+
+    number: Parameter
 
 
 Origin = str | tuple[Parameter, Parameter]

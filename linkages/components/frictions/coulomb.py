@@ -11,7 +11,7 @@ def _resists(numbers: Coefficients) -> Function:
     size: Function = numbers["friction"]
     if "static" in numbers and "stribeck_speed" in numbers:
         size = stribeck(size, numbers["static"], numbers["stribeck_speed"])
-    return applied("mul", size, applied("stick", V))
+    return applied("mul", size, applied("sign", V))
 
 
 LAW = FrictionLaw("coulomb", (), _resists, takes=("static", "stribeck_speed"))

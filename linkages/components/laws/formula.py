@@ -6,9 +6,9 @@ from typing import assert_never
 
 from linkages.components.contributed.functions import TIME, Function, Number, Operation, applied
 from linkages.components.contributed.sensing import measured_by
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Parameter, Path, named_number
 from linkages.operations import ELEMENTARY
-from linkages.spec.formulas import Call, Clock, Constant, Formula, Node, Sensed
+from linkages.spec.formulas import PARAMETER, Call, Clock, Constant, Formula, Node, Sensed
 
 
 def translated(formula: Formula, path: Path) -> Function:
@@ -25,14 +25,24 @@ class _Translation:
         self.path = path
         self.numbers = 0
         self.repeating = False
+        self._known: dict[tuple[int, bool], Function] = {}
 
     def of(self, node: Node) -> Function:
+        """The function of a part, which stands behind several conditions but once in the text."""
+        key = id(node), self.repeating
+        if key not in self._known:
+            self._known[key] = self._of(node)
+        return self._known[key]
+
+    def _of(self, node: Node) -> Function:
         match node:
             case Clock():
                 return TIME
             case Constant(value):
                 self.numbers += 1
                 return Number(Parameter((*self.path, self.numbers - 1), value))
+            case Sensed(word, (name, *_)) if word == PARAMETER:
+                return Number(named_number(name))
             case Sensed():
                 return measured_by(node)
             case Call("power", (base, Constant(exponent))):

@@ -33,6 +33,7 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _repeated_names(declared)
     found += _misplaced_clearances(declared)
     found += _rubbing_in_the_open(declared)
+    found += _pressed_in_the_open(declared)
     found += loose_sliders(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
@@ -164,6 +165,24 @@ def _rubbing_in_the_open(declared: Declared) -> list[Finding]:
         for term in declared.rubbing
         if term.clearance in declared.opening
     ]
+
+
+def _pressed_in_the_open(declared: Declared) -> list[Finding]:
+    """Frictions that follow a reaction where there is none: in a clearance, or during impacts."""
+    joints = {term.joint: term.name for _, term in declared.displacements}
+    sliders = {term.slider: term.name for _, term in declared.plays}
+    found: list[Finding] = []
+    for path, place in declared.pressed:
+        if (name := joints.get(place) or sliders.get(place)) is not None:
+            message = f"clearance {name!r} opens {place!r}; expected 'friction' of its contact"
+            found.append((path, message))
+        elif declared.rigid:
+            message = (
+                f"impacts of {declared.rigid[0].name!r} have impulses, which friction "
+                "under a reaction does not follow; expected a law of a force there"
+            )
+            found.append((path, message))
+    return found
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:

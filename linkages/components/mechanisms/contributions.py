@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 
 from linkages.components.contributed.blocks import loosened, turned, ways
@@ -11,6 +11,7 @@ from linkages.components.contributed.component import Term
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.ends import End
 from linkages.components.contributed.friction import resolved
+from linkages.components.contributed.internal import InternalState
 from linkages.components.contributed.measures import Friction, Load, Measure
 from linkages.components.contributed.sensing import with_sliders
 from linkages.components.contributed.terms import (
@@ -140,7 +141,12 @@ class Contributions:
             for t in self.terms
             if isinstance(t, Load | Friction)
         )
-        return tuple(with_sliders(load, sliders) for load in found)
+        return tuple(load.sensing(partial(with_sliders, sliders=sliders)) for load in found)
+
+    @cached_property
+    def internal(self) -> dict[str, InternalState]:
+        """Internal states of loads by name."""
+        return {state.name: state for load in self.loads for state in load.states}
 
     @cached_property
     def sensed(self) -> tuple[Measure, ...]:

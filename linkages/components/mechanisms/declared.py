@@ -6,7 +6,10 @@ from collections.abc import Iterable
 
 from linkages.components.contributed.component import Component
 from linkages.components.contributed.contacts import Contact
-from linkages.components.contributed.measures import ClearanceFriction, JointFriction
+from linkages.components.contributed.ends import End
+from linkages.components.contributed.functions import PRESSED
+from linkages.components.contributed.measures import ClearanceFriction, JointFriction, Load
+from linkages.components.contributed.state_laws import leaves
 from linkages.components.contributed.terms import (
     Body,
     Displacement,
@@ -19,6 +22,7 @@ from linkages.components.contributed.terms import (
     Relation,
     oriented,
 )
+from linkages.components.parameter import NumberOfFormulas
 from linkages.reading.wording import nearest
 
 
@@ -44,6 +48,7 @@ class Declared:
         bodies: Iterable[tuple[str, str]] = (),
         complete: bool = True,
     ) -> None:
+        components = tuple(components)
         terms = [(c, term) for c in components for term in c.terms()]
         self.ground = {t.joint for _, t in terms if isinstance(t, GroundPin)} | set(ground)
         self.bodies = [(c.path, t) for c, t in terms if isinstance(t, Body)]
@@ -55,6 +60,12 @@ class Declared:
         self.frictions = [t for _, t in terms if isinstance(t, JointFriction)]
         self.plays = [(c.path, t) for c, t in terms if isinstance(t, Play)]
         self.opening = {t.name for _, t in terms if isinstance(t, Contact | Play)}
+        self.rigid = [
+            t for _, t in terms if isinstance(t, End) or (isinstance(t, Contact) and t.rigid)
+        ]
+        self.pressed = [(t.path, t.joint) for t in self.frictions if PRESSED in leaves(t.law)]
+        loads = [t for _, t in terms if isinstance(t, Load)]
+        self.pressed += [(load.path, load.bearing.body) for load in loads if load.bearing]
         self.rubbing = [t for _, t in terms if isinstance(t, ClearanceFriction)]
         self.by_name = {body.name: body for _, body in self.bodies}
         self.kinds: dict[str, set[str]] = {}
@@ -63,6 +74,7 @@ class Declared:
         built += [(term.name, "clearance") for _, term in self.plays]
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
+        self.numbers = {c.name: c.value for c in components if isinstance(c, NumberOfFormulas)}
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built
         self.faulty = {name for name, _ in bodies}  # what they are like is not known

@@ -11,12 +11,14 @@ from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Path
 from linkages.components.laws.table import Points
 from linkages.components.mechanisms.declared import Declared, expected_one_of
+from linkages.reading.wording import suggestion
 from linkages.spec.annotations import alternatives, entries_of, fields, rule_of, written_fields
 from linkages.spec.dimensions import Dimension
-from linkages.spec.formula_dimensions import described, measured, powers, require
-from linkages.spec.formulas import CALLED, Formula, Sensed
+from linkages.spec.formula_dimensions import Powers, described, measured, powers, require
+from linkages.spec.formulas import CALLED, PARAMETER, Formula, Sensed
 from linkages.spec.grammar import NumberError
 from linkages.spec.laws import LawRule
+from linkages.spec.units import unit
 
 Finding = tuple[Path, str]
 
@@ -34,8 +36,15 @@ def formula_findings(components: Collection[Component], declared: Declared) -> I
     """What is wrong with the formulas of components; each is reported once."""
     for component in components:
         model: Any = type(component)
+        sound = True
         for key, value in (written_fields(component) or {}).items():
-            yield from _inside(value, (*component.path, key), fields(model)[key], declared)
+            found = list(_inside(value, (*component.path, key), fields(model)[key], declared))
+            sound = sound and not found
+            yield from found
+        if sound:
+            yield from component.measuring(
+                lambda formula: measured(formula, lambda node: _powers(node, declared))
+            )
 
 
 def formulas_in(value: Any) -> Iterator[Formula]:
@@ -83,7 +92,8 @@ def _of_formula(
     if faults or expected is None:
         return
     try:
-        require(formula, expected, lambda node: _unit(node, declared))
+        shared = any(node.word == PARAMETER and _powers(node, declared) for node in names)
+        require(formula, expected, lambda node: _powers(node, declared), shared)
     except NumberError as error:
         place = "" if error.at is None else f" (character {error.at + 1})"
         yield (
@@ -98,7 +108,7 @@ def _of_places(points: Points[Any], path: Path, declared: Declared) -> Iterator[
     assert points.over is not None
     given = {place: at.unit for place, at in enumerate(points.at) if at.unit is not None}
     try:
-        found = measured(points.over, lambda node: _unit(node, declared))
+        found = measured(points.over, lambda node: _powers(node, declared))
     except NumberError as error:
         if points.over.has_units or given:
             yield (*path, "over"), f"found {points.over.text!r}: {error}"
@@ -108,6 +118,14 @@ def _of_places(points: Points[Any], path: Path, declared: Declared) -> Iterator[
             what = f"{points.over.text!r} is {described(found or {})}"
             yield (*path, "at", place), f"{what}, and this is {described(powers(own))}"
             return
+
+
+def _powers(node: Sensed, declared: Declared) -> Powers | None:
+    """What a quantity measures; a parameter without a unit is in SI, and may be anything."""
+    if node.word == PARAMETER:
+        own = declared.numbers.get(node.names[0])
+        return None if own is None or own.unit is None else powers(own.unit)
+    return powers(unit(_unit(node, declared)))
 
 
 def _unit(node: Sensed, declared: Declared) -> str:
@@ -120,6 +138,8 @@ def _unit(node: Sensed, declared: Declared) -> str:
 def _unknown(node: Sensed, declared: Declared) -> str:
     """What is wrong with the names of a quantity; empty if nothing is."""
     word, names = node.word, node.names
+    if word == PARAMETER:
+        return _unknown_word(names[0], declared)
     if word in CALLED and len(names) == CALLED[word] and names[0] == names[1]:
         return f"{word}({', '.join(names)}) is that of {names[0]!r} with itself; expected two"
     for place, name in enumerate(names):
@@ -131,6 +151,15 @@ def _unknown(node: Sensed, declared: Declared) -> str:
         if not grounded and (why := _other_kind(name, word, declared)):
             return why
     return ""
+
+
+def _unknown_word(name: str, declared: Declared) -> str:
+    if name in declared.numbers or not declared.complete:
+        return ""
+    near = suggestion(name, declared.numbers)
+    own = f", {', '.join(declared.numbers)}" if declared.numbers else ""
+    hint = near or f"; expected t, pi{own}, or a quantity such as crank.angle"
+    return f"unknown name {name!r}{hint}"
 
 
 def _other_kind(name: str, word: str, declared: Declared) -> str:

@@ -1,4 +1,4 @@
-"""Numbers that stay arguments of kernels whatever their value, for sensitivities are asked for."""
+"""Numbers of terms: those that stay arguments of kernels whatever their value, and shared ones."""
 
 from __future__ import annotations
 
@@ -12,15 +12,31 @@ from linkages.reading.document import Document
 
 def keeping(item: Any, kept: Callable[[Parameter], bool | None]) -> Any:
     """A term (or several) in which some numbers are no structure."""
+    return changed(item, lambda number: replace(number, kept=True) if kept(number) else number)
+
+
+def valued(item: Any, values: Mapping[Path, float]) -> Any:
+    """A term (or several) in which the numbers that formulas share have their values."""
+
+    def with_value(number: Parameter) -> Parameter:
+        if number.path in values:
+            return replace(number, value=values[number.path])
+        return number
+
+    return changed(item, with_value)
+
+
+def changed(item: Any, change: Callable[[Parameter], Parameter]) -> Any:
+    """A term (or several) with something done to all of its numbers."""
     match item:
         case Parameter():
-            return replace(item, kept=True) if kept(item) else item
+            return change(item)
         case tuple():
-            return tuple(keeping(part, kept) for part in item)
+            return tuple(changed(part, change) for part in item)
         case Mapping():
-            return {name: keeping(part, kept) for name, part in item.items()}
+            return {name: changed(part, change) for name, part in item.items()}
         case _ if is_dataclass(item) and not isinstance(item, type):
-            own = {field.name: keeping(getattr(item, field.name), kept) for field in fields(item)}
+            own = {field.name: changed(getattr(item, field.name), change) for field in fields(item)}
             return replace(item, **own)
     return item
 

@@ -23,9 +23,10 @@ from linkages.components.guide_clearance import GuideClearance
 from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.contributions import Contributions
 from linkages.components.mechanisms.gathered import read_components
-from linkages.components.mechanisms.kept import depends, keeping
+from linkages.components.mechanisms.kept import depends, keeping, valued
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.mechanisms.written import document_of
+from linkages.components.parameter import NumberOfFormulas
 from linkages.components.simulation import SimulationDefaults
 from linkages.components.torsional_damper import ClearanceDamper
 from linkages.errors import InputError, Problem
@@ -147,9 +148,17 @@ class Mechanism(Contributions):
         """The same for each component."""
         return tuple(self.terms_of(component) for component in self.components)
 
+    @cached_property
+    def parameters(self) -> dict[Path, float]:
+        """Numbers that formulas share, by their paths."""
+        own = (c for c in self.components if isinstance(c, NumberOfFormulas))
+        return {component.path: component.value.value for component in own}
+
     def terms_of(self, component: Component) -> tuple[Term, ...]:
         """What one component contributes."""
         terms = component.terms()
+        if self.parameters and not isinstance(component, NumberOfFormulas):
+            terms = valued(terms, self.parameters)
         for asked in self.sensitive:
             where = (asked, component.path, self.definition)
             terms = keeping(terms, partial(depends, *where))
@@ -244,7 +253,10 @@ class Mechanism(Contributions):
         for place, (component, terms) in others.items():
             components[place], groups[place] = component, terms
         vars(found).update({name: getattr(self, name) for name in self.__dataclass_fields__})
-        vars(found).update(components=tuple(components), term_groups=tuple(groups))
+        vars(found).update(components=tuple(components))
+        if found.parameters != self.parameters:
+            groups = [valued(terms, found.parameters) for terms in groups]
+        vars(found).update(term_groups=tuple(groups))
         return found
 
     def with_component(self, component: Component) -> Mechanism:

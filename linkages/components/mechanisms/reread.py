@@ -59,9 +59,11 @@ def reread(
     if len(found) != 1 or type(found[0]) is not type(component):
         return None
     (made,) = found
-    before = list(formulas_in(component))
-    if any(formula.has_units and formula not in before for formula in formulas_in(made)):
-        return None
+    with_units = [formula for formula in formulas_in(made) if formula.has_units]
+    if with_units:
+        before = list(formulas_in(component))
+        if any(formula not in before for formula in with_units):
+            return None
     if listed:
         changed: Any = made
         return changed if where[1] == 0 else replace(changed, index=where[1])

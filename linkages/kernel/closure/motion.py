@@ -116,6 +116,9 @@ class Rates(_Field):
         Used in the names of the printed kernel.
     stretch
         A link whose length grows at unit rate: a virtual motion that gives the force along it.
+    apart
+        A body, a point of it, and the velocity at which the body moves away from whatever else
+        has that point: a virtual motion that gives the reaction there.
     """
 
     def __init__(
@@ -124,8 +127,10 @@ class Rates(_Field):
         known: Mapping[str, Scalar],
         label: str,
         stretch: str | None = None,
+        apart: tuple[str, str, Vector] | None = None,
     ) -> None:
         self._stretch = stretch
+        self.apart = apart
         super().__init__(positions, known, label)
 
     def parts(self, block: Block) -> list[Vector]:
@@ -154,6 +159,10 @@ class Rates(_Field):
             points = tuple(self.topology.mechanism.bodies[name].points)
             unit = self.positions.unit(name)
             rate = rate + (unit if points == (step.start, step.end) else -unit)
+        if self.apart is not None and name == self.apart[0]:
+            _, point, velocity = self.apart
+            rate = rate + velocity if point == step.start else rate
+            rate = rate - velocity if point == step.end else rate
         return rate
 
     def _solved(self, block: Block, gaps: Sequence[Vector]) -> Sequence[Scalar]:

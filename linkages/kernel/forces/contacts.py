@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from linkages.components.contributed.contacts import Contact, NormalForce
-from linkages.components.contributed.functions import Function, Measured
+from linkages.components.contributed.functions import Function, Internal, Measured
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.loads import Forces, Torques, Velocities
 from linkages.kernel.forces.slip import friction_force
@@ -92,7 +92,9 @@ class PressingNodes(ContactNodes):
         """What a law gives, such as the force or the energy."""
         return value_of(law, self.model.inputs, self._measured)
 
-    def _measured(self, found: Measured) -> Scalar:
+    def _measured(self, found: Measured | Internal) -> Scalar:
+        if isinstance(found, Internal):
+            return self.model.sense(found)
         return getattr(self, ("pressed", "speed", "first_rate")[found.order])
 
     @property

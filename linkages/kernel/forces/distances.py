@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.functions import Function, Measured, V, X
+from linkages.components.contributed.functions import Function, Internal, Measured, V, X
 from linkages.components.contributed.measures import Distance, Load
 from linkages.components.contributed.state_laws import addends, leaves, monomial
 from linkages.kernel.forces.loads import Forces, LoadNodes, Velocities
@@ -114,9 +114,9 @@ class DistanceNodes(LoadNodes):
         met = opening * (1.0 / select(-speed, one, speed))
         distance = select(apart, self.displacement, one)
         direction = self._selected(apart, self._between * (1.0 / distance), met)
-        own = {X: self.displacement, V: rate}
+        own: dict[Function, Scalar] = {X: self.displacement, V: rate}
 
-        def measured(found: Measured) -> Scalar:
+        def measured(found: Measured | Internal) -> Scalar:
             return own[found] if found in own else self.sensed(found)
 
         return direction * value_of(term, self.model.inputs, measured, self.mode)

@@ -45,9 +45,11 @@ class EndGap:
 
     def pushed(self, accelerations: Accelerations) -> Scalar:
         """Its second derivative: the rate's own derivative along the motion."""
-        known = [accelerations.bodies[name] for name in self.model.topology.coordinates]
-        speed = self.rate(self.model.velocities)
-        return self.model.switches.rates([speed], known)[0]
+        model = self.model
+        known = [accelerations.bodies[name] for name in model.topology.free]
+        known += [model.graph.zero] * len(model.internal)  # no rate depends on internal states
+        speed = self.rate(model.velocities)
+        return model.switches.rates([speed], model.integrated_accelerations(known))[0]
 
 
 class EndNodes(Unilateral):

@@ -34,6 +34,7 @@ class Coupling:
     factor: Scalar
     first: str
     second: str
+    body: str
 
 
 class Inertia:
@@ -44,6 +45,7 @@ class Inertia:
         self._positions = positions
         self._graph = positions.graph
         self.masses: dict[str, Scalar] = {}
+        self.shares: dict[tuple[str, str], Scalar] = {}
         self.moments: dict[str, Scalar] = {}
         self.couplings: list[Coupling] = []
         for body in positions.topology.mechanism.bodies.values():
@@ -61,11 +63,15 @@ class Inertia:
     def _add_mass(self, joint: str, mass: Scalar) -> None:
         self.masses[joint] = self.masses.get(joint, self._graph.zero) + mass
 
+    def _add_share(self, body: Body, joint: str, mass: Scalar) -> None:
+        self.shares[body.name, joint] = mass
+        self._add_mass(joint, mass)
+
     def _add_sliding(self, body: Body) -> None:
         """The centre of mass of a slider lies at its first point."""
         if not body.mass.absent:
             first = next(iter(body.points))
-            self._add_mass(first, self._positions.inputs.parameter(body.mass))
+            self._add_share(body, first, self._positions.inputs.parameter(body.mass))
         if not body.inertia.absent:
             self.moments[body.name] = self._positions.inputs.parameter(body.inertia)
 
@@ -80,14 +86,14 @@ class Inertia:
                 second = others[0]
                 base = self._positions.in_frame(body.name, first, second)
                 ratio = centre.times(Vector(base.x, -base.y)) * (1.0 / base.square)
-                self._add_mass(first, mass * (1.0 - ratio.x))
-                self._add_mass(second, mass * ratio.x)
+                self._add_share(body, first, mass * (1.0 - ratio.x))
+                self._add_share(body, second, mass * ratio.x)
                 share = ratio.x - ratio.x * ratio.x - ratio.y * ratio.y
                 moment = moment - mass * base.square * share
                 if ratio.y.constant != 0.0:
-                    self.couplings.append(Coupling(mass * ratio.y, first, second))
+                    self.couplings.append(Coupling(mass * ratio.y, first, second, body.name))
             else:  # a body with one point has its centre of mass there
-                self._add_mass(first, mass)
+                self._add_share(body, first, mass)
         if moment.constant != 0.0:
             if moment.label is None and moment.operands:
                 moment.label = f"body{self._positions.body_numbers[body.name]}_moment"
@@ -117,6 +123,33 @@ class Inertia:
             skew = first.dot(b.joints[c.second].turned) - second.dot(b.joints[c.first].turned)
             terms.append(c.factor * skew)
         return self._graph.total(terms)
+
+    def apart(
+        self, a: MotionField, body: str, point: str, velocity: Vector, offset: Vector | None = None
+    ) -> Scalar:
+        """What the masses of a body at one of its points add where it moves away from that point.
+
+        `product` takes all masses at a joint to move with it.
+
+        Parameters
+        ----------
+        a, offset
+            As `product` takes them.
+        body, point, velocity
+            As `Rates` takes them.
+        """
+
+        def at(joint: str) -> Vector:
+            return a.joints[joint] if offset is None else a.joints[joint] - offset
+
+        share = self.shares.get((body, point), self._graph.zero)
+        total = at(point).dot(velocity * share)
+        for c in self.couplings:
+            if c.body == body and point == c.second:
+                total = total + c.factor * at(c.first).dot(velocity.turned)
+            if c.body == body and point == c.first:
+                total = total - c.factor * at(c.second).dot(velocity.turned)
+        return total
 
     def moment_of_mass(self) -> Vector:
         """Σ m x: total mass times the place of the common centre of mass, in kg·m."""

@@ -5,10 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.functions import Function, Measured, Operation
+from linkages.components.contributed.functions import (
+    PRESSED,
+    Function,
+    Internal,
+    Measured,
+)
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.sensing import written
-from linkages.components.contributed.state_laws import everywhere, measured_in, rated
+from linkages.components.contributed.state_laws import everywhere, internal, measured_in, rated
+from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.numbers.laws import value_of
@@ -22,6 +28,12 @@ Forces = list[tuple[str | None, str, Vector]]
 
 Torques = list[tuple[str | None, Scalar]]
 """Bodies (None: the ground) and the torques on them."""
+
+
+JAMMED = (
+    "it jams: the force that presses grows with the friction by as much, so that none or two go "
+    "with the motion (self-locking, Painlevé's paradox); expected a smaller coefficient or radius"
+)
 
 
 class Velocities(Protocol):
@@ -82,6 +94,8 @@ class LoadNodes(Acting):
 
     def __init__(self, model: Model, load: Load, index: int) -> None:
         self.model = model
+        if load.bearing is not None:
+            self.undefined = JAMMED
         self.graph = model.graph
         self.load = load
         self.index = index
@@ -116,16 +130,18 @@ class LoadNodes(Acting):
     def mode(self, part: Function, node: Scalar) -> Scalar:
         """On which side of zero the motion is of what makes a part of the law jump or turn."""
         name = f"{dotted(self.load.path)}: {written(part, self.load.measure)}"
-        stick = isinstance(part, Operation) and part.name == "stick"
-        return self.model.switches.add(name, node, stick=stick)
+        return self.model.switches.add(name, node)
 
-    def sensed(self, found: Measured) -> Scalar:
-        """The value or rate of a measure: its own, or another one."""
-        nodes = self if found.measure is None else self.model.sensed[found.measure]
-        return nodes.measured(found.order)
+    def sensed(self, found: Measured | Internal) -> Scalar:
+        """The value or rate of a measure, its own or another one, or an internal state."""
+        if isinstance(found, Measured) and found.measure is None:
+            return self.measured(found.order)
+        return self.model.sense(found)
 
     def measured(self, order: int) -> Scalar:
-        """The displacement, or its actual rate."""
+        """The displacement, its actual rate, or the force that presses surfaces together (3)."""
+        if order == PRESSED.order:
+            return self.model.pressing[self.index]
         return self.rate(self.model.velocities) if order else self.displacement
 
     def _power(self, law: Function, velocities: Velocities) -> Scalar:
@@ -133,6 +149,11 @@ class LoadNodes(Acting):
 
     def _components(self, law: Function) -> list[Scalar]:
         return [self.value(law)]
+
+    @property
+    def internal_rates(self) -> list[Scalar]:
+        """Rates of its internal states."""
+        return [self.value(state.rate) for state in self.load.states]
 
     @property
     def changing(self) -> bool:
@@ -170,9 +191,10 @@ class LoadNodes(Acting):
     def doubtful(self) -> list[Scalar]:
         """Its force, then what it depends on, if it may have no value where all of that has one."""
         force = self.load.force
-        if everywhere(force) or not rated(force):
+        if (everywhere(force) and self.load.bearing is None) or not rated(force):
             return []
-        return [self.value(force), *map(self.sensed, dict.fromkeys(measured_in(force)))]
+        known = dict.fromkeys(leaf for leaf in measured_in(force) if leaf != PRESSED)
+        return [self.value(force), *map(self.sensed, known)]
 
     def power(self, velocities: Velocities) -> Scalar:
         """Power of the load at some velocities: its generalised force if they are partial ones."""
@@ -186,4 +208,11 @@ class LoadNodes(Acting):
     @property
     def working(self) -> Scalar:
         """Power of what it does not store, at the actual velocities."""
-        return self._power(self.load.working, self.model.velocities)
+        power = self._power(self.load.working, self.model.velocities)
+        if not internal(self.load.energy):
+            return power
+        rates = self.model.changes[len(self.model.topology.free) :]
+        pairs = zip(self.model.internal, rates, strict=True)
+        direction = {value.index: rate for value, rate in pairs}
+        ((storing,),) = derivative_along([self.potential], [direction])
+        return power + storing

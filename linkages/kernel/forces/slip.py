@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.functions import Function, Operation
+from linkages.components.contributed.functions import Function
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.numbers.laws import value_of
 
@@ -34,8 +34,7 @@ def friction_force(
         Mode in which the normal force acts: corners are looked for in it alone.
     """
 
-    def mode(part: Function, node: Scalar) -> Scalar:
-        stick = isinstance(part, Operation) and part.name == "stick"
-        return model.switches.add(f"{name}: slip", node, active=active, stick=stick)
+    def mode(_: Function, node: Scalar) -> Scalar:
+        return model.switches.add(f"{name}: slip", node, active=active)
 
     return normal * value_of(law, model.inputs, lambda _: slip, mode)

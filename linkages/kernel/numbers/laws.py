@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.functions import (
     Function,
+    Internal,
     Measured,
     Number,
     Operation,
@@ -34,14 +35,14 @@ class Law:
     acceleration: Scalar
 
 
-def _of_time_alone(found: Measured) -> Scalar:
-    raise ValueError(f"a function of time has no {'rate' if found.order else 'displacement'}")
+def _of_time_alone(found: Measured | Internal) -> Scalar:
+    raise ValueError(f"a function of time does not depend on {found}")
 
 
 def value_of(
     function: Function,
     inputs: Inputs,
-    measured: Callable[[Measured], Scalar] = _of_time_alone,
+    measured: Callable[[Measured | Internal], Scalar] = _of_time_alone,
     mode: Callable[[Function, Scalar], Scalar] = lambda _, node: node,
 ) -> Scalar:
     """The node of a function.
@@ -53,7 +54,7 @@ def value_of(
     inputs
         Arguments of the kernel.
     measured
-        Values and rates of measures.
+        Values and rates of measures, and values of internal states.
     mode
         Part of the function and a node in it, at whose zero the part has a jump or a corner → what
         tells both sides apart; the node itself if not given.
@@ -64,7 +65,7 @@ def value_of(
             return inputs.parameter(parameter) if parameter.path else graph.number(parameter.value)
         case Time():
             return inputs.time
-        case Measured():
+        case Measured() | Internal():
             return measured(function)
         case Table():
             over = value_of(function.over, inputs, measured, mode)
@@ -79,8 +80,6 @@ def value_of(
             values = [value_of(argument, inputs, measured, mode) for argument in arguments]
             if name not in COMPOSITE:
                 return graph.apply(name, *values)
-            if name == "stick" and (held := mode(function, values[0])) is not values[0]:
-                return held  # the mode itself: it may be any number between the two signs
 
             def apply(name: str, *operands: Scalar | float) -> Scalar:
                 if name != "select":

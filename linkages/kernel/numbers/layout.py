@@ -20,15 +20,21 @@ Rows = NDArray[np.intp]
 class Layout:
     """Places of everything that is integrated, and of the parameters.
 
-    An integrated vector is ``[free, carried, work, tangents | rates of the same]``, shape (2N,).
-    The work is the rate of its coordinate, which itself means nothing; a tangent has one entry for
-    each free coordinate, and a rate for each of them. The motion alone is ``[free, carried | rates
-    of the same]``, shape (2m,). Vectors may have further axes behind the first.
+    An integrated vector is ``[free, internal, carried, work, tangents | rates of the same]``, shape
+    (2N,). Internal states and the work are the rates of their coordinates, which themselves mean
+    nothing: no tolerance is asked of them. A tangent has one entry for each free coordinate and
+    internal state, and a rate for each of them. The motion alone is ``[free, internal, carried |
+    rates of the same]``, shape (2m,). Vectors may have further axes behind the first.
+
+    Outside of the integration the state of a motion is ``[free, carried | rates of the same |
+    internal]``, shape (y,), and a tangent ``[free | rates of the same | internal]``, shape (x,).
 
     Parameters
     ----------
     free
         Bodies whose coordinates move freely.
+    internal
+        Names of the internal states.
     carried
         Dependent bodies whose coordinates the integration carries along.
     counted
@@ -45,6 +51,7 @@ class Layout:
     """
 
     free: tuple[str, ...]
+    internal: tuple[str, ...] = ()
     carried: tuple[str, ...] = ()
     counted: tuple[str, ...] = ()
     work: bool = False
@@ -59,12 +66,28 @@ class Layout:
     ) -> Layout:
         """The layout of a mechanism's integration, without parameters."""
         counted = topology.counted if counting else ()
-        return cls(topology.free, topology.carried, counted, work, tangents)
+        internal, carried = topology.internal, topology.carried
+        return cls(topology.free, internal, carried, counted, work, tangents)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Bodies whose coordinate is integrated."""
+        """What is integrated twice: free coordinates, internal states, what is carried along."""
+        return (*self.free, *self.internal, *self.carried)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies whose coordinate is integrated: the free ones, then those carried along."""
         return (*self.free, *self.carried)
+
+    @property
+    def moved(self) -> int:
+        """Number of free coordinates and internal states: of coordinates of a tangent."""
+        return len(self.free) + len(self.internal)
+
+    @property
+    def directions(self) -> int:
+        """Number x of entries of a tangent: the dimension of the states of a motion."""
+        return 2 * len(self.free) + len(self.internal)
 
     @property
     def size(self) -> int:
@@ -74,7 +97,7 @@ class Layout:
     @property
     def more(self) -> int:
         """Number of integrated coordinates beyond those of the motion."""
-        return int(self.work) + self.tangents * len(self.free)
+        return int(self.work) + self.tangents * self.moved
 
     @cached_property
     def motion_rows(self) -> Rows:
@@ -83,19 +106,40 @@ class Layout:
         return np.concatenate([first, self.size + first])
 
     @cached_property
+    def state_rows(self) -> Rows:
+        """Places of a state, as it is outside of the integration, in a motion, shape (y,)."""
+        count, n = len(self.coordinates), len(self.free)
+        internal = np.arange(n, self.moved)
+        bodies = np.delete(np.arange(count), internal)
+        return np.concatenate([bodies, count + bodies, count + internal])
+
+    @cached_property
+    def internal_rows(self) -> Rows:
+        """Places of the internal states in an integrated vector, shape (s,)."""
+        return self.size + np.arange(len(self.free), self.moved)
+
+    @cached_property
+    def idle_rows(self) -> Rows:
+        """Places in an integrated vector that mean nothing: integrals of internal states."""
+        own = np.arange(len(self.free), self.moved)
+        first = self.size - self.tangents * self.moved
+        moved = first + np.arange(self.tangents)[:, None] * self.moved + own
+        return np.concatenate([own, moved.ravel()])
+
+    @cached_property
     def carried_rows(self) -> Rows:
         """Places of what is carried along and its rates in the motion, shape (2c,)."""
         count = len(self.coordinates)
-        first = np.arange(len(self.free), count)
+        first = np.arange(self.moved, count)
         return np.concatenate([first, count + first])
 
     @cached_property
     def tangent_rows(self) -> Rows:
-        """Places of the tangents in an integrated vector, shape (2n, tangents)."""
-        n = len(self.free)
+        """Places of the tangents in an integrated vector, shape (x, tangents)."""
+        n = self.moved
         first = self.size - self.tangents * n
         places = first + np.arange(self.tangents) * n + np.arange(n)[:, None]
-        return np.concatenate([places, self.size + places])
+        return np.concatenate([places[: len(self.free)], self.size + places])
 
     @property
     def held(self) -> int:
@@ -126,7 +170,15 @@ class Layout:
 
     def motion(self, vectors: Floats) -> Floats:
         """Coordinates and their rates without work and tangents, shape (2m, …)."""
-        return np.asarray(vectors[self.motion_rows])
+        found = np.asarray(vectors[self.motion_rows])
+        found[len(self.free) : self.moved] = 0.0  # integrals of internal states
+        return found
+
+    def moving(self, states: Floats) -> Floats:
+        """Motions from states as they are outside of the integration, shape (2m, …)."""
+        found = np.zeros((2 * len(self.coordinates), *states.shape[1:]))
+        found[self.state_rows] = states
+        return found
 
     def work_done(self, vectors: Floats) -> Floats | None:
         """The work in joules, shape (…); None if it is not integrated."""
@@ -144,7 +196,7 @@ class Layout:
         work
             Work done so far in joules, if it is integrated.
         tangents
-            Shape (2n, tangents); zero if not given.
+            Shape (x, tangents); zero if not given.
         """
         vector = np.zeros(2 * self.size)
         vector[self.motion_rows] = motion

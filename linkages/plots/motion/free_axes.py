@@ -11,7 +11,6 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.kernel.outputs import VARIABLES
 from linkages.plots.prefixes import Scale, scale_of
 
 if TYPE_CHECKING:
@@ -58,17 +57,19 @@ _KINDS = {
         Output("slider_position", "displacement s"),
         Output("slider_velocity", "velocity ds/dt"),
     ),
+    "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
 }
 
 
 def free_coordinates(data: xr.Dataset) -> list[Free]:
-    """All free coordinates that a dataset has values and rates of."""
-    return [
+    """All free coordinates that a dataset has values and rates of; only touches if it has those."""
+    found = [
         Free(dimension, str(name))
         for dimension, outputs in _KINDS.items()
         if {output.variable for output in outputs} <= set(data.data_vars)
         for name in data[dimension].values
     ]
+    return [free for free in found if free.dimension == "touch"] or found
 
 
 def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
@@ -79,10 +80,10 @@ def values_of(data: xr.Dataset, coordinate: Free, output: Output) -> Array:
 
 def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: Array) -> float:
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
-    angle = VARIABLES[output.variable].angle
+    units = str(data[output.variable].attrs.get("units", ""))
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    scale = scale_of(clear, str(data[output.variable].attrs.get("units", "")))
-    if angle:
+    scale = scale_of(clear, units)
+    if units == "rad":
         scale = Scale(DEGREES, "°")
         show_degrees(ax, scale.factor * values, along)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))

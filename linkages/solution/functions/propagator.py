@@ -34,7 +34,7 @@ class Crossed:
     ----------
     time : (m,)
         When, in seconds.
-    y : (2n, m)
+    y : (2n + s, m)
         The state there.
     """
 
@@ -50,9 +50,9 @@ class Advanced:
     ----------
     time
         In seconds: the end, or that of the crossing at which the advance stopped.
-    y : (2n,)
+    y : (2n + s,)
         The state there; angles with all the turns made since the beginning.
-    tangents : (2f, k)
+    tangents : (2f + s, k)
         Tangents there.
     crossings
         Event → its crossings on the way.
@@ -77,8 +77,9 @@ class Propagator:
     equations
         Of a mechanism.
     tangents
-        Number k of tangents, at most 2f, f being the number of free coordinates. A tangent has 2f
-        entries: deviations of the free coordinates, then of their rates.
+        Number k of tangents, at most 2f + s, f being the number of free coordinates, s that of
+        internal states. A tangent has as many entries: deviations of the free coordinates, of their
+        rates, and of internal states.
     events
         Series → how it crosses its value: ``{"piston.velocity": "up"}``, ``"down"`` or ``"both"``.
         A value other than 0 stands behind it: ``"crank.angle=90 deg"``.
@@ -104,10 +105,11 @@ class Propagator:
         **options: Any,
     ) -> None:
         system = self._system = equations.system
-        count = len(system.topology.free)
+        most = system.layout.directions
         self.tangents = whole_number("tangents", tangents)
-        if not 0 <= self.tangents <= 2 * count:
-            found = f"tangents must be from 0 to {2 * count}, twice the free coordinates"
+        if not 0 <= self.tangents <= most:
+            extra = ", and the internal states" if system.topology.internal else ""
+            found = f"tangents must be from 0 to {most}, twice the free coordinates{extra}"
             raise ValueError(f"{found}; found {tangents}")
         # the equations are those of one assembly mode: behind a change point there are others
         given = {**options, "change_points": "stop"}
@@ -127,11 +129,11 @@ class Propagator:
 
         Parameters
         ----------
-        y : (2n,)
+        y : (2n + s,)
             State at `t0`, as `Equations` has it.
         t0, t1
             Times in seconds; `t1` may be the earlier one.
-        tangents : (2f, k)
+        tangents : (2f + s, k)
             Tangents at `t0` as columns; the first k columns of the unit matrix if not given.
         held
             Of the advance before, in mechanisms with modes; they follow from the state if not
@@ -145,14 +147,14 @@ class Propagator:
             After Ctrl-C.
         """
         system = self._system
-        given, size = np.array(y, dtype=np.float64), 2 * len(system.topology.coordinates)
-        if given.shape != (size,):
-            raise ValueError(f"y must have shape ({size},), found {given.shape}")
-        shape = 2 * len(system.topology.free), self.tangents
+        layout, given = system.layout, np.array(y, dtype=np.float64)
+        if given.shape != layout.state_rows.shape:
+            raise ValueError(f"y must have shape {layout.state_rows.shape}, found {given.shape}")
+        shape = layout.directions, self.tangents
         columns = np.eye(*shape) if tangents is None else np.asarray(tangents, dtype=float)
         if columns.shape != shape:
             raise ValueError(f"tangents must have shape {shape}, found {columns.shape}")
-        start = system.at(float(t0), given)
+        start = system.at(float(t0), layout.moving(given))
         march = March(start, self._run, tangents=self.tangents, tangent_atol=self._run.rtol)
         march.tangents = columns
         if held:
@@ -173,5 +175,5 @@ class Propagator:
         )
 
     def _vectors(self, motion: Motion) -> Floats:
-        """States with all turns, shape (m, 2n)."""
-        return free_vectors(self._system, motion, names=self._system.topology.coordinates)
+        """States with all turns, shape (m, 2n + s)."""
+        return free_vectors(self._system, motion, names=self._system.layout.bodies)

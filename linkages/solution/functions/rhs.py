@@ -36,10 +36,11 @@ Floats = NDArray[np.float64]
 class Equations:
     """Right-hand side y′ = f(t, y) of the equations of motion, compiled.
 
-    The state y has 2n entries: n coordinates, then their rates. `names` and `units` say which.
-    Coordinates are the free ones, in rad or m; behind them come, in mechanisms with groups that no
-    closed form solves, the coordinates from which the iterations start. Angles may have any number
-    of turns. The assembly mode is that of `state`, and stays.
+    The state y has 2n + s entries: n coordinates, their rates, and s internal states of components
+    that have any. `names` and `units` say which. Coordinates are the free ones, in rad or m; behind
+    them come, in mechanisms with groups that no closed form solves, the coordinates from which the
+    iterations start. Angles may have any number of turns. The assembly mode is that of `state`, and
+    stays.
 
     From `linkages.compile`. It can be pickled, and called from several threads.
 
@@ -49,11 +50,11 @@ class Equations:
         The mechanism, assembled.
     mechanism
         What was compiled, with the free coordinates that were chosen for it.
-    names : 2n of str
+    names : 2n + s of str
         Such as ``("crank.angle", "crank.speed")``.
-    units : 2n of str
+    units : 2n + s of str
         Unit of each entry of y.
-    state : (2n,)
+    state : (2n + s,)
         The initial state of the definition.
     time
         Its time in seconds.
@@ -62,17 +63,20 @@ class Equations:
     def __init__(self, system: System) -> None:
         self.system = system
         self.mechanism: Mechanism = system.mechanism
-        bodies = system.mechanism.bodies
-        angular = [bodies[name].rotates for name in system.topology.coordinates]
+        bodies, own = system.mechanism.bodies, system.layout.bodies
+        internal = system.mechanism.internal.values()
+        angular = [bodies[name].rotates for name in own]
         words = [("angle", "speed") if turns else ("position", "velocity") for turns in angular]
         units = [("rad", "rad/s") if turns else ("m", "m/s") for turns in angular]
         named = [
             (f"{name}.{value}", f"{name}.{rate}")
-            for name, (value, rate) in zip(system.topology.coordinates, words, strict=True)
+            for name, (value, rate) in zip(own, words, strict=True)
         ]
-        self.names = tuple(pair[order] for order in (0, 1) for pair in named)
-        self.units = tuple(pair[order] for order in (0, 1) for pair in units)
-        self.state: Floats = system.state.copy()
+        both = [pair[order] for order in (0, 1) for pair in named]
+        self.names = (*both, *(state.name for state in internal))
+        both = [pair[order] for order in (0, 1) for pair in units]
+        self.units = (*both, *(state.unit for state in internal))
+        self.state: Floats = system.state[system.layout.state_rows]
         self.time = system.time
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -112,12 +116,13 @@ class Equations:
         ----------
         t
             Time in seconds.
-        y : (2n,)
+        y : (2n + s,)
             State.
         """
         if not self._flow.held:
             return {}
-        values = self.system.at(t, np.asarray(y, dtype=float)).starting_held()
+        state = self.system.layout.moving(np.asarray(y, dtype=float))
+        values = self.system.at(t, state).starting_held()
         return dict(zip(self.system.model.switches.names, values.tolist(), strict=True))
 
     def __call__(self, t: float, y: ArrayLike, held: Mapping[str, float] | None = None) -> Floats:
@@ -127,7 +132,7 @@ class Equations:
         ----------
         t
             Time in seconds.
-        y : (2n,)
+        y : (2n + s,)
             State.
         held
             Modes and what the motion remembers, if it has any; `held` of the state if not given.
@@ -139,7 +144,7 @@ class Equations:
         """
         given = np.asarray(y, dtype=np.float64)
         size, written = len(self.state), self._flow.written
-        if given.shape != (size,) or self._flow.held:
+        if given.shape != (size,) or self._flow.held or self.system.topology.internal:
             return self.batch(t, given, held)
         # one array for everything: each address costs as much as a right-hand side
         work = np.empty(1 + size + written + self._flow.timed_size)
@@ -154,15 +159,15 @@ class Equations:
     def batch(
         self, times: ArrayLike, states: ArrayLike, held: Mapping[str, float] | None = None
     ) -> Floats:
-        """Derivatives of many states with one call, shape (2n, m).
+        """Derivatives of many states with one call, shape (2n + s, m).
 
         Parameters
         ----------
         times : (m,) or ()
             Times in seconds, or one for all.
-        states : (2n, m) or (2n,)
+        states : (2n + s, m) or (2n + s,)
             A state per column, as SciPy's ``solve_ivp`` returns them; of a single state a single
-            derivative is returned, shape (2n,).
+            derivative is returned, shape (2n + s,).
         held
             As the right-hand side itself takes it, for all states.
 
@@ -173,18 +178,21 @@ class Equations:
         """
         time, rows, single = self._rows(times, states)
         found = self._evaluated(self._flow, self._flow.written, time, rows, held)
-        n = len(self.state) // 2
-        result = np.concatenate([rows[:, n:], found[:, :n]], axis=1)
+        n = self._flow.coordinates
+        changes = np.concatenate([rows[:, n:], found[:, :n]], axis=1)
+        result = changes[:, self.system.layout.state_rows]
         return result[0] if single else np.ascontiguousarray(result.T)
 
     def jacobian(self, t: float, y: ArrayLike, held: Mapping[str, float] | None = None) -> Floats:
-        """Derivatives ∂f_i/∂y_j at a time and a state, exact to round-off, shape (2n, 2n).
+        """Derivatives ∂f_i/∂y_j at a time and a state, exact to round-off.
+
+        Of shape (2n + s, 2n + s).
 
         Parameters
         ----------
         t
             Time in seconds.
-        y : (2n,)
+        y : (2n + s,)
             State.
         held
             As the right-hand side itself takes it: modes do not change from state to state.
@@ -195,10 +203,10 @@ class Equations:
             As for the right-hand side itself.
         """
         time, rows, _ = self._rows(t, y)
-        n, flow = len(self.state) // 2, self._flow
+        n, flow, kept = self._flow.coordinates, self._flow, self.system.layout.state_rows
         size = 2 * n * n + 2 * len(flow.margin_scale) + 2 * flow.carried
         slopes = self._evaluated(self._slopes, size, time, rows, held)[0, : 2 * n * n]
-        return np.vstack([np.eye(n, 2 * n, n), slopes.reshape(n, 2 * n)])
+        return np.vstack([np.eye(n, 2 * n, n), slopes.reshape(n, 2 * n)])[np.ix_(kept, kept)]
 
     def outputs(self, names: Iterable[str], times: ArrayLike, states: ArrayLike) -> xr.Dataset:
         """Outputs at some times and states, labelled as `linkages.simulate` labels them.
@@ -211,7 +219,7 @@ class Equations:
             lie within one turn.
         times : (m,) or ()
             Times in seconds, or one for all.
-        states : (2n, m) or (2n,)
+        states : (2n + s, m) or (2n + s,)
             A state per column.
 
         Raises
@@ -226,7 +234,7 @@ class Equations:
         if unfit:
             raise ValueError(f"{unfit[0]} follows from a whole motion; `linkages.simulate` has it")
         time, rows, _ = self._rows(times, states)
-        n = len(self.state) // 2
+        n = self._flow.coordinates
         piece = Piece(
             system=self.system,
             time=time,
@@ -282,14 +290,15 @@ class Equations:
         return Propagator(self, tangents, **options)
 
     def _rows(self, times: ArrayLike, states: ArrayLike) -> tuple[Floats, Floats, bool]:
-        """Times, shape (m,), states, (m, 2n), and whether it is a single one."""
+        """Times, shape (m,), motions, (m, 2N), and whether it is a single one."""
         given = np.asarray(states, dtype=np.float64)
         if given.ndim not in (1, 2) or len(given) != len(self.state):
             raise ValueError(
                 f"expected states of {len(self.state)} entries ({', '.join(self.names)}), shape "
                 f"({len(self.state)},) or ({len(self.state)}, m), found shape {given.shape}"
             )
-        rows = np.ascontiguousarray(np.atleast_2d(given.T))
+        moving = self.system.layout.moving(given)
+        rows = np.ascontiguousarray(np.atleast_2d(moving.T))
         found = np.asarray(times, dtype=np.float64)
         if found.shape not in ((), (len(rows),)):
             raise ValueError(
@@ -310,7 +319,8 @@ class Equations:
         if not kernel.held:
             return self._alike(kernel, written, time, rows, kernel.parameters)
         found = np.empty((len(rows), written))
-        given = [self.held(*at) if held is None else held for at in zip(time, rows, strict=True)]
+        states = rows[:, self.system.layout.state_rows]
+        given = [self.held(*at) if held is None else held for at in zip(time, states, strict=True)]
         names = self.system.model.switches.names
         values = np.array([[one[name] for name in names] for one in given])
         for alike in np.unique(values, axis=0):
@@ -340,7 +350,7 @@ class Equations:
         if status:
             text = block_failure(self.system.model, status - 1, float(time[which]), False)
             raise ComputationError(f"{text}: y = {rows[which]}", time=float(time[which]))
-        sound = np.isfinite(found[:, : len(self.state) // 2]).all(axis=1)
+        sound = np.isfinite(found[:, : self._flow.coordinates]).all(axis=1)
         if not sound.all():
             which = int(np.argmin(sound))
             raise ComputationError(

@@ -1,4 +1,4 @@
-"""Free coordinates of a motion as one array, whatever it was integrated in on the way."""
+"""States of a motion as one array, whatever it was integrated in on the way."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def free_vectors(
     names: tuple[str, ...] | None = None,
     turns: bool = True,
 ) -> Floats:
-    """Free coordinates of a system, then rates, whatever others have taken their place on the way.
+    """Free coordinates, rates and internal states, whatever coordinates it was integrated in.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def free_vectors(
 
     Returns
     -------
-    Shape (samples, 2n).
+    Shape (samples, 2n + s).
     """
     names = system.topology.free if names is None else names
     found = [_of_piece(system, piece, names, turns) for piece in motion.pieces]
@@ -41,14 +41,20 @@ def free_vectors(
 
 
 def _of_piece(system: System, piece: Piece, names: tuple[str, ...], turns: bool) -> Floats:
-    """Shape (2n, samples)."""
-    count = len(piece.turns)
-    if piece.system.topology.coordinates[: len(names)] != names or piece.samples is not None:
-        return _evaluated(system, piece, names)
-    found = np.concatenate([piece.state[: len(names)], piece.state[count:][: len(names)]])
+    """Shape (2n + s, samples)."""
+    layout = piece.system.layout
+    if layout.bodies[: len(names)] != names or piece.samples is not None:
+        return np.concatenate([_evaluated(system, piece, names), _internal(piece)])
+    places = [layout.coordinates.index(name) for name in names]
+    found = np.concatenate([piece.state[places], piece.state[len(piece.turns) :][places]])
     if turns:
-        found[: len(names)] += 2 * np.pi * piece.turns[: len(names)]
-    return found
+        found[: len(names)] += 2 * np.pi * piece.turns[places]
+    return np.concatenate([found, _internal(piece)])
+
+
+def _internal(piece: Piece) -> Floats:
+    """Internal states, shape (s, samples)."""
+    return piece.interpolated(piece.state[piece.system.layout.internal_rows])
 
 
 def _evaluated(system: System, piece: Piece, names: tuple[str, ...]) -> Floats:

@@ -64,7 +64,7 @@ def find_horizon(system: System, settings: Settings, motion: Motion) -> Horizon 
     None where there is nothing to compare: nothing was integrated, no sample was reached, or the
     tolerance cannot be made tighter.
     """
-    if not system.topology.free or len(motion.time) < 2:
+    if not system.layout.moved or len(motion.time) < 2:
         return None
     tighter = _tighter(settings, motion)
     if tighter is None:

@@ -99,7 +99,7 @@ class March:
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
-        self._enter(system, {}, np.eye(2 * len(system.topology.free))[:, :tangents], {})
+        self._enter(system, {}, np.eye(system.layout.directions)[:, :tangents], {})
 
     def _enter(
         self,
@@ -143,7 +143,7 @@ class March:
 
     @property
     def tangents(self) -> Floats:
-        """Of free coordinates and rates of `system`, shape (2n, k)."""
+        """Of free coordinates, rates and internal states of `system`, shape (x, k)."""
         return self._vector[self.layout.tangent_rows]
 
     @tangents.setter
@@ -160,7 +160,7 @@ class March:
         self._held = self.layout.holding(values)
 
     def tangents_of(self, free: tuple[str, ...]) -> Floats:
-        """The same in other free coordinates and their rates, shape (2n, k)."""
+        """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
         into = tangent_map(self.system, free, self.time, self.state, self.flipped)
@@ -400,7 +400,7 @@ class March:
         bodies = self.system.mechanism.bodies
         angles = self._vector[: len(self._turns)] + 2 * np.pi * self._turns
         own = zip(self.layout.coordinates, angles.tolist(), strict=True)
-        turning = {name: angle for name, angle in own if bodies[name].rotates}
+        turning = {name: angle for name, angle in own if name in bodies and bodies[name].rotates}
         return {**turning, **dict(zip(self.layout.counted, self._angles.tolist(), strict=True))}
 
     def _progress(self, watch: Watch | None) -> Watch | None:

@@ -77,7 +77,7 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
     """
     layout = Layout.of(topology) if layout is None else layout
     model = Model(topology, layout.more)
-    moving = model.integrated_accelerations(model.free_accelerations)
+    moving = model.integrated_accelerations(model.changes)
     accelerations = [*moving, model.power] if layout.work else moving
     accelerations = [*accelerations, *variations(model, layout)]
     counted = tuple(model.counted) if layout.counted else ()
@@ -97,7 +97,7 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         owners=tuple(memory.owner for memory in switches.memories),
         jumps=jump_places(model),
         sticks=tuple(switch.stick for switch in switches.switches),
-        free=len(layout.free),
+        free=layout.moved,
         tangents=layout.tangents,
     )
 
@@ -178,7 +178,8 @@ class Plan:
                 memories=switches.names[modes:],
             )
             bodies, names = system.mechanism.bodies, layout.coordinates
-            rotates = [bodies[n].rotates and not topology.unwrapped(n) for n in names]
+            turning = {name for name in bodies if bodies[name].rotates}
+            rotates = [name in turning and not topology.unwrapped(name) for name in names]
             rotates += [False] * (layout.size - len(names))
             program = Printed.of(source.program)
             switching = switching_of(source.model, layout)
@@ -278,7 +279,7 @@ class Plan:
             rotates=np.array(self.rotates),
             margin_scale=system.margin_scale,
             least_margin=least_margin,
-            first_carried=len(layout.free),
+            first_carried=layout.moved,
             carried=len(layout.carried),
             counted=len(layout.counted),
             keepalive=kernel,

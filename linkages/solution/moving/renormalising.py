@@ -26,14 +26,19 @@ class Renormalised:
     def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
         self._every, self._orthogonal = every, orthogonal
         self._seen = 0
+        self._grown: Floats | None = None
         self._lengths: list[Floats] = []
         self._tangents: list[Floats] = []
 
     def plan(self, layout: Layout) -> Renormalisation:
         """What the next integration is to do with its tangents."""
+        if self._grown is None:
+            self._grown = np.zeros(layout.tangents)
         return Renormalisation(
-            size=len(layout.free),
+            size=layout.moved,
+            placed=len(layout.free),
             columns=layout.tangents,
+            grown=self._grown,
             every=self._every,
             offset=self._seen % self._every,
             orthogonal=self._orthogonal,
@@ -42,6 +47,7 @@ class Renormalised:
     def add(self, trajectory: Trajectory, layout: Layout) -> None:
         """Take what an integration did."""
         self._lengths.append(trajectory.lengths)
+        self._grown = trajectory.grown
         first = self._every - 1 - self._seen % self._every
         self._tangents.append(trajectory.state[first :: self._every, layout.tangent_rows])
         self._seen += len(trajectory.time)
@@ -54,13 +60,14 @@ class Renormalised:
         layout
             Where the tangents are.
         samples
-            Tangents at the samples of that part, shape (samples, 2n, k).
+            Tangents at the samples of that part, shape (samples, x, k).
 
         Returns
         -------
         What tangents at its end are multiplied by, shape (k, k).
         """
-        lengths, tangents, factor = self.plan(layout).undone(samples)
+        plan = self.plan(layout)
+        lengths, tangents, factor = plan.undone(samples, plan.grown)
         self._lengths.append(lengths)
         self._tangents.append(tangents)
         self._seen += len(samples)
@@ -73,5 +80,5 @@ class Renormalised:
 
     @property
     def tangents(self) -> Floats:
-        """Tangents after that, shape (times, 2n, k), in the coordinates they were integrated in."""
+        """Tangents after that, shape (times, x, k), in the coordinates they were integrated in."""
         return np.concatenate(self._tangents)

@@ -16,8 +16,9 @@ from linkages.solution.remarks.stops import block_failure
 
 Floats = NDArray[np.float64]
 
-State: TypeAlias = Mapping[str, tuple[float, float]] | ArrayLike
-"""Free coordinate → value and rate in SI, or all integrated coordinates and then their rates."""
+State: TypeAlias = Mapping[str, tuple[float, float] | float] | ArrayLike
+"""Free coordinate → value and rate in SI, and internal state → value; or all integrated
+coordinates, then their rates, then internal states."""
 
 
 def own_times(times: ArrayLike, *, from_zero: bool) -> Floats:
@@ -60,8 +61,8 @@ def started(mechanism: Mechanism, state: State | None, time: float) -> System:
     mechanism
         Starts as its definition says at t = 0, if no state is given.
     state
-        Where it starts instead, see `State`; coordinates that a mapping does not name have the
-        values of the definition. The assembly mode is that of the definition.
+        Where it starts instead, see `State`; what a mapping does not name has the value of the
+        definition. The assembly mode is that of the definition.
     time
         When, in seconds.
 
@@ -75,15 +76,18 @@ def started(mechanism: Mechanism, state: State | None, time: float) -> System:
     system = System(mechanism)
     if state is None:
         return system
-    if not system.topology.free:
+    if not system.layout.moved:
         raise ValueError("state: nothing is free to move, drives determine the whole motion")
     if not isinstance(state, Mapping):
         return at(system, time, _whole(system, state))
-    given = _filled(system, state)
+    known = {name: state[name] for name in state if name in system.topology.internal}
+    internal = {name: real_number(f"state of {name}", value) for name, value in known.items()}
+    given = _filled(system, {name: state[name] for name in state if name not in known})
     if not time:
-        return System(system.mechanism.with_state(given))
+        started = System(system.mechanism.with_state(given)) if given else system
+        return started.with_internal(internal)
     count, half = len(system.topology.free), len(system.topology.coordinates)
-    full = system.state.copy()
+    full = system.with_internal(internal).state.copy()
     full[:count] = [value for value, _ in given.values()]
     full[half : half + count] = [rate for _, rate in given.values()]
     return at(system, time, full)
@@ -97,7 +101,7 @@ def asked_for(
     if times is not None:
         found["times"] = times.tolist()
     if isinstance(state, Mapping):
-        found["state"] = {name: [float(number) for number in pair] for name, pair in state.items()}
+        found["state"] = {name: np.asarray(at, dtype=float).tolist() for name, at in state.items()}
     elif state is not None:
         found["state"] = np.asarray(state, dtype=float).tolist()
     return found | ({"events": dict(events)} if events else {})
@@ -134,14 +138,15 @@ def _numbers(given: ArrayLike) -> Floats:
 
 
 def _whole(system: System, state: ArrayLike) -> Floats:
-    found = _numbers(state)
-    if found.shape != system.state.shape or not np.isfinite(found).all():
-        names = ", ".join(system.topology.coordinates)
+    found, layout = _numbers(state), system.layout
+    if found.shape != layout.state_rows.shape or not np.isfinite(found).all():
+        names = ", ".join(layout.bodies)
+        internal = "".join(f", then {name}" for name in layout.internal)
         raise ValueError(
-            f"state must be {len(system.state)} finite numbers: {names}, then their rates; "
-            f"found {state!r}"
+            f"state must be {len(layout.state_rows)} finite numbers: {names}, then their rates"
+            f"{internal}; found {state!r}"
         )
-    return found
+    return layout.moving(found)
 
 
 def _filled(system: System, state: Mapping[str, object]) -> dict[str, tuple[float, float]]:
@@ -149,7 +154,8 @@ def _filled(system: System, state: Mapping[str, object]) -> dict[str, tuple[floa
     free = system.topology.free
     for name in state:
         if name not in free:
-            near = suggestion(str(name), free) or f"; expected {' or '.join(free)}"
+            known = (*free, *system.topology.internal)
+            near = suggestion(str(name), known) or f"; expected {' or '.join(known)}"
             raise ValueError(f"state: {name!r} is no free coordinate{near}")
     given = system.mechanism.initial
     found = {name: (given[name].position, given[name].speed) for name in free}

@@ -90,7 +90,7 @@ def tangent_map(
 
     Returns
     -------
-    What tangents of shape (2n, k) are multiplied by, shape (2n, 2n).
+    What tangents of shape (x, k) are multiplied by, shape (x, x): internal states stay.
     """
     model, count = system.model, len(free)
     places = [model.positions.coordinate(name) for name in free]
@@ -100,7 +100,9 @@ def tangent_map(
     entries = [entry for row in derivative([*places, *rates], inputs) for entry in row]
     where = {block: np.array([True]) for block in flipped}
     values = system.evaluate(entries, time, state[:, None], flipped=where)
-    return values.reshape(2 * count, 2 * count)
+    found = np.eye(system.layout.directions)
+    found[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
+    return found
 
 
 def keeps_modes(piece: Piece) -> bool:
@@ -142,12 +144,15 @@ class _Configuration:
         found = np.split(values, split)
         self.places = dict(zip(model.positions.joints, found[0].reshape(-1, 2), strict=True))
         self._axes = dict(zip(sliders, found[1].reshape(-1, 2), strict=True))
+        internal = state[system.layout.internal_rows].tolist()
+        self._internal = dict(zip(system.topology.internal, internal, strict=True))
         self._coordinates = dict(zip(own, found[2].tolist(), strict=True))
         self._rates = dict(zip(own, found[3].tolist(), strict=True))
         self._jacobian = closure_jacobian(self._topology, self.places, self._axes)
 
     def wound(self, other: System) -> System:
         """Another system with the whole turns of this one, where springs and gears count them."""
+        other = other.with_internal(self._internal)
         topology, state = other.topology, other.state.copy()
         for index, name in enumerate(topology.coordinates):
             if name in topology.carried:

@@ -14,6 +14,9 @@ TANGENT_ATOL = 1e-6
 """Absolute tolerance of tangents that are only asked how they grow: they are of length one when
 they start."""
 
+ANYTHING = 1e300
+"""Absolute tolerance of what means nothing."""
+
 
 def absolute_tolerances(
     mechanism: Mechanism, layout: Layout, run: RunOptions, tangent_atol: float
@@ -27,8 +30,11 @@ def absolute_tolerances(
     if run.atol is None and mechanism.contacts:
         length = min(contact.size.value for contact in mechanism.contacts)
         turned = length / (max(map(longest, mechanism.bodies.values())) or 1.0)
-        rotates = [mechanism.bodies[name].rotates for name in layout.coordinates]
-        scales = [turned if turns else length for turns in rotates]
+        bodies = mechanism.bodies
+        sizes = {name: turned if bodies[name].rotates else length for name in bodies}
+        scales = [sizes.get(name, 1.0) for name in layout.coordinates]
         found[layout.motion_rows] *= [*scales, *scales]
+    found[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
     found[layout.tangent_rows] = tangent_atol
+    found[layout.idle_rows] = ANYTHING
     return found

@@ -13,12 +13,16 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.reading.wording import listed, suggestion
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.guards import Guard
 from linkages.solution.moving.motion import Piece
 from linkages.solution.values.series import Series, find_series, system_series
 
 SECTION = "slider9.velocity=0"
+
+TOUCH = "touch"
+"""Quantity of a clearance that opens: where pin and hole touch, and with direction down, part."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,13 @@ class Surface:
         Of position or velocity.
     level
         In SI.
+    touch
+        The clearance whose pin touches its hole there; empty for other surfaces.
     """
 
     series: Series
     level: float
+    touch: str = ""
 
     @property
     def turns(self) -> bool:
@@ -82,6 +89,8 @@ DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
+    ``gap.touch`` is where a pin touches its hole (up) or leaves it (down).
+
     Raises
     ------
     TypeError, ValueError
@@ -93,15 +102,14 @@ def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]
     for name, direction in events.items():
         if direction not in DIRECTIONS:
             raise ValueError(f"event {name!r}: expected up, down or both, found {direction!r}")
-    texts = {name: name if "=" in name else f"{name}=0" for name in events}
     return tuple(
-        _surface(system, texts[name], "event").guard(DIRECTIONS[direction], name=name)
+        _surface(system, name, "event", "=0").guard(DIRECTIONS[direction], name=name)
         for name, direction in events.items()
     )
 
 
 def parse_section(system: System, text: str) -> Surface:
-    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"B.y position=0.1"``.
+    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"gap.touch"``.
 
     Raises
     ------
@@ -111,7 +119,13 @@ def parse_section(system: System, text: str) -> Surface:
     return _surface(system, text, "section")
 
 
-def _surface(system: System, text: str, what: str) -> Surface:
+def _surface(system: System, text: str, what: str, value: str = "") -> Surface:
+    """What a text names; `value` is added where it has none."""
+    element, dot, quantity = text.strip().rpartition(".")
+    if dot and quantity == TOUCH:
+        return _touch(system, element, what)
+    if "=" not in text:
+        text += value
     from linkages.spec import dimensions
     from linkages.spec.conversion import QuantityError, parse_quantity
 
@@ -138,3 +152,14 @@ def _surface(system: System, text: str, what: str) -> Surface:
         return Surface(series, parse_quantity(level, measured[VARIABLES[series.variable].units]))
     except (QuantityError, ValueError) as error:
         raise ValueError(f"{what} {text!r}: {error}") from None
+
+
+def _touch(system: System, name: str, what: str) -> Surface:
+    """Where the pin of a clearance touches its hole."""
+    opening = [contact.name for contact in system.mechanism.contacts]
+    if name not in opening:
+        told = suggestion(name, opening) or (
+            f"; expected {listed(opening)}" if opening else ": none has the key 'contact'"
+        )
+        raise ValueError(f"{what} '{name}.{TOUCH}': {name!r} is no clearance that opens{told}")
+    return Surface(system_series(system)[f"{name}.indentation"], 0.0, name)

@@ -147,16 +147,15 @@ class StiffRun:
         if part < 1.0:
             end, outcome = start + part * (end - start), Outcome.SINGULAR
         self._sample(start, end, dense)
-        factor = self._renormalised()
         job.final_angles[:] = self._turned(start, end, dense)
         job.state[:] = solver.y if part == 1.0 else dense(end)
         changed = self._wrap(job.state)
-        if factor is not None:
-            job.state[self._tangents] = job.state[self._tangents] @ factor
+        if self._renormalised():
+            changed = True
             solver.f = self.derivative(end, job.state)
             # the Jacobian contains the tangents, too
             solver.J, solver.LU_real, solver.LU_complex = solver.jac(end, job.state), None, None
-        if (changed or factor is not None) and part == 1.0:
+        if changed and part == 1.0:
             solver.y = job.state.copy()
             # SciPy would predict the next step from the state before.
             solver.sol = None
@@ -212,22 +211,22 @@ class StiffRun:
 
     @property
     def _tangents(self) -> NDArray[np.intp]:
-        """Places of the tangents in a state, shape (2·size, columns)."""
+        """Places of what tangents are lengths of in a state, shape (placed + size, columns)."""
         tangents = self.job.tangents
         assert tangents is not None
         first = self.n - tangents.columns * tangents.size
         places = first + np.arange(tangents.columns) * tangents.size
         places = places + np.arange(tangents.size)[:, None]
-        return np.concatenate([places, self.n + places])
+        return np.concatenate([places[: tangents.placed], self.n + places])
 
-    def _renormalised(self) -> NDArray | None:
-        """Renormalise tangents at new samples; what those behind are multiplied by, if any."""
+    def _renormalised(self) -> bool:
+        """Renormalise tangents at new samples, and if need be behind; whether any are."""
         tangents, job = self.job.tangents, self.job
         if tangents is None:
-            return None
+            return False
         samples = int(job.counters[SAMPLES])
         new = job.states[self.seen : samples, self._tangents]
-        lengths, after, factor = tangents.undone(new, self.seen)
+        lengths, after, factor = tangents.undone(new, job.grown, self.seen)
         done, self.seen = tangents.count(self.seen), samples
         job.lengths[done : done + len(lengths)] = lengths
         first = tangents.every - 1 - (samples - len(new) + tangents.offset) % tangents.every
@@ -235,7 +234,14 @@ class StiffRun:
             range(samples - len(new) + first, samples, tangents.every), after, strict=True
         ):
             job.states[place, self._tangents] = values
-        return factor if len(lengths) else None
+        here = job.state[self._tangents] @ factor
+        stretched = tangents.stretched(here, job.rtol, float(job.atol[-1]))
+        if stretched:
+            further, factor = tangents.factors(here)
+            here = here @ factor
+            job.grown[:] += further
+        job.state[self._tangents] = here
+        return stretched or len(lengths) > 0
 
     def _part_before_singular(
         self, margins: NDArray, dense: Callable[[float], NDArray], start: float, h: float

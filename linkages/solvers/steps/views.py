@@ -165,7 +165,7 @@ class Switches(NamedTuple):
     modes: int  # their number m
     memories: int  # number of what is remembered
     tangents: int
-    free: int  # number of free coordinates, and of entries of a tangent
+    free: int  # number of free coordinates and internal states, and of entries of a tangent
     values: int  # number of new values that `transition` writes
     active: int  # (m,) of int64: see `flow.Switching`
     owners: int  # (memories,) of int64
@@ -199,6 +199,7 @@ class Tangents(NamedTuple):
     """Tangents that are renormalised; see `tangents.Renormalisation`."""
 
     size: int
+    placed: int
     columns: int
     every: int
     offset: int
@@ -206,6 +207,9 @@ class Tangents(NamedTuple):
     loses: int  # 0 or 1: whether contacts that close take tangents away
     seen: int  # (1,) of int64: samples that are done
     lengths: int  # (times, columns) of float64: logarithms of lengths before
+    grown: int  # (columns,) of float64: those since the last of these times
+    copy: int  # (2·columns·size,) of float64: room for tangents
+    tolerances: int  # (2,) of float64: relative and absolute
     memories: int  # number of what is remembered
     moved: int  # (columns, memories) of float64: its tangents
 

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import RunOptions
 from linkages.solution.moving.many import march_many
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.renormalising import Renormalised
+from linkages.solvers import arrays
+from linkages.solvers.steps.views import ALWAYS
 
 TIMES = np.linspace(0.02, 0.4, 5)
 
@@ -47,3 +50,27 @@ def test_motions_with_tangents_equal_those_that_go_alone(name, path, values, met
         require_equal(found, march.advance(TIMES, renormalised=other))
         assert np.array_equal(one.lengths, other.lengths)
         assert np.array_equal(one.tangents, other.tangents)
+
+
+@pytest.mark.parametrize("tangents", [1, 2])
+def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
+    """As where every step is looked at: tangents shrink far from one sample to the next."""
+    system = System(
+        linkages.load("pendulum", set={"dampers": "[{joint: O, damping: 3 N m s/rad}]"})
+    )
+    run, found, pace = RunOptions(rtol=1e-8), [], arrays.pace
+
+    def always(job):
+        made = pace(job)
+        made[ALWAYS] = 1.0
+        return made
+
+    for watched in (False, True):
+        if watched:
+            monkeypatch.setattr(arrays, "pace", always)
+        renormalised = Renormalised(orthogonal=False)
+        march = March(system, run, tangents=tangents)
+        march.advance(np.array([20.0, 40.0]), renormalised=renormalised)
+        found.append(renormalised.lengths)
+    assert found[0].min() < -20.0
+    assert np.array_equal(*found)

@@ -25,6 +25,7 @@ from linkages.solvers.printed.shape import (
     whole_row,
 )
 from linkages.solvers.printed.stages import wrap
+from linkages.solvers.renormalisation import MOST_DOUBT
 from linkages.solvers.steps.views import (
     ACCEPTED,
     ACTIVE,
@@ -55,8 +56,8 @@ from linkages.solvers.steps.views import (
 
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1
-# Part of the shortest tangent that the error of a step may amount to, with room for round-off.
-MOST_DOUBT = 0.9e-3
+# With room for round-off: what watches tangents decides.
+DOUBT = 0.9 * MOST_DOUBT
 
 
 class Trial(NamedTuple):
@@ -222,15 +223,13 @@ class Advance:
         anyway.
         """
         code, memory, shape = self._code, self._memory, self._shape
-        columns, size = shape.tangents
+        columns, size, placed = shape.tangents
         end, zero = memory.row(self._tableau.stages), code.constant(0.0)
         least, longest = code.constant(LARGEST_STATE), zero
         for column in range(columns):
             first, square = shape.n - (columns - column) * size, zero
-            for place in (
-                *range(first, first + size),
-                *range(shape.n + first, shape.n + first + size),
-            ):
+            rates = range(shape.n + first, shape.n + first + size)
+            for place in (*range(first, first + placed), *rates):
                 value = code.load(end, place)
                 square = code.fused(value, value, square)
             least, longest = smaller(code, least, square), larger(code, longest, square)
@@ -240,7 +239,7 @@ class Advance:
         doubt = larger(
             code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
         )
-        return code.compare("ogt", doubt, code.multiply(code.constant(MOST_DOUBT**2), least))
+        return code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
 
     def _go_on(self, trial: Trial, judged: Judged, accepted: str, goes_on: str) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""

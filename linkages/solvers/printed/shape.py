@@ -18,7 +18,8 @@ UNROLLED = 16
 class Shape:
     """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`.
 
-    The last of the n coordinates are those of tangents, so many of so many entries.
+    The last of the n coordinates are those of tangents: so many, of so many entries, of which so
+    many are lengths themselves (see `linkages.solvers.renormalisation`).
     """
 
     n: int
@@ -28,14 +29,14 @@ class Shape:
     counted: int
     width: int
     rotates: tuple[bool, ...]
-    tangents: tuple[int, int] = (0, 0)
+    tangents: tuple[int, int, int] = (0, 0, 0)
 
     @classmethod
     def of(cls, flow: Flow, tangents: Renormalisation | None = None) -> Shape:
         """That of a flow, and of tangents that are looked at one by one."""
         alone = tangents is not None and (tangents.columns == 1 or not tangents.orthogonal)
         return cls(
-            tangents=(tangents.columns, tangents.size) if tangents and alone else (0, 0),
+            tangents=_sizes(tangents) if tangents is not None and alone else (0, 0, 0),
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,
@@ -59,6 +60,10 @@ class Shape:
     def cosines(self) -> int:
         """Place of the cosines of dependent angles; sines and speeds follow."""
         return self.settled + 2 * self.carried
+
+
+def _sizes(tangents: Renormalisation) -> tuple[int, int, int]:
+    return tangents.columns, tangents.size, tangents.placed
 
 
 class Memory:

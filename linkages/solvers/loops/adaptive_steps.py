@@ -262,9 +262,10 @@ def adaptive_steps(context: int, flagged: int, begin: int, conclude: int) -> int
     """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
 
     `context` is the address of a `SystemView`, `TableView`, `Record`, `Hook`, `SwitchingView` and
-    `Control` in a row; `flagged` is 1 where printed code has gone on up to a step that is to be finished, and 0
-    at the start. `begin` and `conclude` are addresses of the functions above: lanes call the same
-    machine code. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
+    `Control` in a row; `flagged` is 1 where printed code has gone on up to a step that is to be
+    finished, and 0 at the start. `begin` and `conclude` are addresses of the functions above: lanes
+    call the same machine code. Row 0 holds the state, in the end the final one; its time is
+    ``control[NOW]``.
     """
     pace = floats(system_at(context).pace)
     outcome = call_step(begin if flagged == 0 else conclude, context)

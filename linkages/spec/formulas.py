@@ -203,6 +203,8 @@ class FormulaTrees(Builder[Node]):
             raise NumberError(f"{written!r} {why}", remedy, span[0])
         if not called and word not in WORDS:
             near = suggestion(word, WORDS) or f"; expected {listed(WORDS)}"
+            if names == ("parameters",):
+                near = f"; in formulas a parameter is its name alone, {word}"
             raise NumberError(f"unknown quantity {written!r}", near, span[0])
         if self._refused:
             raise NumberError(f"{written!r} is refused", f": {self._refused}", span[0])

@@ -64,6 +64,7 @@ def test_precedence_is_that_of_arithmetic():
         ("sin(" * 40 + "t" + ")" * 40, "nested more than 32 deep"),
         ("__import__('os')", "unknown function '__import__' (character 1)"),
         ("t.real", "unknown quantity 't.real' (character 1); expected position, velocity, angle"),
+        ("parameters.load", "(character 1); in formulas a parameter is its name alone, load"),
         ("2*gap.sped", "unknown quantity 'gap.sped' (character 3); did you mean 'speed'?"),
         ("A.reaction", "'A.reaction' follows from accelerations, which follow from the loads (ch"),
         ("1 + gap.force", "'gap.force' follows from accelerations, which follow from the loads (c"),

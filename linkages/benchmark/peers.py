@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.benchmark.problem import Problem, derivative
+from linkages.benchmark.problem import InitialValueProblem, derivative
 from linkages.errors import ComputationError
 from linkages.kernel.graph.scalars import reachable
 from linkages.operations import ELEMENTARY
@@ -35,10 +35,10 @@ class Peer:
 
     name: str
     available: bool
-    prepare: Callable[[Problem], Solve]
+    prepare: Callable[[InitialValueProblem], Solve]
 
 
-def _scipy(problem: Problem) -> Solve:
+def _scipy(problem: InitialValueProblem) -> Solve:
     """`scipy.integrate.solve_ivp` with DOP853 and our compiled right-hand side."""
     from scipy.integrate import solve_ivp
 
@@ -58,7 +58,7 @@ def _scipy(problem: Problem) -> Solve:
     return solve
 
 
-def _heyoka(problem: Problem) -> Solve:
+def _heyoka(problem: InitialValueProblem) -> Solve:
     """Heyoka's adaptive Taylor method, which compiles the same graph of operations itself."""
     import heyoka
 
@@ -83,7 +83,7 @@ def _heyoka(problem: Problem) -> Solve:
     return solve
 
 
-def expressions(problem: Problem, variables: list[Any], heyoka: Any) -> list[Any]:
+def expressions(problem: InitialValueProblem, variables: list[Any], heyoka: Any) -> list[Any]:
     """The accelerations of the free coordinates in heyoka's expression system.
 
     Raises

@@ -23,7 +23,7 @@ REFERENCE = "gauss8"
 
 
 @dataclass(frozen=True)
-class Problem:
+class InitialValueProblem:
     """Motion of a mechanism from t = 0 to `end`.
 
     Parameters

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from linkages.benchmark.problem import Problem, seconds_per_evaluation
+from linkages.benchmark.problem import InitialValueProblem, seconds_per_evaluation
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
@@ -97,7 +97,7 @@ def run_benchmark(
     InputError
         If nothing is free to move: there is nothing to integrate.
     """
-    problem = Problem(mechanism, mechanism.simulation.end)
+    problem = InitialValueProblem(mechanism, mechanism.simulation.end)
     if not problem.system.topology.free:
         message = "all coordinates are driven, so nothing is integrated; expected a free coordinate"
         raise InputError(mechanism.source, [InputProblem(message=message)])

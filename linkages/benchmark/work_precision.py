@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from linkages.benchmark.peers import PEERS
 from linkages.benchmark.peers import Solve as PeerSolve
-from linkages.benchmark.problem import Problem
+from linkages.benchmark.problem import InitialValueProblem
 from linkages.errors import ComputationError
 from linkages.solvers.methods.named import ADAPTIVE_METHODS, FIXED_STEP_METHODS
 
@@ -70,7 +70,9 @@ class _Series:
     solve: Solve
 
 
-def work_precision(problem: Problem, repeats: int = 5, longest: float = 5.0) -> Iterator[Point]:
+def work_precision(
+    problem: InitialValueProblem, repeats: int = 5, longest: float = 5.0
+) -> Iterator[Point]:
     """Run everything, method by method.
 
     Parameters
@@ -90,7 +92,7 @@ def work_precision(problem: Problem, repeats: int = 5, longest: float = 5.0) -> 
                 break
 
 
-def _methods(problem: Problem) -> Iterator[_Series]:
+def _methods(problem: InitialValueProblem) -> Iterator[_Series]:
     def at_tolerance(method: str, rtol: float) -> tuple[NDArray[np.float64], int]:
         return problem.solve(method, rtol=rtol)
 
@@ -105,7 +107,7 @@ def _methods(problem: Problem) -> Iterator[_Series]:
         yield _Series(name, steps, False, partial(with_step, name))
 
 
-def _peers(problem: Problem) -> Iterator[_Series]:
+def _peers(problem: InitialValueProblem) -> Iterator[_Series]:
     def at_tolerance(solve: PeerSolve, rtol: float) -> tuple[NDArray[np.float64], None]:
         return solve(rtol), None
 
@@ -119,14 +121,14 @@ def _peers(problem: Problem) -> Iterator[_Series]:
         yield _Series(peer.name, TOLERANCES, True, partial(at_tolerance, prepared))
 
 
-def _coarsest_step(problem: Problem) -> float:
+def _coarsest_step(problem: InitialValueProblem) -> float:
     """A quarter of the step that the default method takes on average at a tolerance of 1e-4."""
     _, evaluations = problem.solve("dop853", rtol=1e-4)
     return problem.end * 12 / evaluations / 4
 
 
 def _point(
-    series: _Series, setting: float, problem: Problem, repeats: int, longest: float
+    series: _Series, setting: float, problem: InitialValueProblem, repeats: int, longest: float
 ) -> Point:
     times: list[float] = []
     try:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from linkages.equations.derivation import Equations
+    from linkages.equations.derivation import SymbolicEquations
     from linkages.topology.topology import Topology
 
 __all__ = ["FORMATS", "derive", "render"]
@@ -17,14 +17,14 @@ __all__ = ["FORMATS", "derive", "render"]
 FORMATS = ("text", "latex", "python")
 
 
-def derive(topology: Topology) -> Equations:
+def derive(topology: Topology) -> SymbolicEquations:
     """Derive the equations of an analysed mechanism; see `linkages.equations.derivation`."""
     from linkages.equations import derivation
 
     return derivation.derive(topology)
 
 
-def render(equations: Equations, format: str = "text") -> str:  # noqa: A002
+def render(equations: SymbolicEquations, format: str = "text") -> str:  # noqa: A002
     """Print equations.
 
     Parameters

@@ -27,7 +27,7 @@ class Definition:
 
 
 @dataclass(frozen=True)
-class LinearSystem:
+class SymbolicLinearSystem:
     """``matrix`` · K = ``right`` for the velocity coefficients of a block.
 
     Parameters
@@ -54,7 +54,7 @@ class BlockCoefficients:
     """The velocity coefficients of one block: formulas, or a linear system."""
 
     definitions: tuple[Definition, ...] = ()
-    system: LinearSystem | None = None
+    system: SymbolicLinearSystem | None = None
 
 
 def solve_block(block: BlockEquations, known: Rows, symbols: Symbols) -> BlockCoefficients:
@@ -86,7 +86,9 @@ def _by_cramer(loop: LoopEquation, known: Rows, symbols: Symbols) -> tuple[Defin
     return tuple(definitions)
 
 
-def _linear_system(block: BlockEquations, known: Rows, symbols: Symbols) -> LinearSystem | None:
+def _linear_system(
+    block: BlockEquations, known: Rows, symbols: Symbols
+) -> SymbolicLinearSystem | None:
     matrix: list[list[sp.Expr]] = []
     right: list[list[sp.Expr]] = []
     for loop in block.loops:
@@ -109,7 +111,7 @@ def _linear_system(block: BlockEquations, known: Rows, symbols: Symbols) -> Line
         rows.append([values[i] for i in moving])
     if not moving:
         return None
-    return LinearSystem(
+    return SymbolicLinearSystem(
         coefficients=sp.Matrix(rows),
         matrix=sp.Matrix(matrix),
         right=sp.Matrix([[row[i] for i in moving] for row in right]),

@@ -11,8 +11,8 @@ import sympy as sp
 from linkages.components.contributed.contacts import (
     Contact,
     CornerAtWall,
-    Film,
     NormalForce,
+    OilFilm,
     PinInHole,
     RigidContact,
 )
@@ -83,7 +83,7 @@ def contact_forces(mechanism: Mechanism, symbols: Symbols, places: Places) -> Co
     for contact in mechanism.contacts:
         about = mechanism, symbols, places
         own: _Contact | FilmForces
-        if isinstance(contact.normal, Film):
+        if isinstance(contact.normal, OilFilm):
             own = FilmForces(contact, contact.normal, *about)
         else:
             own = _Contact(contact, *about)

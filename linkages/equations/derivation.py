@@ -24,7 +24,7 @@ from linkages.topology.topology import Topology
 
 
 @dataclass(frozen=True)
-class Equations:
+class SymbolicEquations:
     """Closure, energies, forces and Lagrange's equations of a mechanism.
 
     Parameters
@@ -115,7 +115,7 @@ class Equations:
         return expression
 
 
-def derive(topology: Topology) -> Equations:
+def derive(topology: Topology) -> SymbolicEquations:
     """Derive the equations of an analysed mechanism.
 
     Parameters
@@ -142,7 +142,7 @@ def derive(topology: Topology) -> Equations:
     contacts = contact_forces(mechanism, symbols, places)
     for q, force in contacts.generalised.items():
         forces[q] = forces.get(q, sp.S.Zero) + force
-    return Equations(
+    return SymbolicEquations(
         title=mechanism.name,
         symbols=symbols,
         coordinates=tuple(symbols.coordinates.values()),

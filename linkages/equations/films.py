@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from linkages.components.contributed.contacts import Contact, Film, PinInHole
+from linkages.components.contributed.contacts import Contact, OilFilm, PinInHole
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.equations.coefficients import Definition
 from linkages.equations.places import Places
@@ -22,7 +22,12 @@ class FilmForces:
     """
 
     def __init__(
-        self, contact: Contact, film: Film, mechanism: Mechanism, symbols: Symbols, places: Places
+        self,
+        contact: Contact,
+        film: OilFilm,
+        mechanism: Mechanism,
+        symbols: Symbols,
+        places: Places,
     ) -> None:
         self._symbols, self._name = symbols, contact.name
         self.definitions: list[Definition] = []

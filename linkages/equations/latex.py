@@ -6,7 +6,7 @@ import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
 from linkages.equations.polar import Polar
-from linkages.equations.sheet import Formula, Line, Norm, Section, Side, signed
+from linkages.equations.sheet import Line, Norm, SheetFormula, SheetSection, Side, signed
 from linkages.equations.symbols import Notation, Symbols
 
 _PER_ROW = 5
@@ -21,7 +21,7 @@ _ESCAPES = {
 }
 
 
-def write_latex(title: str, sections: tuple[Section, ...], symbols: Symbols) -> str:
+def write_latex(title: str, sections: tuple[SheetSection, ...], symbols: Symbols) -> str:
     """Return a paragraph with an align* environment per section."""
     write = _Writer(symbols)
     parts = [rf"\section*{{{escaped(title)}}}"]
@@ -76,7 +76,7 @@ class _Writer:
         return rf"{row} && \text{{{escaped(line.remark)}}}" if line.remark else row
 
     def _summands(self, side: Side) -> list[str]:
-        if isinstance(side, Formula):
+        if isinstance(side, SheetFormula):
             return [side.latex]
         if isinstance(side, Norm):
             *before, last = self._summands(side.terms)

@@ -62,7 +62,7 @@ Slopes = Mapping[sp.Symbol, Sequence[tuple[sp.Expr, sp.Expr]]]
 
 
 @dataclass(frozen=True)
-class Along:
+class MeasureSymbols:
     """What a load acts along: its value, its rate, and its derivatives."""
 
     value: sp.Expr
@@ -136,7 +136,7 @@ class ActingLoads:
             for state in load.states
         }
 
-    def _force(self, load: Load, along: Along) -> sp.Expr:
+    def _force(self, load: Load, along: MeasureSymbols) -> sp.Expr:
         """What works along a measure beyond the stored energy."""
         if isinstance(load.measure, Coordinate | BodyAxis) and isinstance(load.law, Number):
             entry = load.path[-1]
@@ -145,7 +145,7 @@ class ActingLoads:
             return self._symbols.parameter(load.law.parameter, notation)
         return self._law(load.working, along)
 
-    def _law(self, law: Function, along: Along) -> sp.Expr:
+    def _law(self, law: Function, along: MeasureSymbols) -> sp.Expr:
         def measured(found: Measured | Internal) -> sp.Expr:
             if isinstance(found, Internal):
                 return self._symbols.internal[found.name]
@@ -154,14 +154,14 @@ class ActingLoads:
 
         return law_of(law, self._symbols, measured)
 
-    def _along(self, measure: Measure) -> Along:
+    def _along(self, measure: Measure) -> MeasureSymbols:
         places, rates = self._places, self._symbols.rates
         slopes: Slopes = {}
         match measure:
             case Distance(first, second):
                 length = self.lengths[first, second]
                 slopes = {q: [(sp.S.One, length.derivative(q))] for q in rates}
-                return Along(length.symbol, length.rate, slopes)
+                return MeasureSymbols(length.symbol, length.rate, slopes)
             case Turn(body, reference):
                 value = places.orientation(body)
                 if reference is not None:
@@ -185,10 +185,10 @@ class ActingLoads:
                 assert_never(measure)
         slopes = slopes or {q: [(sp.S.One, sp.diff(value, q))] for q in rates}
         rate = sp.Add(*(a * b * rates[q] for q, terms in slopes.items() for a, b in terms))
-        return Along(value, rate, slopes)
+        return MeasureSymbols(value, rate, slopes)
 
 
-def _work(parts: Sequence[tuple[sp.Expr, Along]], coordinate: sp.Symbol) -> sp.Expr:
+def _work(parts: Sequence[tuple[sp.Expr, MeasureSymbols]], coordinate: sp.Symbol) -> sp.Expr:
     """Forces times slopes; both components of a force at a joint turn the same lengths."""
     total = sp.S.Zero
     for terms in zip(*(along.slopes[coordinate] for _, along in parts), strict=True):

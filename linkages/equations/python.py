@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import sympy as sp
 
 from linkages.components.contributed.interpolation import cubic, polynomials
-from linkages.equations.derivation import Equations
+from linkages.equations.derivation import SymbolicEquations
 from linkages.equations.python_functions import FunctionWriter
 from linkages.operations import ELEMENTARY
 
@@ -23,7 +23,7 @@ states, if there are any.
 _NUMPY = ("array", "linalg", "pi", "zeros")
 
 
-def write_python(equations: Equations) -> str:
+def write_python(equations: SymbolicEquations) -> str:
     """Return the text of the module; names of the definition file stand in comments only."""
     parts = [_constants(equations), *_functions(equations)]
     if equations.symbols.tables:
@@ -35,7 +35,7 @@ def write_python(equations: Equations) -> str:
     return f"{_HEADER}from numpy import {imported}\n\n{text}"
 
 
-def _constants(equations: Equations) -> str:
+def _constants(equations: SymbolicEquations) -> str:
     symbols = equations.symbols
     bodies = {coordinate: name for name, coordinate in symbols.coordinates.items()}
     lines = ["COORDINATES = ("]
@@ -49,7 +49,7 @@ def _constants(equations: Equations) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def _tables(equations: Equations) -> str:
+def _tables(equations: SymbolicEquations) -> str:
     rows = []
     for table in equations.symbols.tables:
         found = polynomials(table)
@@ -75,7 +75,7 @@ def spline(knots, coefficients, periodic, t, order):
 '''.format(*cubic(*sp.symbols("x outside d c b a")))
 
 
-def _functions(equations: Equations) -> list[str]:
+def _functions(equations: SymbolicEquations) -> list[str]:
     q, time = equations.coordinates, equations.symbols.time
     dq = [equations.symbols.rates[coordinate] for coordinate in q]
     closure = sp.Matrix(equations.closure)
@@ -124,7 +124,7 @@ def _functions(equations: Equations) -> list[str]:
     ]
 
 
-def _internal_rates(equations: Equations, write: FunctionWriter) -> Iterator[str]:
+def _internal_rates(equations: SymbolicEquations, write: FunctionWriter) -> Iterator[str]:
     rates, symbols = equations.internal, equations.symbols
     if rates:
         q = equations.coordinates
@@ -145,7 +145,7 @@ def _jacobian(closure: sp.Matrix, q: Sequence[sp.Symbol]) -> sp.Matrix:
     return sp.Matrix(len(closure), len(q), lambda i, j: sp.diff(closure[i], q[j]))
 
 
-def _masses(equations: Equations) -> sp.Matrix:
+def _masses(equations: SymbolicEquations) -> sp.Matrix:
     q = equations.coordinates
     masses = {pair: definition.value for pair, definition in equations.lagrange.masses.items()}
     zero = sp.S.Zero

@@ -8,8 +8,8 @@ from typing import Any
 import sympy as sp
 from sympy.printing.numpy import NumPyPrinter
 
-from linkages.equations.coefficients import LinearSystem
-from linkages.equations.derivation import Equations
+from linkages.equations.coefficients import SymbolicLinearSystem
+from linkages.equations.derivation import SymbolicEquations
 
 Given = Mapping[str, Sequence[sp.Symbol]]
 
@@ -35,7 +35,7 @@ class FunctionWriter:
         Whose symbols the functions use.
     """
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: SymbolicEquations) -> None:
         self._equations = equations
         self._print = _Printer({"fully_qualified_modules": False}).doprint
 
@@ -76,7 +76,7 @@ class FunctionWriter:
         doc = "K = ∂q/∂GENERALISED, where no block is singular."
         return self._function("velocity_coefficients", {"q": q}, doc, values, body)
 
-    def _solved(self, system: LinearSystem) -> list[str]:
+    def _solved(self, system: SymbolicLinearSystem) -> list[str]:
         """Statements that solve Φ_z K = −Φ_q; with redundant equations by least squares."""
         names = ", ".join(f"({', '.join(k.name for k in row)},)" for row in _rows(system))
         solve = "lstsq(matrix, right, rcond=None)[0]" if system.surplus else "solve(matrix, right)"
@@ -110,6 +110,6 @@ class FunctionWriter:
         return "\n".join([*lines, *(f"    {line}" for line in [*before, *body]), ""])
 
 
-def _rows(system: LinearSystem) -> Iterable[list[sp.Symbol]]:
+def _rows(system: SymbolicLinearSystem) -> Iterable[list[sp.Symbol]]:
     matrix = system.coefficients
     return (list(matrix.row(i)) for i in range(matrix.rows))

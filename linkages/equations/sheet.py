@@ -9,14 +9,14 @@ from typing import TypeAlias
 import sympy as sp
 
 from linkages.components.contributed.functions import TIME
-from linkages.equations.coefficients import Definition, LinearSystem
-from linkages.equations.derivation import Equations
+from linkages.equations.coefficients import Definition, SymbolicLinearSystem
+from linkages.equations.derivation import SymbolicEquations
 from linkages.equations.polar import Polar, Terms
 from linkages.reading.paths import dotted
 
 
 @dataclass(frozen=True)
-class Formula:
+class SheetFormula:
     """A general statement, given in both forms."""
 
     text: str
@@ -30,7 +30,7 @@ class Norm:
     terms: Terms
 
 
-Side: TypeAlias = sp.Expr | Terms | Formula | Norm
+Side: TypeAlias = sp.Expr | Terms | SheetFormula | Norm
 
 
 @dataclass(frozen=True)
@@ -42,26 +42,26 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Section:
+class SheetSection:
     """A heading and its lines."""
 
     heading: str
     lines: tuple[Line, ...]
 
 
-ZERO = Formula("0", "0")
-KINETIC = Formula(
+ZERO = SheetFormula("0", "0")
+KINETIC = SheetFormula(
     "T = Σ ½ m |Ẋ|² + ½ J θ̇² = ½ Σ a_uv u̇ v̇",
     r"T = \sum \frac{1}{2} m \left|\dot{\mathbf{X}}\right|^2 + \frac{1}{2} J \dot{\theta}^2"
     r" = \frac{1}{2} \sum_{u,v} a_{u,v} \dot{u} \dot{v}",
 )
-COEFFICIENTS = Formula(
+COEFFICIENTS = SheetFormula(
     "u̇ = Σ_i K_u,i q̇_i  with  K_u,i = ∂u/∂q_i",
     r"\dot{u} = \sum_i K_{u,i} \dot{q}_i , \quad K_{u,i} = \partial u / \partial q_i",
 )
-SYSTEM = Formula("Φ_z K = −Φ_q", r"\Phi_z K = -\Phi_q")
-INERTIA = Formula("J_ij = Σ a_uv K_u,i K_v,j", r"J_{ij} = \sum_{u,v} a_{u,v} K_{u,i} K_{v,j}")
-LAGRANGE = Formula(
+SYSTEM = SheetFormula("Φ_z K = −Φ_q", r"\Phi_z K = -\Phi_q")
+INERTIA = SheetFormula("J_ij = Σ a_uv K_u,i K_v,j", r"J_{ij} = \sum_{u,v} a_{u,v} K_{u,i} K_{v,j}")
+LAGRANGE = SheetFormula(
     "Σ_j J_ij q̈_j + Σ_jk (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i = Q_i",
     r"\sum_j J_{ij} \ddot{q}_j + \sum_{j,k} \left( \frac{\partial J_{ij}}{\partial q_k}"
     r" - \frac{1}{2} \frac{\partial J_{jk}}{\partial q_i} \right) \dot{q}_j \dot{q}_k"
@@ -81,20 +81,20 @@ def _negative(term: sp.Expr | Polar) -> bool:
     return bool(term.could_extract_minus_sign()) and not term.is_Add
 
 
-def sections(equations: Equations) -> tuple[Section, ...]:
+def sections(equations: SymbolicEquations) -> tuple[SheetSection, ...]:
     """All sections that have lines."""
     found = (
-        Section("Coordinates", tuple(_coordinates(equations))),
-        Section("Closure, loop by loop", tuple(_closure(equations))),
-        Section("Centres of mass", tuple(_centres(equations))),
-        Section("Lengths of springs and dampers", tuple(_distances(equations))),
-        Section("Clearances that open", tuple(_definitions(iter(equations.contacts)))),
-        Section("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
-        Section("Potential energy", (Line((Formula("V", "V"), _potential(equations))),)),
-        Section("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
-        Section("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
-        Section("Internal states", tuple(_internal(equations))),
-        Section("Lagrange's equations", tuple(_lagrange(equations))),
+        SheetSection("Coordinates", tuple(_coordinates(equations))),
+        SheetSection("Closure, loop by loop", tuple(_closure(equations))),
+        SheetSection("Centres of mass", tuple(_centres(equations))),
+        SheetSection("Lengths of springs and dampers", tuple(_distances(equations))),
+        SheetSection("Clearances that open", tuple(_definitions(iter(equations.contacts)))),
+        SheetSection("Kinetic energy", (Line((KINETIC,)), *_definitions(_masses(equations)))),
+        SheetSection("Potential energy", (Line((SheetFormula("V", "V"), _potential(equations))),)),
+        SheetSection("Velocity coefficients, loop by loop", tuple(_coefficients(equations))),
+        SheetSection("Inertia terms", (Line((INERTIA,)), *_definitions(_inertia(equations)))),
+        SheetSection("Internal states", tuple(_internal(equations))),
+        SheetSection("Lagrange's equations", tuple(_lagrange(equations))),
     )
     return tuple(section for section in found if section.lines)
 
@@ -102,16 +102,16 @@ def sections(equations: Equations) -> tuple[Section, ...]:
 _JOINED = {"linear": "straight lines", "pchip": "monotone cubics (pchip)", "spline": "cubic spline"}
 
 
-def _indexed(letter: str, index: int) -> Formula:
+def _indexed(letter: str, index: int) -> SheetFormula:
     latex = r"\Phi" if letter == "Φ" else letter
-    return Formula(f"{letter}_{index}", f"{latex}_{{{index}}}")
+    return SheetFormula(f"{letter}_{index}", f"{latex}_{{{index}}}")
 
 
 def _definitions(definitions: Iterator[Definition]) -> Iterator[Line]:
     return (Line((definition.symbol, definition.value)) for definition in definitions)
 
 
-def _coordinates(equations: Equations) -> Iterator[Line]:
+def _coordinates(equations: SymbolicEquations) -> Iterator[Line]:
     for index, coordinate in enumerate(equations.lagrange.coordinates, 1):
         name = _indexed("q", index)
         if coordinate in equations.drives:
@@ -130,7 +130,7 @@ def _coordinates(equations: Equations) -> Iterator[Line]:
     for number, table in enumerate(equations.symbols.tables, 1):
         what = f"{_JOINED[table.interpolation]}{', periodic,' if table.periodic else ''}"
         of = "(t)" if table.over == TIME else ""
-        function = Formula(f"f_{number}{of}", f"f_{{{number}}}{of}")
+        function = SheetFormula(f"f_{number}{of}", f"f_{{{number}}}{of}")
         yield Line((function,), f"{what} through {len(table.places)} points: {dotted(table.path)}")
 
 
@@ -139,8 +139,8 @@ def _derivatives(index: int, law: sp.Expr, time: sp.Symbol) -> Iterator[Line]:
     speed = sp.diff(law, time)
     acceleration = sp.diff(speed, time)
     if acceleration != 0:
-        yield Line((Formula(f"q̇_{index}", rf"\dot{{q}}_{{{index}}}"), speed))
-        yield Line((Formula(f"q̈_{index}", rf"\ddot{{q}}_{{{index}}}"), acceleration))
+        yield Line((SheetFormula(f"q̇_{index}", rf"\dot{{q}}_{{{index}}}"), speed))
+        yield Line((SheetFormula(f"q̈_{index}", rf"\ddot{{q}}_{{{index}}}"), acceleration))
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -148,7 +148,7 @@ def _listed(names: Sequence[str]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def _distances(equations: Equations) -> Iterator[Line]:
+def _distances(equations: SymbolicEquations) -> Iterator[Line]:
     """Lengths, and the rates of those that have a damper."""
     laws = (*equations.forces.values(), *equations.internal.values())
     used = set().union(*(law.free_symbols for law in laws))
@@ -158,32 +158,32 @@ def _distances(equations: Equations) -> Iterator[Line]:
             yield Line((distance.rate, distance.speed(equations.symbols.rates)))
 
 
-def _potential(equations: Equations) -> sp.Expr:
+def _potential(equations: SymbolicEquations) -> sp.Expr:
     return equations.gravitational + equations.elastic
 
 
-def _closure(equations: Equations) -> Iterator[Line]:
+def _closure(equations: SymbolicEquations) -> Iterator[Line]:
     for index, loop in enumerate(equations.loops):
         yield Line((loop.left, loop.right or ZERO), f"at {loop.apex}")
         for axis, residual in enumerate(loop.residual, 2 * index + 1):
             yield Line((_indexed("Φ", axis), residual, ZERO))
 
 
-def _centres(equations: Equations) -> Iterator[Line]:
+def _centres(equations: SymbolicEquations) -> Iterator[Line]:
     for body in equations.bodies:
         if body.mass != 0:
             yield Line((body.position, body.centre or ZERO))
 
 
-def _masses(equations: Equations) -> Iterator[Definition]:
+def _masses(equations: SymbolicEquations) -> Iterator[Definition]:
     return iter(equations.lagrange.masses.values())
 
 
-def _inertia(equations: Equations) -> Iterator[Definition]:
+def _inertia(equations: SymbolicEquations) -> Iterator[Definition]:
     return iter(equations.lagrange.inertia.values())
 
 
-def _coefficients(equations: Equations) -> Iterator[Line]:
+def _coefficients(equations: SymbolicEquations) -> Iterator[Line]:
     if equations.loops:
         yield Line((COEFFICIENTS,))
     for block in equations.lagrange.blocks:
@@ -192,7 +192,7 @@ def _coefficients(equations: Equations) -> Iterator[Line]:
             yield from _system(block.system)
 
 
-def _system(system: LinearSystem) -> Iterator[Line]:
+def _system(system: SymbolicLinearSystem) -> Iterator[Line]:
     """One equation per scalar loop equation and generalised coordinate."""
     more = f"; {system.surplus} of them redundant: least squares" if system.surplus else ""
     equations, unknowns = system.matrix.shape
@@ -206,15 +206,15 @@ def _system(system: LinearSystem) -> Iterator[Line]:
                 yield Line((left, right))
 
 
-def _internal(equations: Equations) -> Iterator[Line]:
+def _internal(equations: SymbolicEquations) -> Iterator[Line]:
     for state, rate in equations.internal.items():
         yield Line((equations.symbols.dotted(state), rate), "integrated with the motion")
 
 
-def _lagrange(equations: Equations) -> Iterator[Line]:
+def _lagrange(equations: SymbolicEquations) -> Iterator[Line]:
     yield Line((LAGRANGE,))
     reduced = equations.lagrange
     for index, value in enumerate(reduced.gradient, 1):
-        yield Line((Formula(f"∂V/∂q_{index}", rf"\partial V / \partial q_{{{index}}}"), value))
+        yield Line((SheetFormula(f"∂V/∂q_{index}", rf"\partial V / \partial q_{{{index}}}"), value))
     for index, value in enumerate(reduced.forces, 1):
         yield Line((_indexed("Q", index), value))

@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.printing.str import StrPrinter
 
 from linkages.equations.polar import Polar
-from linkages.equations.sheet import Formula, Line, Norm, Section, Side, signed
+from linkages.equations.sheet import Line, Norm, SheetFormula, SheetSection, Side, signed
 from linkages.equations.symbols import Notation, Symbols
 
 WIDTH = 100
@@ -20,7 +20,7 @@ _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DOTS = ("", "\u0307", "\u0308")
 
 
-def write_text(title: str, sections: tuple[Section, ...], symbols: Symbols) -> str:
+def write_text(title: str, sections: tuple[SheetSection, ...], symbols: Symbols) -> str:
     """Return all sections under a title."""
     write = _Writer(symbols)
     parts = [title]
@@ -82,7 +82,7 @@ class _Writer:
         return folded.replace(_GLUE, " ")
 
     def _summands(self, side: Side) -> list[str]:
-        if isinstance(side, Formula):
+        if isinstance(side, SheetFormula):
             return [side.text]
         if isinstance(side, Norm):
             *before, last = self._summands(side.terms)

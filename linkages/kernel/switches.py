@@ -53,7 +53,7 @@ class Switch:
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
+class RememberedNumber:
     """A number that a motion keeps from the last time at which a switch rose.
 
     Parameters
@@ -90,7 +90,7 @@ class Switches:
     def __init__(self, model: Model) -> None:
         self._model = model
         self.switches: list[Switch] = []
-        self.memories: list[Memory] = []
+        self.memories: list[RememberedNumber] = []
         self.equivalent: dict[int, Scalar] = {}
         self._known: dict[tuple[int, int | None], int] = {}
         self._called: dict[str, int] = {}
@@ -224,7 +224,7 @@ class Switches:
                 return self._model.inputs.memory(number)
         count = sum(memory.owner == owner for memory in self.memories)
         called = self.switches[owner].name + (f" ({count + 1})" if count else "")
-        self.memories.append(Memory(called, owner, node))
+        self.memories.append(RememberedNumber(called, owner, node))
         return self._model.inputs.memory(len(self.memories) - 1)
 
     def _unused(self, name: str) -> str:

@@ -26,9 +26,9 @@ from linkages.solvers.steps.views import (
     Control,
     Nodes,
     Record,
-    System,
+    SystemView,
     T,
-    Table,
+    TableView,
     Tangents,
 )
 
@@ -85,7 +85,7 @@ def system(
     rows: NDArray[np.float64],
     pace: NDArray[np.float64],
     code: MachineCode,
-) -> System:
+) -> SystemView:
     """Addresses and numbers of a job's flow, with room for what its clock writes."""
     flow = job.flow
     memory.keep(code)
@@ -112,7 +112,7 @@ def system(
         "ahead": memory.floats(np.zeros(flow.counted)),
         "sampled": memory.floats(job.angles),
     }
-    return System(
+    return SystemView(
         clock=flow.clock,
         rates=flow.rates,
         parameters=parameters,
@@ -161,12 +161,12 @@ def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArr
     return rows
 
 
-def table(memory: Memory, tableau: Tableau, flow: Flow) -> Table:
+def table(memory: Memory, tableau: Tableau, flow: Flow) -> TableView:
     """Coefficients of a tableau for the workspace of a flow."""
     A, end = tableau.extended_A, tableau.stages
     rows, columns = np.nonzero(A)
     width = workspace_width(flow)
-    return Table(
+    return TableView(
         starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
         places=memory.integers(columns * width + flow.coordinates),
         weights=memory.floats(A[rows, columns]),
@@ -199,7 +199,7 @@ def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
     )
 
 
-def record(memory: Memory, job: Job, system: System) -> Record:
+def record(memory: Memory, job: Job, system: SystemView) -> Record:
     """Where the results of a job go; its arrays are contiguous and are written in place."""
     found = Record(
         samples=len(job.times),

@@ -14,10 +14,10 @@ from linkages.solvers.steps.views import (
     Events,
     Hook,
     Record,
-    Switches,
-    Switching,
-    System,
-    Table,
+    SwitchesView,
+    SwitchingView,
+    SystemView,
+    TableView,
 )
 
 WATCH_STEP = Loaded("linkages.solvers.watched.crossings", "watch_step")
@@ -51,7 +51,7 @@ def events(memory: Memory, job: Job) -> Events | None:
 
 
 def hook(
-    memory: Memory, found: Events | None, system: System, table: Table, record: Record
+    memory: Memory, found: Events | None, system: SystemView, table: TableView, record: Record
 ) -> Hook:
     """What watches the steps of a job for its events; nothing where it has none."""
     if found is None:
@@ -76,21 +76,21 @@ def switching(
     memory: Memory,
     job: Job,
     found: Events | None,
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     record: Record,
     nodes: NDArray[np.float64],
-) -> Switching:
+) -> SwitchingView:
     """What finds and makes changes of modes; nothing where there are none."""
     own = job.flow.switching
     if own is None:
-        return Switching(0, 0, 0, 0, 0, 0)
+        return SwitchingView(0, 0, 0, 0, 0, 0)
     changes, n = job.changes, job.flow.coordinates
     # those around the middle and both quarters of a step
     compared = sorted({1 + int(np.argmin(np.abs(nodes[1:-1] - at))) for at in (0.25, 0.5, 0.75)})
     # events have left their copies there
     transition = _function(memory, job, own.transition)
-    switches = Switches(
+    switches = SwitchesView(
         modes=len(own.names),
         memories=len(own.owners),
         tangents=own.tangents,
@@ -125,6 +125,6 @@ def switching(
     )
     context = memory.integers([*system, *table, *record, *switches])
     first_steps = memory.floats(np.zeros(2 * len(own.names)))
-    return Switching(
+    return SwitchingView(
         LOOK.address, GUESS.address, CHANGE.address, context, switches.kind, first_steps
     )

@@ -32,7 +32,7 @@ LEAST_RTOL = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
-class Request:
+class IntegrationRequest:
     """An integration that is asked for, after validation.
 
     Parameters
@@ -83,7 +83,9 @@ def integrate(
     return carry_out(request(flow, state, times, **options), watch)
 
 
-def carry_out(asked: Request, watch: Callable[[float], None] | None = None) -> Trajectory:
+def carry_out(
+    asked: IntegrationRequest, watch: Callable[[float], None] | None = None
+) -> Trajectory:
     """Integrate what is asked for; see `integrate`."""
     job, clock = asked.job, time.perf_counter()
     loop = asked.method.prepare(job)
@@ -116,7 +118,7 @@ def request(
     angles: NDArray[np.float64] | None = None,
     tangents: Renormalisation | None = None,
     holds: NDArray[np.float64] | None = None,
-) -> Request:
+) -> IntegrationRequest:
     """Ask for an integration of the equations of motion.
 
     Parameters
@@ -181,7 +183,7 @@ def request(
         tangents=tangents,
         holds=_holds(flow, holds, chosen),
     )
-    return Request(chosen, choice, job)
+    return IntegrationRequest(chosen, choice, job)
 
 
 def _method(name: str) -> Method:

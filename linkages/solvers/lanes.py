@@ -10,9 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers import arrays
-from linkages.solvers.integration import Request
+from linkages.solvers.integration import IntegrationRequest
 from linkages.solvers.job import Job
-from linkages.solvers.methods.method import BEGIN_MOTION, CONCLUDE_STEP, Method, Motion, RungeKutta
+from linkages.solvers.methods.method import (
+    BEGIN_MOTION,
+    CONCLUDE_STEP,
+    Method,
+    PreparedMotion,
+    RungeKutta,
+)
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
@@ -33,7 +39,7 @@ ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
 
 
 def integrate_many(
-    requests: Sequence[Request],
+    requests: Sequence[IntegrationRequest],
     lanes: int = LANES,
     watch: Callable[[float], None] | None = None,
 ) -> list[Trajectory]:
@@ -120,7 +126,7 @@ def _lanes(
     memory: arrays.Memory,
     method: RungeKutta,
     jobs: Sequence[Job],
-    motions: Sequence[Motion],
+    motions: Sequence[PreparedMotion],
     lanes: int,
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""

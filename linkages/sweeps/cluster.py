@@ -10,7 +10,7 @@ from typing import Any
 
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.code.program import GENERATOR_VERSION
-from linkages.sweeps.running import Outcome, attempt
+from linkages.sweeps.running import TaskOutcome, attempt
 
 CONNECTING = 10
 """Seconds after which a scheduler that does not answer is given up."""
@@ -37,7 +37,7 @@ class Cluster:
     def __init__(self, address: str) -> None:
         self.address = address
 
-    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
         """Yield outcomes as they come; what is under way is given up when it is closed.
 
         Raises
@@ -81,11 +81,11 @@ class Cluster:
         except (OSError, ValueError, TypeError) as error:
             raise _refused(self.address, f"no Dask scheduler answers there: {error}") from None
 
-    def _outcome(self, distributed: Any, future: Any, index: int) -> Outcome:
+    def _outcome(self, distributed: Any, future: Any, index: int) -> TaskOutcome:
         try:
-            found: Outcome = future.result()
+            found: TaskOutcome = future.result()
         except distributed.KilledWorker:
-            return Outcome(index, None, "ended every worker that computed it")
+            return TaskOutcome(index, None, "ended every worker that computed it")
         except OtherVersionError as error:
             raise ComputationError(f"{self.address}: {error}", time=None) from None
         except ModuleNotFoundError as error:
@@ -105,7 +105,7 @@ def here() -> str:
     return ", ".join([own, *(f"{name} {version(name)}" for name in ("numpy", "llvmlite"))])
 
 
-def _attempt(versions: str, task: bytes, index: int, point: Any) -> Outcome:
+def _attempt(versions: str, task: bytes, index: int, point: Any) -> TaskOutcome:
     """Compute a chunk on a worker."""
     if versions != here():
         raise OtherVersionError(f"a worker has {here()}; expected {versions}, as here")

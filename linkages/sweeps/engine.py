@@ -14,7 +14,7 @@ from linkages.sweeps.answers import OWN, Arrays, Code, Question
 from linkages.sweeps.running import Executor, Progress, Threads
 
 if TYPE_CHECKING:
-    from linkages.sweeps.store import Store
+    from linkages.sweeps.store import SweepStore
 
 Span = tuple[int, int]
 """The first point of a chunk, and that behind its last."""
@@ -51,7 +51,7 @@ def computed(
     question: Question,
     *,
     executor: Executor | None = None,
-    store: Store | None = None,
+    store: SweepStore | None = None,
     watch: Watch | None = None,
 ) -> Computed:
     """Answer a question at all of its points.

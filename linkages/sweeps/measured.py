@@ -53,7 +53,7 @@ TOGETHER = 256, 512
 
 
 @dataclass(frozen=True, eq=False)
-class Measured(Question):
+class MeasureQuestion(Question):
     """Measures of a simulation at every point.
 
     Parameters

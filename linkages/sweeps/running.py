@@ -53,7 +53,7 @@ def per_period(run: Run, periods: int) -> Run:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TaskOutcome:
     """What became of one computation.
 
     Parameters
@@ -77,7 +77,7 @@ class Outcome:
 class Executor(Protocol):
     """Runs tasks somewhere: here on threads; a batch integrator or a cluster fits behind it."""
 
-    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
         """Yield outcomes as they come, in any order; stop early when closed."""
         ...
 
@@ -94,14 +94,14 @@ class Threads:
     def __init__(self, workers: int | None = None) -> None:
         self.workers = workers or available_cores()
 
-    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[Outcome]:
+    def run(self, task: Callable[[Any], Any], points: Sequence[Any]) -> Iterator[TaskOutcome]:
         """Yield outcomes as they come; those under way are finished when it is closed."""
         ended = threading.Event()
         pool = ThreadPoolExecutor(
             self.workers, "linkages-sweep", initializer=_belongs, initargs=(ended,)
         )
         waiting = iter(enumerate(points))
-        running: dict[Future[Outcome], None] = {}
+        running: dict[Future[TaskOutcome], None] = {}
 
         def fill() -> None:
             while len(running) < self.workers:
@@ -123,16 +123,16 @@ class Threads:
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-def attempt(task: Callable[[Any], Any], index: int, point: Any) -> Outcome:
+def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
     """Run a task; what cannot be computed is an outcome with its reason.
 
     Only errors that say something about the mechanism count as that; others are faults of the
     program and are raised.
     """
     try:
-        return Outcome(index, task(point), None)
+        return TaskOutcome(index, task(point), None)
     except (LinkagesError, ValueError) as error:
-        return Outcome(index, None, reason_of(error), getattr(error, "time", None))
+        return TaskOutcome(index, None, reason_of(error), getattr(error, "time", None))
 
 
 def reason_of(error: Exception) -> str:
@@ -192,7 +192,7 @@ class Swept:
         Whether Ctrl-C ended it.
     """
 
-    outcomes: tuple[Outcome | None, ...]
+    outcomes: tuple[TaskOutcome | None, ...]
     interrupted: bool
 
     @property
@@ -231,7 +231,7 @@ def sweep(
     -------
     All outcomes; after Ctrl-C those that were there.
     """
-    found: list[Outcome | None] = [None] * len(points)
+    found: list[TaskOutcome | None] = [None] * len(points)
     begun, interrupted = time.monotonic(), False
     try:
         for done, outcome in enumerate((executor or Threads()).run(task, points), 1):

@@ -49,7 +49,7 @@ _MOST_CHUNKS, _LARGEST = 512, 64
 Span = tuple[int, int]
 
 
-class Store:
+class SweepStore:
     """An open store; `stored` makes one."""
 
     def __init__(self, folder: Path, chunk: int, count: int) -> None:
@@ -101,7 +101,7 @@ class Store:
 @contextmanager
 def stored(
     folder: str | Path | None, mechanism: Mechanism, question: Question
-) -> Iterator[Store | None]:
+) -> Iterator[SweepStore | None]:
     """Open or begin the store of a question; None without a folder.
 
     Raises
@@ -123,7 +123,7 @@ def stored(
     with _locked(place):
         _remove_leftovers(place)
         chunk = _begun(place, mechanism, question)
-        yield Store(place, chunk, question.count)
+        yield SweepStore(place, chunk, question.count)
 
 
 def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
@@ -155,7 +155,7 @@ def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
     chunk = max(fewest, min(max(most, _LARGEST), question.count // _MOST_CHUNKS))
     buffer = io.BytesIO()
     np.save(buffer, numbers)
-    store = Store(place, chunk, question.count)
+    store = SweepStore(place, chunk, question.count)
     store._put(place / POINTS, buffer.getvalue())
     text = json.dumps({**own, "chunk": chunk}, indent=1, ensure_ascii=False)
     store._put(path, text.encode())
@@ -197,7 +197,7 @@ def status(folder: str | Path) -> dict[str, Any]:
     spans = [(at, min(at + chunk, count)) for at in range(0, count, chunk)]
     outcomes = np.zeros(len(Code), dtype=int)
     reasons: Counter[str] = Counter()
-    for _, part in Store(place, chunk, count).read(spans):
+    for _, part in SweepStore(place, chunk, count).read(spans):
         outcomes += np.bincount(part["outcome"], minlength=len(Code))
         reasons.update(part["reason"][part["reason"] != ""].tolist())
     done = int(outcomes.sum())

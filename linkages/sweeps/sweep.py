@@ -16,7 +16,7 @@ from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
 from linkages.sweeps.cluster import Cluster
 from linkages.sweeps.engine import Computed, Watch, computed
-from linkages.sweeps.measured import Measured
+from linkages.sweeps.measured import MeasureQuestion
 from linkages.sweeps.points import points_of
 from linkages.sweeps.running import Executor, Threads
 from linkages.sweeps.store import stored
@@ -100,7 +100,7 @@ def sweep(
         executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
-    question = Measured(Varying(mechanism), points, measures, given, time_per_point)
+    question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point)
     units = question.units()  # what is wrong everywhere shows here
     with stored(store, mechanism, question) as place:
         found = computed(question, executor=executor, store=place, watch=watch)
@@ -125,7 +125,7 @@ def _measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, Measu
 
 
 def _dataset(
-    mechanism: Mechanism, question: Measured, found: Computed, units: Mapping[str, str]
+    mechanism: Mechanism, question: MeasureQuestion, found: Computed, units: Mapping[str, str]
 ) -> xr.Dataset:
     import xarray as xr
 

@@ -19,7 +19,7 @@ from chains import chain
 
 import linkages
 from linkages.kernel.code import machine
-from linkages.kernel.code.instructions import INTEGER, Loop
+from linkages.kernel.code.instructions import INTEGER, PrintedLoop
 from linkages.kernel.code.llvm import Module, call_routine
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program
@@ -41,7 +41,7 @@ def repeated(routines: Sequence[Routine], lanes: int) -> str:
         module.add(routine, internal=routine.name != "prepare")
     code = module.instructions()
     time = code.load("%t", 0)
-    loop = Loop(code, [(INTEGER, "0")])
+    loop = PrintedLoop(code, [(INTEGER, "0")])
     for routine in routines[1:]:
         call_routine(code, routine, {name: f"%{name}" for name in routine.arguments} | {"t": time})
     count = code.give(f"add {INTEGER} {loop.values[0]}, 1")

@@ -18,7 +18,7 @@ import numpy as np
 import linkages
 from linkages.kernel.varying import Varying
 from linkages.solution.moving.plan import Plan
-from linkages.solvers.integration import Request, carry_out, request
+from linkages.solvers.integration import IntegrationRequest, carry_out, request
 from linkages.solvers.lanes import LOGGER, integrate_many
 from linkages.solvers.trajectory import Trajectory
 
@@ -26,7 +26,9 @@ LANES = (4, 8, 16)
 ROUNDS = 3
 
 
-def requests(motions: int, tangents: int, method: str, end: float) -> Callable[[], list[Request]]:
+def requests(
+    motions: int, tangents: int, method: str, end: float
+) -> Callable[[], list[IntegrationRequest]]:
     """What makes the integrations that are asked for; each is carried out once."""
     points = [{"clearances.r1.size": size} for size in np.linspace(1e-4, 4e-4, motions)]
     along = Varying(linkages.load("ninebar")).along(points)
@@ -36,7 +38,7 @@ def requests(motions: int, tangents: int, method: str, end: float) -> Callable[[
     vectors = [plan.layout.packed(system.state, 0.0, columns) for system in systems]
     flows = [plan.bind(system) for system in systems]
 
-    def made() -> list[Request]:
+    def made() -> list[IntegrationRequest]:
         pairs = zip(flows, vectors, strict=True)
         return [request(f, y, [end], start=0.0, method=method, rtol=1e-10) for f, y in pairs]
 
@@ -44,7 +46,8 @@ def requests(motions: int, tangents: int, method: str, end: float) -> Callable[[
 
 
 def measured(
-    run: Callable[[list[Request]], Sequence[Trajectory]], made: Callable[[], list[Request]]
+    run: Callable[[list[IntegrationRequest]], Sequence[Trajectory]],
+    made: Callable[[], list[IntegrationRequest]],
 ) -> tuple[float, float]:
     """Seconds of processor time and evaluations."""
     begin = time.process_time()
@@ -52,7 +55,7 @@ def measured(
     return time.process_time() - begin, sum(one.evaluations for one in found)
 
 
-def one_by_one(asked: list[Request]) -> list[Trajectory]:
+def one_by_one(asked: list[IntegrationRequest]) -> list[Trajectory]:
     """The motions one after the other."""
     return [carry_out(one) for one in asked]
 

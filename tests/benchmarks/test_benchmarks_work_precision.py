@@ -12,7 +12,7 @@ import pytest
 import linkages
 from linkages.benchmark import work_precision as measuring
 from linkages.benchmark.peers import PEERS
-from linkages.benchmark.problem import Problem, derivative, seconds_per_evaluation
+from linkages.benchmark.problem import InitialValueProblem, derivative, seconds_per_evaluation
 from linkages.benchmark.report import TARGETS
 from linkages.benchmark.work_precision import Point, seconds_at, work_precision
 from linkages.errors import ComputationError
@@ -81,7 +81,7 @@ def test_failed_run_is_no_run():
 @pytest.fixture(scope="module")
 def reference_problem():
     end = REFERENCE["states"][-1]["t"]
-    return Problem(linkages.load("ninebar", set=START), end)
+    return InitialValueProblem(linkages.load("ninebar", set=START), end)
 
 
 def test_reference_agrees_with_states_of_extended_precision(reference_problem):
@@ -99,7 +99,7 @@ def test_reference_agrees_with_states_of_extended_precision(reference_problem):
 
 @pytest.fixture(scope="module")
 def short():
-    return Problem(linkages.load("ninebar", set=START), 0.1)
+    return InitialValueProblem(linkages.load("ninebar", set=START), 0.1)
 
 
 def test_error_is_measured_from_the_reference(short):
@@ -108,7 +108,7 @@ def test_error_is_measured_from_the_reference(short):
 
 
 def test_problem_that_cannot_be_solved_says_when_and_why():
-    stuck = Problem(linkages.load("ninebar", set={"assembly.E": "left"}), 2.0)
+    stuck = InitialValueProblem(linkages.load("ninebar", set={"assembly.E": "left"}), 2.0)
     with pytest.raises(ComputationError, match=r"dop853 stopped at t = 1\.5\d+ s") as caught:
         stuck.solve("dop853")
     assert caught.value.time == pytest.approx(1.546, abs=1e-3)
@@ -146,7 +146,7 @@ def test_right_hand_side_for_peers_is_that_of_the_model(short):
 
 def test_right_hand_side_where_nothing_can_be_assembled_is_nan():
     """A peer has no statuses; nan makes it shorten its step or fail."""
-    problem = Problem(linkages.load("ninebar"), 1.0)
+    problem = InitialValueProblem(linkages.load("ninebar"), 1.0)
     rate = derivative(problem.flow)(0.0, np.array([np.nan, 0.0]))
     assert np.isnan(rate).all()
 
@@ -161,7 +161,7 @@ GROUP = {"drives": {}, "free": {"crank": {"angle": 0, "speed": 6}}}
 
 def test_group_solved_by_iteration_is_measured(monkeypatch):
     """With coordinates that are carried along; a peer that knows no iteration is left out."""
-    problem = Problem(linkages.load("class-three", set=GROUP), 0.1)
+    problem = InitialValueProblem(linkages.load("class-three", set=GROUP), 0.1)
     assert problem.flow.carried == 4
     assert problem.uncertainty < 1e-13
     monkeypatch.setattr(measuring, "TOLERANCES", (1e-4, 1e-8))
@@ -187,7 +187,7 @@ def test_a_method_is_given_up_once_a_run_takes_too_long(short, monkeypatch):
 
 def test_right_hand_side_of_a_group_writes_within_its_memory():
     """A kernel writes what was settled behind the margins; there must be room for it."""
-    problem = Problem(linkages.load("class-three", set=GROUP), 0.1)
+    problem = InitialValueProblem(linkages.load("class-three", set=GROUP), 0.1)
     state = problem.system.state
     rate = derivative(problem.flow)(0.0, state)
     count = problem.flow.coordinates
@@ -221,14 +221,14 @@ def test_andrews_against_its_motion_in_50_digits():
     data = json.loads(
         (Path(__file__).parents[1] / "data" / "andrews.json").read_text(encoding="utf-8")
     )
-    problem = Problem(linkages.load("andrews"), float(data["time"]))
+    problem = InitialValueProblem(linkages.load("andrews"), float(data["time"]))
     exact = float(dict(zip(data["order"], data["angles"], strict=True))["beta"])
     assert problem.exact[0] == pytest.approx(exact, abs=1e-12)
     assert problem.uncertainty < 1e-12
 
 
 def test_every_method_is_measured():
-    problem = Problem(linkages.load("ninebar", set=START), 0.004)
+    problem = InitialValueProblem(linkages.load("ninebar", set=START), 0.004)
     found = list(work_precision(problem, repeats=1, longest=0.05))
     names = [*METHODS, *(peer.name for peer in PEERS if peer.available)]
     assert {point.method for point in found} == set(names)

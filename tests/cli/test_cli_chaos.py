@@ -238,23 +238,24 @@ def test_both_directions_together(pendulum, tmp_path):
 
 
 def test_interrupted_sweep_is_kept(pendulum, tmp_path, monkeypatch):
+    """Eight values go side by side: the first eight are there, the other four are not."""
     from linkages.chaos.sweeps import bifurcation
 
-    run, done = bifurcation._Request.compute, []
+    run, done = bifurcation._Request.answers, []
 
-    def interrupted(self, mechanism):
-        if len(done) == 2:
+    def interrupted(self, first, last):
+        if done:
             raise KeyboardInterrupt
         done.append(1)
-        return run(self, mechanism)
+        return run(self, first, last)
 
-    monkeypatch.setattr(bifurcation._Request, "compute", interrupted)
-    arguments = ("--vary", f"{DAMPING}=0.5:1:4", "--periods", "2", "--skip", "0", "--cores", "1")
+    monkeypatch.setattr(bifurcation._Request, "answers", interrupted)
+    arguments = ("--vary", f"{DAMPING}=0.5:1:12", "--periods", "2", "--skip", "0", "--cores", "1")
     result = pendulum("bifurcation", *arguments, "--no-figures")
     where = os.path.join("results", "m", "unfinished")
     assert (result.code, result.err.strip()) == (1, f"{INTERRUPTED} {where}")
     points = [int(row["points"]) for row in rows(tmp_path, "unfinished/bifurcation_values.csv")]
-    assert points == [2, 2, 0, 0]
+    assert points == [2] * 8 + [0] * 4
     result = pendulum("bifurcation", *arguments, "--no-figures")
     assert (result.code, result.err.strip()) == (1, TOO_EARLY)
 

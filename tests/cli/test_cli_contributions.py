@@ -36,7 +36,7 @@ def rows(text, read=loads, known=", cart: {position: 0.1}"):
         ),
         (
             "motors: {m: {bar: arm, stall_torque: 2, no_load_speed: 30, gear_ratio: 5}}",
-            ("motor", "arm", "stall torque 2 N m, no load speed 30 rad/s, gear ratio 5"),
+            ("motor", "arm", "gear ratio 5, stall torque 2 N m, no load speed 30 rad/s"),
         ),
         (
             "cylinders: {c: {between: [H, P], bore: 0.1, pressure: '1e5*(1 + sin(20*t))'}}",

@@ -8,16 +8,26 @@ import pytest
 from linkages.kernel.numbers.layout import Layout
 
 CASES = [
-    pytest.param(Layout(("a", "b"), carried, (), work, tangents), id=f"{carried}-{work}-{tangents}")
-    for carried, work, tangents in product([(), ("c",), ("c", "d")], [False, True], [0, 1, 4])
+    pytest.param(
+        Layout(("a", "b"), internal, carried, (), work, tangents),
+        id=f"{internal}-{carried}-{work}-{tangents}",
+    )
+    for internal, carried, work, tangents in product(
+        [(), ("z",)], [(), ("c",), ("c", "d")], [False, True], [0, 1, 4]
+    )
 ]
 
 
 def named(layout):
     """The entries of an integrated vector as the docstring of `Layout` lists them."""
-    tangents = [f"{k}:{name}" for k in range(layout.tangents) for name in layout.free]
-    half = [*layout.free, *layout.carried, *(["work"] if layout.work else []), *tangents]
+    moved = [*layout.free, *layout.internal]
+    tangents = [f"{k}:{name}" for k in range(layout.tangents) for name in moved]
+    half = [*moved, *layout.carried, *(["work"] if layout.work else []), *tangents]
     return np.array([(name, 0) for name in half] + [(name, 1) for name in half], dtype=object)
+
+
+def entries(vector):
+    return [tuple(entry) for entry in vector]
 
 
 @pytest.mark.parametrize("layout", CASES)
@@ -25,13 +35,21 @@ def test_parts_of_a_vector_are_what_they_are_called(layout):
     vector = named(layout)
     assert len(vector) == 2 * layout.size
     own = [(name, half) for half in (0, 1) for name in layout.coordinates]
-    assert [tuple(entry) for entry in layout.motion(vector)] == own
+    assert entries(vector[layout.motion_rows]) == own
+    # a state has coordinates and rates of bodies, then internal states: rates of their integrals
+    bodies = [(name, half) for half in (0, 1) for name in layout.bodies]
+    internal = [(name, 1) for name in layout.internal]
+    assert entries(vector[layout.motion_rows][layout.state_rows]) == bodies + internal
+    assert entries(vector[layout.internal_rows]) == internal
     free = [(name, half) for half in (0, 1) for name in layout.free]
     for column, places in enumerate(layout.tangent_rows.T):
-        found = [tuple(entry) for entry in vector[places]]
-        assert found == [(f"{column}:{name}", half) for name, half in free]
+        tangent = [(f"{column}:{name}", half) for name, half in free + internal]
+        assert entries(vector[places]) == tangent
+    columns = [f"{k}:{name}" for k in range(layout.tangents) for name in layout.internal]
+    idle = [(name, 0) for name in (*layout.internal, *columns)]
+    assert entries(vector[layout.idle_rows]) == idle
     carried = [(name, half) for half in (0, 1) for name in layout.carried]
-    assert [tuple(entry) for entry in layout.motion(vector)[layout.carried_rows]] == carried
+    assert entries(vector[layout.motion_rows][layout.carried_rows]) == carried
     if layout.work:
         assert tuple(vector[layout.work_row]) == ("work", 1)
     else:
@@ -41,8 +59,10 @@ def test_parts_of_a_vector_are_what_they_are_called(layout):
 @pytest.mark.parametrize("layout", CASES)
 def test_what_is_packed_comes_out_again(layout):
     random = np.random.default_rng(3)
-    motion = random.normal(size=2 * len(layout.coordinates))
-    tangents = random.normal(size=(2 * len(layout.free), layout.tangents))
+    state = random.normal(size=2 * len(layout.bodies) + len(layout.internal))
+    motion = layout.moving(state)
+    assert (motion[layout.state_rows] == state).all()
+    tangents = random.normal(size=(layout.directions, layout.tangents))
     vector = layout.packed(motion, 2.5, tangents)
     assert (layout.motion(vector) == motion).all()
     assert (vector[layout.tangent_rows] == tangents).all()

@@ -6,7 +6,7 @@ from PIL import Image
 
 from linkages.plots.films.film import MOST_FRAMES, film_of, natural_pace
 from linkages.plots.films.gif import GifFile, palette_of
-from linkages.plots.films.layout import Layout
+from linkages.plots.films.layout import PageLayout
 from linkages.plots.mechanism.view import Box
 
 
@@ -109,7 +109,7 @@ def test_a_palette_keeps_rare_colours_of_their_own():
 @pytest.mark.parametrize("shape", [(1.0, 1.0), (5.0, 1.0), (0.2, 1.0), (1.0, 0.0)])
 @pytest.mark.parametrize("size", [None, (14.0, 14.0)])
 def test_nothing_covers_anything(count, shape, size):
-    layout = Layout.of(Box.around([(0, 0), shape]), count, size)
+    layout = PageLayout.of(Box.around([(0, 0), shape]), count, size)
     assert size in (None, layout.size)
     assert len(layout.insets) == count
     page = np.array(layout.size)

@@ -8,7 +8,7 @@ import pytest
 
 import linkages
 from linkages.sweeps.answers import Code
-from linkages.sweeps.running import Outcome, Threads, attempt
+from linkages.sweeps.running import TaskOutcome, Threads, attempt
 
 EFFORT = "max(abs(crank.effort))"
 ROD = "bars.rod.length"
@@ -23,7 +23,7 @@ class Shuffled(Threads):
         task = pickle.loads(pickle.dumps(task))
         for index, point in order:
             outcome = attempt(task, index, point)
-            yield Outcome(index, pickle.loads(pickle.dumps(outcome.value)), outcome.reason)
+            yield TaskOutcome(index, pickle.loads(pickle.dumps(outcome.value)), outcome.reason)
 
 
 def single(mechanism, path, value, measure):

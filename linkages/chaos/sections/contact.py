@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Contact:
+class LinkForce:
     """The force along a clearance link over time.
 
     A pin in a hole can be pulled away from the hole's centre only as far as the clearance goes: it
@@ -54,7 +54,7 @@ class Contact:
         )
 
 
-def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:
+def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> LinkForce:
     """Check a clearance force, shape (samples,), in newtons at times in seconds.
 
     Raises
@@ -68,7 +68,7 @@ def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> Contact:
     spans = lost_spans(t, f)
     share = sum(end - begin for begin, end in spans) / float(t[-1] - t[0])
     first = spans[0][0] if spans else None
-    return Contact(clearance, share, first, float(f.min()), float(f.max()))
+    return LinkForce(clearance, share, first, float(f.min()), float(f.max()))
 
 
 def lost_spans(time: Floats, force: Floats) -> list[tuple[float, float]]:
@@ -86,7 +86,7 @@ def _zero(time: Floats, force: Floats, index: int) -> float:
     return float(time[index] + share * (time[index + 1] - time[index]))
 
 
-def contact_of(solution: Solution) -> tuple[Contact, ...]:
+def contact_of(solution: Solution) -> tuple[LinkForce, ...]:
     """The check of every massless link whose force a solution has."""
     data = solution.data
     if "clearance_force" not in data or data.sizes["time"] < 2:

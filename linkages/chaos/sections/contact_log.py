@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
-from linkages.chaos.sections.contact import Contact, contact_check
+from linkages.chaos.sections.contact import LinkForce, contact_check
 from linkages.kernel.outputs import labels, links
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_variables
@@ -73,12 +73,12 @@ class ContactLog:
         self._pieces += motion.part(first).pieces
 
     @property
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[LinkForce, ...]:
         """The check of every clearance; empty for too short a motion."""
         return contacts_in(Motion(pieces=tuple(self._pieces))) if self._pieces else ()
 
 
-def contacts_in(motion: Motion, places: Any = slice(None)) -> tuple[Contact, ...]:
+def contacts_in(motion: Motion, places: Any = slice(None)) -> tuple[LinkForce, ...]:
     """The check of every clearance at some samples of a motion; empty for fewer than two.
 
     The share of time is that of the samples: forces have peaks between two of them, so that lines
@@ -97,9 +97,9 @@ def contacts_in(motion: Motion, places: Any = slice(None)) -> tuple[Contact, ...
     )
 
 
-def contact_values(contacts: Sequence[Contact], names: Sequence[str]) -> dict[str, Floats]:
+def contact_values(contacts: Sequence[LinkForce], names: Sequence[str]) -> dict[str, Floats]:
     """Share of time without contact and least force of some clearances; nan where not checked."""
-    by_name: Mapping[str, Contact] = {contact.clearance: contact for contact in contacts}
+    by_name: Mapping[str, LinkForce] = {contact.clearance: contact for contact in contacts}
     pairs = [
         (found.share_lost, found.smallest) if (found := by_name.get(name)) else (np.nan, np.nan)
         for name in names

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkages.chaos.sections.contact import Contact
+from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
@@ -25,7 +25,7 @@ class Met:
     """Crossings of a section, and the forces in clearances from the first to the last."""
 
     motion: Motion
-    contacts: tuple[Contact, ...]
+    contacts: tuple[LinkForce, ...]
     interval: float
 
 

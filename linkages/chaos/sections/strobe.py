@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import common_period
-from linkages.chaos.sections.contact import Contact
+from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import MOST_TIMES, PER_PERIOD, contacts_in
 from linkages.chaos.sections.free_states import free_values
 from linkages.kernel.outputs import links
@@ -54,7 +54,7 @@ class Strobe:
         return {name: array[self.points] for name, array in found.items()}
 
     @property
-    def contacts(self) -> tuple[Contact, ...]:
+    def contacts(self) -> tuple[LinkForce, ...]:
         """Forces in clearances from the first point to the last."""
         return contacts_in(self.motion, self.checked)
 

@@ -33,7 +33,7 @@ _WINDOW = _BINS  # local slopes are fitted over an octave
 
 
 @dataclass(frozen=True, eq=False)
-class Dimension:
+class CorrelationDimension:
     """Correlation dimension with its scaling region.
 
     Parameters
@@ -63,7 +63,7 @@ def correlation_dimension(
     *,
     angles: ArrayLike | None = None,
     theiler: int = 1,
-) -> Dimension:
+) -> CorrelationDimension:
     """Correlation dimension by Grassberger and Procaccia [1]_, over the longest plateau.
 
     Parameters
@@ -98,7 +98,7 @@ def correlation_dimension(
     usable = (pairs >= FEWEST_PAIRS) & (sums <= LARGEST_SUM)
     if sums[0] > LARGEST_SUM:
         text = f"One pair out of {1 / sums[0]:.3g} coincides: the points are finitely many."
-        return Dimension(0.0, 0.0, radii, sums, (float(radii[0]), float(radii[0])), text)
+        return CorrelationDimension(0.0, 0.0, radii, sums, (float(radii[0]), float(radii[0])), text)
     return _plateau(radii, sums, usable)
 
 
@@ -124,13 +124,13 @@ def _pair_counts(points: Floats, theiler: int) -> tuple[Floats, Floats]:
     return radii, np.cumsum(counts).astype(float)
 
 
-def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_]) -> Dimension:
+def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_]) -> CorrelationDimension:
     """The longest run of local slopes close to their mean; of equal ones the flattest."""
     x, y = np.log(radii[usable]), np.log(sums[usable])
     if len(x) < _WINDOW + 2:
         text = "Too few radii with enough pairs: take more points."
         low, high = (float(radii[usable][0]), float(radii[usable][-1])) if len(x) else (0.0, 0.0)
-        return Dimension(0.0, 0.0, radii, sums, (low, high), text)
+        return CorrelationDimension(0.0, 0.0, radii, sums, (low, high), text)
     centred = np.arange(_WINDOW + 1) - 0.5 * _WINDOW
     weights = centred / (centred @ centred * (x[1] - x[0]))
     slopes = np.convolve(y, weights[::-1], mode="valid")
@@ -152,4 +152,4 @@ def _plateau(radii: Floats, sums: Floats, usable: NDArray[np.bool_]) -> Dimensio
         )
     trend = np.polyfit(x[first : last + 1], part, 1)[0] * 0.5 * (x[last] - x[first])
     error = float(np.hypot(part.std(), trend))
-    return Dimension(float(part.mean()), error, radii, sums, region, doubt)
+    return CorrelationDimension(float(part.mean()), error, radii, sums, region, doubt)

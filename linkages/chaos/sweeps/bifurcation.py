@@ -16,7 +16,7 @@ from linkages.chaos.sections.common_period import NoPeriodError
 from linkages.chaos.sections.section import require_section
 from linkages.chaos.sections.strobe import Strobing
 from linkages.chaos.sweeps.continuation import (
-    End,
+    ContinuationEnd,
     Visited,
     crossing_points,
     strobed,
@@ -52,10 +52,10 @@ ALIGNING = 10
 
 Floats = NDArray[np.float64]
 
-Point = tuple[int, Mapping[str, object], End | None]
+Point = tuple[int, Mapping[str, object], ContinuationEnd | None]
 """Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
 
-Outcome = tuple[Answer, End | None]
+Outcome = tuple[Answer, ContinuationEnd | None]
 """What is found at a value, and where its motion ended, if the next one is to go on there."""
 
 
@@ -245,7 +245,7 @@ class _Request(Question):
             "exponent_periods": EXPONENT_PERIODS if taken.exponent else 0,
         }
 
-    def _exponent(self, mechanism: Mechanism, first: End) -> tuple[float, float]:
+    def _exponent(self, mechanism: Mechanism, first: ContinuationEnd) -> tuple[float, float]:
         """The largest exponent and its error, from where the points begin."""
         options = ExponentOptions.like(
             self.options_at(mechanism, ALIGNING + EXPONENT_PERIODS),
@@ -350,7 +350,7 @@ def _continued(question: _Request, executor: Executor | None, watch: Watch | Non
     """Every value from the last state of its neighbour, all initial states side by side."""
     size, starts = len(question.axis), len(question.initial)
     forward = question.options.start == "forward"
-    ends: list[End | None] = [None] * starts
+    ends: list[ContinuationEnd | None] = [None] * starts
     whole = question.nothing(question.count)
     ledger = Ledger(question.count, watch)
     try:

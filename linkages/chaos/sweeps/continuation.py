@@ -28,7 +28,7 @@ WHOLE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class End:
+class ContinuationEnd:
     """Where a motion ended: what the next one starts from.
 
     Parameters
@@ -66,7 +66,7 @@ class End:
         return system.turned(state, self.turns).holding(self.held)
 
 
-def end_of(system: System, motion: Motion, sample: int = -1) -> End:
+def end_of(system: System, motion: Motion, sample: int = -1) -> ContinuationEnd:
     """Where a motion of a system was at one of its samples, the last one if it is not said."""
     piece, place = _piece_at(motion, range(len(motion.time))[sample])
     piece = piece.direct().part(slice(place, place + 1))
@@ -80,7 +80,7 @@ def end_of(system: System, motion: Motion, sample: int = -1) -> End:
     )[:, 0]
     held = np.zeros(0) if piece.held is None else piece.held[:, 0]
     first = len(nodes) + len(carried)
-    return End(
+    return ContinuationEnd(
         state=_free_state(system, motion, sample),
         places=dict(zip(positions.joints, found[: len(nodes)].reshape(-1, 2), strict=True)),
         internal=dict(zip(system.topology.internal, found[first:].tolist(), strict=True)),
@@ -132,8 +132,8 @@ class Visited:
     """
 
     values: dict[str, Floats]
-    first: End | None
-    last: End | None
+    first: ContinuationEnd | None
+    last: ContinuationEnd | None
     refusal: ComputationError | None
     warning: str = ""
     interval: float = 0.0
@@ -193,7 +193,7 @@ def strobed(plan: Strobing, motion: Motion, ends: tuple[bool, bool]) -> Visited:
 
 def crossing_points(
     mechanism: Mechanism,
-    before: End | None,
+    before: ContinuationEnd | None,
     options: SectionOptions,
     ends: bool = True,
 ) -> Visited:

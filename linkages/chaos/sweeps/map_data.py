@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.sections.contact import Contact
+from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
@@ -44,7 +44,7 @@ def map_fields(system: System) -> dict[str, Field]:
 
 
 def free_angles(
-    system: System, kinds: Mapping[str, str], contacts: Sequence[Contact]
+    system: System, kinds: Mapping[str, str], contacts: Sequence[LinkForce]
 ) -> dict[str, Any]:
     """What each free angle does, and forces in clearances, as `map_fields` has them."""
     names = links(system.model)

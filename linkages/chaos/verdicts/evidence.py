@@ -13,7 +13,11 @@ from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
 from linkages.chaos.sections.crossed import NeverCrossedError, crossed
 from linkages.chaos.sections.free_states import PAIRS, free_names, labelled_states, wrapped
-from linkages.chaos.series.dimension import FEWEST_POINTS, Dimension, correlation_dimension
+from linkages.chaos.series.dimension import (
+    FEWEST_POINTS,
+    CorrelationDimension,
+    correlation_dimension,
+)
 from linkages.chaos.series.rotation import Rotation, classify_angle, refined
 from linkages.chaos.series.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdicts.stretch import Evidence
@@ -53,7 +57,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section:
+class SectionPlane:
     """Where section points are taken.
 
     Parameters
@@ -104,14 +108,14 @@ class Section:
         return free_vectors(system, motion, turns=False), motion.time
 
 
-def section_for(system: System, run: RunOptions, periods: int) -> Section:
+def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
     """Stroboscopic, or where the motion is seen to return: its rate vanishes, or it turns over."""
     try:
-        return Section(period=common_period(system.mechanism))
+        return SectionPlane(period=common_period(system.mechanism))
     except NoPeriodError:
         pass
     end = system.mechanism.simulation.end
-    tried = [Section(period=end, text=t, direction=d) for t, d in _sections(system)]
+    tried = [SectionPlane(period=end, text=t, direction=d) for t, d in _sections(system)]
     for section in tried:
         probe = replace(section, period=end * periods / RETURNS / LONGER)
         _, times = probe.points(system, system, run, RETURNS)
@@ -155,7 +159,7 @@ def alike(system: System, period: float, rtol: float) -> Callable[[Floats], Floa
     return tolerance
 
 
-def labelled_section(system: System, section: Section, evidence: Evidence) -> xr.Dataset:
+def labelled_section(system: System, section: SectionPlane, evidence: Evidence) -> xr.Dataset:
     """Section points as `linkages.poincare` returns them."""
     free, size = list(system.topology.free), len(system.topology.free)
     values = {}
@@ -195,7 +199,7 @@ def followed(tangents: LinkageTangents, run: RunOptions, periods: int) -> Soluti
     )
 
 
-def dimension_of(evidence: Evidence) -> Dimension | None:
+def dimension_of(evidence: Evidence) -> CorrelationDimension | None:
     """Correlation dimension of the section; None for too few points.
 
     Not that of the motion between section points: along each turn of a torus samples lie on a

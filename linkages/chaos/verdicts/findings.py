@@ -7,9 +7,9 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from linkages.chaos.growth.invariants import Invariant
-from linkages.chaos.sections.contact import Contact
+from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.series.closed_curves import ClosedCurves
-from linkages.chaos.series.dimension import Dimension
+from linkages.chaos.series.dimension import CorrelationDimension
 from linkages.chaos.series.rotation import Rotation
 from linkages.chaos.series.spectrum import PowerSpectrum
 from linkages.solution.moving.horizon import Horizon
@@ -76,11 +76,11 @@ class ChaosReport:
     spectra: dict[str, PowerSpectrum]
     section: xr.Dataset
     rotation: dict[str, Rotation]
-    dimension: Dimension | None
+    dimension: CorrelationDimension | None
     period: int | None
     curves: ClosedCurves | None
     horizon: Horizon | None
-    contact: tuple[Contact, ...]
+    contact: tuple[LinkForce, ...]
     tighter: dict[str, Any]
     run: dict[str, Any]
     force: xr.DataArray | None = None

@@ -64,7 +64,7 @@ class RigidContact:
 
 
 @dataclass(frozen=True)
-class Film:
+class OilFilm:
     """Oil that fills the gap between a pin and its hole, and keeps them apart.
 
     Parameters
@@ -82,7 +82,7 @@ class Film:
     whole: bool
 
 
-Across = NormalForce | RigidContact | Film
+Across = NormalForce | RigidContact | OilFilm
 """What acts across a gap."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from linkages.components.contributed.contacts import Across, Film, NormalForce
+from linkages.components.contributed.contacts import Across, NormalForce, OilFilm
 from linkages.components.contributed.functions import (
     FIRST,
     Function,
@@ -94,8 +94,8 @@ def viscous_law(name: str) -> ContactLaw:
 def film_law(name: str, *, whole: bool) -> ContactLaw:
     """The film of a short journal bearing."""
 
-    def force(numbers: Numbers) -> Film:
-        return Film(numbers["viscosity"], numbers["width"], whole)
+    def force(numbers: Numbers) -> OilFilm:
+        return OilFilm(numbers["viscosity"], numbers["width"], whole)
 
     return ContactLaw(name, ("viscosity", "width"), force, ())
 

@@ -23,7 +23,7 @@ WHOLE = 1e-9
 
 
 @component
-class Points(Generic[Value]):
+class TablePoints(Generic[Value]):
     """Values at given times, or over any other quantity, and what joins them.
 
     Parameters
@@ -113,7 +113,7 @@ class _TableLaw(NamedLaw, Generic[Value]):
 
     usual: ClassVar[Interpolation]
     held: ClassVar[bool]
-    table: Points[Value]
+    table: TablePoints[Value]
 
     def function(self, path: Path) -> Table:
         """Polynomials, whose coefficients are arguments of the kernel."""
@@ -127,7 +127,7 @@ class _TableLaw(NamedLaw, Generic[Value]):
 
     @field_validator("table")
     @classmethod
-    def _bounded(cls, table: Points[Any]) -> Points[Any]:
+    def _bounded(cls, table: TablePoints[Any]) -> TablePoints[Any]:
         interpolation = table.interpolation or cls.usual
         places = table.places
         found = Table((), places, table.values, table.periodic, interpolation, cls.held)
@@ -147,7 +147,7 @@ class LoadTable(_TableLaw[Value], Generic[Value]):
     usual: ClassVar[Interpolation] = "pchip"
     held: ClassVar[bool] = True
 
-    table: Points[Value]
+    table: TablePoints[Value]
 
 
 @component
@@ -157,11 +157,11 @@ class DriveTable(_TableLaw[Value], Generic[Value]):
     usual: ClassVar[Interpolation] = "spline"
     held: ClassVar[bool] = False
 
-    table: Points[Value]
+    table: TablePoints[Value]
 
     @field_validator("table")
     @classmethod
-    def _smooth(cls, table: Points[Any]) -> Points[Any]:
+    def _smooth(cls, table: TablePoints[Any]) -> TablePoints[Any]:
         if table.over is not None:
             raise ValueError(f"'over' is refused: {REFUSED}")
         if table.interpolation == "linear":

@@ -9,7 +9,7 @@ from linkages.components.contributed.component import Component
 from linkages.components.contributed.listed import TURNING
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Path
-from linkages.components.laws.table import Points
+from linkages.components.laws.table import TablePoints
 from linkages.components.mechanisms.declared import Declared, expected_one_of
 from linkages.reading.wording import suggestion
 from linkages.spec.annotations import alternatives, entries_of, fields, rule_of, written_fields
@@ -69,12 +69,12 @@ def _inside(value: Any, path: Path, annotation: Any, declared: Declared) -> Iter
             entries = entries_of(annotation) if value and len(value) < _MANY else ()
             for place, (entry, inner) in enumerate(zip(value, entries, strict=False)):
                 yield from _inside(entry, (*path, place), inner, declared)
-        case Points() if value.over is not None:
+        case TablePoints() if value.over is not None:
             found = list(_of_formula(value.over, (*path, "over"), None, declared))
             yield from found or _of_places(value, path, declared)
         case _:
             for key, entry in (written_fields(value) or {}).items():
-                if isinstance(entry, Points | Formula):
+                if isinstance(entry, TablePoints | Formula):
                     yield from _inside(entry, (*path, key), Any, declared)
 
 
@@ -103,7 +103,7 @@ def _of_formula(
         )
 
 
-def _of_places(points: Points[Any], path: Path, declared: Declared) -> Iterator[Finding]:
+def _of_places(points: TablePoints[Any], path: Path, declared: Declared) -> Iterator[Finding]:
     """Places are on the axis of what the table is a function of."""
     assert points.over is not None
     given = {place: at.unit for place, at in enumerate(points.at) if at.unit is not None}

@@ -280,7 +280,7 @@ class Instructions(Lines):
         return self.give(f"getelementptr {row}, ptr {array}, i64 {offset}, i64 {lane}")
 
 
-class Loop:
+class PrintedLoop:
     """Instructions that are repeated as long as a condition holds, and values that they change.
 
     What is written between making a loop and `repeat` is repeated.

@@ -7,13 +7,13 @@ from typing import ClassVar, assert_never
 
 from linkages.kernel.code.statements import (
     Assign,
-    Block,
     Check,
     Entry,
     Heading,
     Iterate,
     Routine,
     Statement,
+    StatementBlock,
     Store,
 )
 from linkages.kernel.graph.scalars import Scalar
@@ -57,7 +57,7 @@ class Python:
 
     language: ClassVar[str] = "python"
 
-    def __init__(self, block: Block) -> None:
+    def __init__(self, block: StatementBlock) -> None:
         self._block = block
 
     def lines(self) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from linkages.components.contributed.interpolation import cubic
-from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, Loop
+from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, PrintedLoop
 from linkages.kernel.code.statements import build_block
 from linkages.kernel.code.writer import SPLINE, Writer, triple_of
 from linkages.kernel.graph.scalars import Level, ScalarGraph, reachable
@@ -60,7 +60,9 @@ def _interval(code: Instructions, inner: str) -> str:
 
     All lanes take as many turns as the longest needs: further ones change nothing.
     """
-    search = Loop(code, [(code.integer, code.whole(0)), (code.integer, code.everywhere("%count"))])
+    search = PrintedLoop(
+        code, [(code.integer, code.whole(0)), (code.integer, code.everywhere("%count"))]
+    )
     low, high = search.values
     middle = code.on_integers("lshr", code.on_integers("add", low, high), code.whole(1))
     above = code.compare("ole", code.gather("%p", middle), inner)

@@ -74,7 +74,7 @@ class Iterate(NamedTuple):
     name: str
     unknowns: tuple[str, ...]
     starts: tuple[Scalar, ...]
-    body: Block
+    body: StatementBlock
     iteration: Iteration
     status: int
 
@@ -83,7 +83,7 @@ Statement: TypeAlias = Heading | Assign | Check | Iterate | Store
 
 
 @dataclass(frozen=True)
-class Block:
+class StatementBlock:
     """Statements in their order; by the number of a node, where its value stands in the end."""
 
     statements: tuple[Statement, ...]
@@ -107,7 +107,7 @@ class Routine:
     name: str
     doc: str
     arguments: Mapping[str, int]
-    block: Block
+    block: StatementBlock
 
 
 def build_block(
@@ -117,7 +117,7 @@ def build_block(
     checks: Mapping[int, int] | None = None,
     stores: Mapping[Entry, Scalar] | None = None,
     names: Collection[str] = (),
-) -> Block:
+) -> StatementBlock:
     """The statements that compute some nodes.
 
     A node that is used once is part of the expression that uses it; the others get a variable, with
@@ -142,7 +142,7 @@ def build_block(
     builder = _Builder(places, checks, names)
     builder.add(nodes, {root.index for root in (*roots, *stores.values())} | checks.keys())
     statements = (*builder.statements, *(Store(*entry) for entry in stores.items()))
-    return Block(statements, builder.places)
+    return StatementBlock(statements, builder.places)
 
 
 class _Builder:

@@ -11,15 +11,15 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from linkages.kernel.code.functions import FUNCTIONS
-from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, Loop
+from linkages.kernel.code.instructions import INTEGER, TRUTH, Instructions, PrintedLoop
 from linkages.kernel.code.statements import (
     Assign,
-    Block,
     Check,
     Entry,
     Heading,
     Iterate,
     Statement,
+    StatementBlock,
     Store,
 )
 from linkages.kernel.code.systems import solve
@@ -52,7 +52,10 @@ class Writer:
     """
 
     def __init__(
-        self, block: Block, code: Instructions, values: dict[int, str | list[str]] | None = None
+        self,
+        block: StatementBlock,
+        code: Instructions,
+        values: dict[int, str | list[str]] | None = None,
     ) -> None:
         self._block = block
         self._code = code
@@ -194,7 +197,7 @@ class Writer:
         starts = [(INTEGER, "0"), *((code.number, start) for start in first)]
         if code.lanes > 1:
             starts.append((code.truth, code.opposite(code.sound)))
-        turns = Loop(code, starts)
+        turns = PrintedLoop(code, starts)
         rounds, *unknowns = turns.values[: 1 + len(first)]
         known |= {n.index: z for n, z in zip(iteration.iterates, unknowns, strict=True)}
         body = Writer(loop.body, code, known)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, assert_never
 
-from linkages.components.contributed.contacts import Contact, Film, NormalForce, RigidContact
+from linkages.components.contributed.contacts import Contact, NormalForce, OilFilm, RigidContact
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.contacts import PressingNodes
 from linkages.kernel.forces.films import FilmNodes
@@ -21,7 +21,7 @@ def gap_nodes(model: Model, contact: Contact) -> GapNodes:
             return PressingNodes(model, contact, law)
         case RigidContact() as law:
             return RigidNodes(model, contact, law)
-        case Film() as law:
+        case OilFilm() as law:
             return FilmNodes(model, contact, law)
         case _ as law:
             assert_never(law)

@@ -21,7 +21,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from linkages.components.contributed.contacts import Contact, Film
+from linkages.components.contributed.contacts import Contact, OilFilm
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.gaps import NEAREST, PinGap
 from linkages.kernel.forces.loads import Forces, Torques, Velocities
@@ -37,7 +37,7 @@ class FilmNodes(GapNodes):
 
     gap: PinGap
 
-    def __init__(self, model: Model, contact: Contact, film: Film) -> None:
+    def __init__(self, model: Model, contact: Contact, film: OilFilm) -> None:
         super().__init__(model, contact)
         self.film = film
         self.width = model.inputs.parameter(film.width)

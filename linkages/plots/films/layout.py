@@ -25,7 +25,7 @@ LEAST = 1.0
 
 
 @dataclass(frozen=True)
-class Layout:
+class PageLayout:
     """A page: its size in inches, and rectangles (left, bottom, width, height) as parts of it.
 
     Parameters
@@ -43,7 +43,7 @@ class Layout:
     insets: tuple[Rectangle, ...]
 
     @classmethod
-    def of(cls, box: Box, insets: int, size: tuple[float, float] | None = None) -> Layout:
+    def of(cls, box: Box, insets: int, size: tuple[float, float] | None = None) -> PageLayout:
         """Arrange a picture of a box and some insets, none of which covers another.
 
         Parameters
@@ -73,7 +73,9 @@ class Layout:
         return max(found, key=lambda scaled: scaled[0])[1]
 
     @classmethod
-    def _with_insets_beside(cls, box: Box, insets: int, size: tuple[float, float] | None) -> Layout:
+    def _with_insets_beside(
+        cls, box: Box, insets: int, size: tuple[float, float] | None
+    ) -> PageLayout:
         """Insets in columns to the right; below, where the size is free and they fit better."""
         width = WIDTH if size is None else size[0]
         main = width - LEFT - RIGHT
@@ -99,7 +101,9 @@ class Layout:
         return cls._checked(page, (LEFT, BOTTOM, main, height), places, side)
 
     @classmethod
-    def _with_insets_below(cls, box: Box, insets: int, size: tuple[float, float] | None) -> Layout:
+    def _with_insets_below(
+        cls, box: Box, insets: int, size: tuple[float, float] | None
+    ) -> PageLayout:
         """Insets in rows under a wide picture."""
         width = WIDTH if size is None else size[0]
         main = width - LEFT - RIGHT
@@ -120,7 +124,7 @@ class Layout:
     def _checked(
         cls, page: tuple[float, float], main: Rectangle, places: list[tuple[float, float]],
         side: float,
-    ) -> Layout:  # fmt: skip
+    ) -> PageLayout:  # fmt: skip
         """From inches to parts of the page."""
         if min(main[2:]) < LEAST:
             raise _too_small(page)

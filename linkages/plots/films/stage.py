@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
-from linkages.plots.films.layout import MARGIN, Layout
+from linkages.plots.films.layout import MARGIN, PageLayout
 from linkages.plots.films.moving import draw_moving, draw_still, framed
 from linkages.plots.mechanism.bodies import outlines
-from linkages.plots.mechanism.insets import Contact, Inset, contacts
+from linkages.plots.mechanism.insets import ClearanceMotion, Inset, contacts
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
 from linkages.plots.mechanism.view import Box, frame, gravity_arrow, pixels
@@ -70,7 +70,7 @@ class Stage:
         found = contacts(data, mechanism)
         inches = None if size is None else (size[0] / dpi, size[1] / dpi)
         with style():
-            layout = Layout.of(box, len(found), inches)
+            layout = PageLayout.of(box, len(found), inches)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
             self._build(self._canvas.figure, layout, box, data, film, found)
             self._canvas.draw()
@@ -94,11 +94,11 @@ class Stage:
     def _build(
         self,
         figure: Figure,
-        layout: Layout,
+        layout: PageLayout,
         box: Box,
         data: xr.Dataset,
         film: Film,
-        found: list[Contact],
+        found: list[ClearanceMotion],
     ) -> None:
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism

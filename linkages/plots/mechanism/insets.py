@@ -30,7 +30,7 @@ EXCEPTION = 1.3  # times what three quarters stay below: larger forces have the 
 CORNER = 0.04  # of the picture: where texts stand
 
 
-class Contact(NamedTuple):
+class ClearanceMotion(NamedTuple):
     """A clearance over the samples.
 
     Attributes
@@ -52,7 +52,7 @@ class Contact(NamedTuple):
     force: Array | None
 
 
-def contacts(data: xr.Dataset, mechanism: Mechanism) -> list[Contact]:
+def contacts(data: xr.Dataset, mechanism: Mechanism) -> list[ClearanceMotion]:
     """All clearances whose pin and hole are in the data."""
     found = []
     for hole, joint in clearance_ends(mechanism).items():
@@ -64,7 +64,7 @@ def contacts(data: xr.Dataset, mechanism: Mechanism) -> list[Contact]:
         force = data.get("clearance_force")
         values = None if force is None else np.asarray(force.sel(clearance=name), dtype=float)
         size = next(own.size for own in mechanism.clearances if own.name == name)
-        found.append(Contact(name, joint, size, way / size, values))
+        found.append(ClearanceMotion(name, joint, size, way / size, values))
     return found
 
 
@@ -81,7 +81,7 @@ class Inset:
         How much of the main picture is as wide as `ax`.
     """
 
-    def __init__(self, ax: Axes, contact: Contact, metres: float) -> None:
+    def __init__(self, ax: Axes, contact: ClearanceMotion, metres: float) -> None:
         self._contact = contact
         self._full = 0.0 if contact.force is None else full_length(contact.force)
         enlarged = metres / (2 * REACH * contact.size)

@@ -21,7 +21,7 @@ Place = tuple[float, float]
 LEAST = 0.14  # of the picture's size: how far a slot reaches beyond its pin if nothing says more
 
 
-class Axis(NamedTuple):
+class SliderAxis(NamedTuple):
     """A slider's axis: where displacements count from, its direction, where its pin is on it."""
 
     origin: Array
@@ -116,7 +116,7 @@ class Pose:
         from_joint = own - _numbers(self.mechanism.bodies[name].points[joint]) * self.unit
         return np.asarray(place) + _turned(from_joint, angle)
 
-    def axis(self, name: str) -> Axis | None:
+    def axis(self, name: str) -> SliderAxis | None:
         """The axis of a slider; None if it cannot be told, or the slider's pin is not known."""
         body = self.mechanism.bodies[name]
         if body.guide is None or body.kind == "offset":
@@ -129,7 +129,7 @@ class Pose:
         if origin is None:
             return None
         way = np.subtract(self.positions[pin], origin)
-        return Axis(origin, angle, float(way @ (np.cos(angle), np.sin(angle))))
+        return SliderAxis(origin, angle, float(way @ (np.cos(angle), np.sin(angle))))
 
     def slot(self, name: str) -> Array | None:
         """Both ends of the slot that a slider moves in, shape (2, 2)."""

@@ -11,7 +11,7 @@ from linkages.plots.mechanism.arrows import STRAIGHT, straight_arrow
 from linkages.plots.mechanism.bodies import THICKNESS, body_colour
 from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.pose import Axis, Pose, along_carrier
+from linkages.plots.mechanism.pose import Pose, SliderAxis, along_carrier
 from linkages.plots.mechanism.senses import BOTH, drive_sense, load_sense
 from linkages.plots.mechanism.springs import wall_dashpot, wall_zigzag
 from linkages.plots.mechanism.view import pixels
@@ -57,7 +57,7 @@ def draw_guides(ax: Axes, pose: Pose, labels: Labels) -> None:
             _guide(ax, pose, axis, ends, labels)
 
 
-def _guide(ax: Axes, pose: Pose, axis: Axis, ends: Array, labels: Labels) -> None:
+def _guide(ax: Axes, pose: Pose, axis: SliderAxis, ends: Array, labels: Labels) -> None:
     """The line of an axis, and rails where the block goes."""
     further = axis.at(axis.reach + pose.extent), axis.at(axis.reach - pose.extent)
     ax.axline(*(tuple(place) for place in further), color=GREY, linewidth=0.7,
@@ -82,7 +82,7 @@ def block_place(pose: Pose, name: str) -> symbols.Place | None:
     return float(x), float(y)
 
 
-def _carried(ax: Axes, pose: Pose, name: str, axis: Axis, labels: Labels) -> None:
+def _carried(ax: Axes, pose: Pose, name: str, axis: SliderAxis, labels: Labels) -> None:
     """A block on a bar, or in a slot of what carries it."""
     place, pin = block_place(pose, name), axis.at(axis.reach)
     assert place is not None

@@ -22,7 +22,7 @@ STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
 
 
-class Peak(NamedTuple):
+class CurvePeak(NamedTuple):
     """Where a curve is farthest from zero, in SI units, and whether that is not predictable."""
 
     time: float
@@ -32,7 +32,7 @@ class Peak(NamedTuple):
 
 def peak_of(
     time: Array, values: Array, horizon: float | None = None, *, smooth: bool = True
-) -> Peak | None:
+) -> CurvePeak | None:
     """Where a curve is farthest from zero; None if no sample is finite.
 
     Parameters
@@ -59,7 +59,7 @@ def peak_of(
         place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
         value = float(values[int(place)])
     at = float(np.interp(place, np.arange(len(time)), time))
-    return Peak(at, value, horizon is not None and abs(at) > abs(horizon))
+    return CurvePeak(at, value, horizon is not None and abs(at) > abs(horizon))
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -126,7 +126,7 @@ def show_steady(ax: Axes, values: Array) -> None:
         ax.set_ylim(low - 0.1 * size, high + 0.1 * size)
 
 
-def mark_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale], colour: str = BLACK) -> None:
+def mark_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale], colour: str = BLACK) -> None:
     """Mark where a curve is farthest from zero with a small ring."""
     x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
     ax.plot(
@@ -141,7 +141,7 @@ def mark_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale], colour: str = B
     )
 
 
-def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
+def annotate_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale]) -> None:
     """Write a peak's value and time beyond the curve: above its top or below its bottom."""
     x, y = peak.time * scales[0].factor, peak.value * scales[1].factor
     low, high = ax.get_xlim()
@@ -160,7 +160,7 @@ def annotate_peak(ax: Axes, peak: Peak, scales: tuple[Scale, Scale]) -> None:
     )
 
 
-def peak_text(peak: Peak, scales: tuple[Scale, Scale]) -> str:
+def peak_text(peak: CurvePeak, scales: tuple[Scale, Scale]) -> str:
     """A peak in words; with the star of tables where it is not predictable."""
     text = f"peak {scales[1].text(peak.value)} at {scales[0].text(peak.time)}"
     return f"{text} *" if peak.late else text

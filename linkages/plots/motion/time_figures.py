@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import (
-    Peak,
+    CurvePeak,
     annotate_peak,
     draw_curve,
     mark_peak,
@@ -59,7 +59,7 @@ def varying(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
     return data.isel({QUANTITIES[variable].dimension: np.flatnonzero(spread)})
 
 
-class Quantity(NamedTuple):
+class PlottedVariable(NamedTuple):
     """A variable over time.
 
     Attributes
@@ -78,17 +78,17 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "slider_position": Quantity("slider", "displacement"),
-    "slider_velocity": Quantity("slider", "velocity"),
-    "slider_acceleration": Quantity("slider", "acceleration"),
-    "slider_position_error": Quantity("slider", "displacement error"),
-    "slider_velocity_error": Quantity("slider", "velocity error"),
-    "slider_acceleration_error": Quantity("slider", "acceleration error"),
-    "clearance_force": Quantity("clearance", "clearance force"),
-    "drive_effort": Quantity("drive", "driving torque", efforts),
-    "drive_force": Quantity("drive", "driving force", efforts),
-    "load_force": Quantity("force", "load", varying),
-    "load_torque": Quantity("torque", "load torque", varying),
+    "slider_position": PlottedVariable("slider", "displacement"),
+    "slider_velocity": PlottedVariable("slider", "velocity"),
+    "slider_acceleration": PlottedVariable("slider", "acceleration"),
+    "slider_position_error": PlottedVariable("slider", "displacement error"),
+    "slider_velocity_error": PlottedVariable("slider", "velocity error"),
+    "slider_acceleration_error": PlottedVariable("slider", "acceleration error"),
+    "clearance_force": PlottedVariable("clearance", "clearance force"),
+    "drive_effort": PlottedVariable("drive", "driving torque", efforts),
+    "drive_force": PlottedVariable("drive", "driving force", efforts),
+    "load_force": PlottedVariable("force", "load", varying),
+    "load_torque": PlottedVariable("torque", "load torque", varying),
 }
 
 
@@ -198,7 +198,7 @@ def _shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: np.ndarray, scale: S
     )
 
 
-def _entry(name: str, peak: Peak | None, scales: tuple[Scale, Scale]) -> str:
+def _entry(name: str, peak: CurvePeak | None, scales: tuple[Scale, Scale]) -> str:
     """Text of the legend for one line."""
     short = fitted(name, 2.6, 8.0)
     return f"{short}: {peak_text(peak, scales)}" if peak else short

@@ -11,7 +11,7 @@ from linkages.errors import Interrupted, LinkagesError
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.moving.renormalising import Renormalised
-from linkages.solvers.integration import Request
+from linkages.solvers.integration import IntegrationRequest
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
@@ -54,7 +54,7 @@ def march_many(
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
     found: dict[int, Motion | LinkagesError] = {}
-    asked: dict[int, Request] = {}
+    asked: dict[int, IntegrationRequest] = {}
     own = [None] * len(marches) if renormalised is None else renormalised
     going = [
         march.advancing(rows[index], renormalised=own[index]) for index, march in enumerate(marches)

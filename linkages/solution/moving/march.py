@@ -34,7 +34,7 @@ from linkages.solution.moving.tolerances import TANGENT_ATOL, absolute_tolerance
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
 from linkages.solvers.events import Crossings
 from linkages.solvers.flow import Flow, Switching
-from linkages.solvers.integration import Request, carry_out, request
+from linkages.solvers.integration import IntegrationRequest, carry_out, request
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 
@@ -268,7 +268,7 @@ class March:
         *,
         guards: Sequence[Guard] = (),
         renormalised: Renormalised | None = None,
-    ) -> Generator[Request, Trajectory, Motion]:
+    ) -> Generator[IntegrationRequest, Trajectory, Motion]:
         """As `advance`, but asks for integrations instead of carrying them out."""
         self._times, self._taken = times, 0
         self._direction = 1.0 if times[-1] >= self.time else -1.0
@@ -314,7 +314,7 @@ class March:
                 time=self.time,
             )
 
-    def _integrated(self) -> Generator[Request, Trajectory, Trajectory]:
+    def _integrated(self) -> Generator[IntegrationRequest, Trajectory, Trajectory]:
         """Have it integrated until something happens, and keep the samples."""
         trajectory = yield self._request()
         while trajectory.outcome is Outcome.EVENT and not self._met(trajectory):
@@ -331,7 +331,7 @@ class March:
         self._angles = trajectory.final_angles
         return trajectory
 
-    def _request(self) -> Request:
+    def _request(self) -> IntegrationRequest:
         """Ask for an integration from the present state on."""
         used = self.cost["steps"] + self.cost["rejected"]
         tangents = self._renormalised

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from linkages.components.contact_clearance import ContactClearance
-from linkages.components.contributed.contacts import Contact, Film, NormalForce
+from linkages.components.contributed.contacts import Contact, NormalForce, OilFilm
 from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
@@ -64,7 +64,7 @@ def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -
         float(evaluate_nodes(piece, [nodes.gap.indentation]).max(initial=-np.inf))
         for piece in motion.pieces
     )
-    if isinstance(normal, Film):
+    if isinstance(normal, OilFilm):
         yield _of_film(name, -deepest, size)
         return
     yield f"clearance {name}: {_summary(motion, found)}"

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.contacts import Contact, Film, NormalForce, RigidContact
+from linkages.components.contributed.contacts import Contact, NormalForce, OilFilm, RigidContact
 from linkages.components.contributed.ends import End
 from linkages.kernel.forces.across import GapNodes
 from linkages.kernel.forces.ends import EndNodes
@@ -22,7 +22,7 @@ from linkages.solution.moving.motion import Changed, Motion
 Floats = NDArray[np.float64]
 
 Nodes = GapNodes | EndNodes
-Law = NormalForce | RigidContact | Film
+Law = NormalForce | RigidContact | OilFilm
 
 FREE, IMPACT, FOLLOWING = 0, 1, 2
 STATES = ("free", "impact", "following")

@@ -65,22 +65,22 @@ from linkages.solvers.steps.views import (
     H,
     Hook,
     Record,
-    Switching,
-    System,
+    SwitchingView,
+    SystemView,
     T,
-    Table,
+    TableView,
 )
 from linkages.solvers.watched.counting import expect_end
 from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.sampling import take_samples
 
-system_at, table_at, record_at = tuple_at(System), tuple_at(Table), tuple_at(Record)
-hook_at, switching_at, control_at = tuple_at(Hook), tuple_at(Switching), tuple_at(Control)
-TABLE = WORD * len(System._fields)
-RECORD = TABLE + WORD * len(Table._fields)
+system_at, table_at, record_at = tuple_at(SystemView), tuple_at(TableView), tuple_at(Record)
+hook_at, switching_at, control_at = tuple_at(Hook), tuple_at(SwitchingView), tuple_at(Control)
+TABLE = WORD * len(SystemView._fields)
+RECORD = TABLE + WORD * len(TableView._fields)
 HOOK = RECORD + WORD * len(Record._fields)
 SWITCHING = HOOK + WORD * len(Hook._fields)
-CONTROL = SWITCHING + WORD * len(Switching._fields)
+CONTROL = SWITCHING + WORD * len(SwitchingView._fields)
 # A trial that leaves the reach of a block says nothing about how far that block reaches.
 SHRINK_BLOCKED = 0.25
 # Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
@@ -95,7 +95,7 @@ TICKS = 64
 
 
 @compiled
-def set_sample(system: System, record: Record) -> None:
+def set_sample(system: SystemView, record: Record) -> None:
     """Say when the next sample is to be taken."""
     pace, taken = floats(system.pace), integers(record.counters)[SAMPLES]
     never = math.copysign(math.inf, pace[END] - pace[T])
@@ -120,7 +120,7 @@ def begin_motion(context: int) -> int:
 
 
 @compiled
-def note_steps(system: System, table: Table, record: Record) -> None:
+def note_steps(system: SystemView, table: TableView, record: Record) -> None:
     """Count the steps that printed code has made."""
     counters, pace = integers(record.counters), floats(system.pace)
     taken, rejected = int(pace[TAKEN]), int(pace[REJECTIONS])
@@ -132,7 +132,7 @@ def note_steps(system: System, table: Table, record: Record) -> None:
 
 
 @compiled
-def change_mode(system: System, record: Record, switching: Switching, finest: float) -> int:
+def change_mode(system: SystemView, record: Record, switching: SwitchingView, finest: float) -> int:
     """Make the change of a mode that was found, and begin anew behind it."""
     pace = floats(system.pace)
     t, left = pace[T], pace[END] - pace[T]
@@ -152,7 +152,7 @@ def change_mode(system: System, record: Record, switching: Switching, finest: fl
 
 @compiled
 def accept(
-    system: System, table: Table, record: Record, switching: Switching,
+    system: SystemView, table: TableView, record: Record, switching: SwitchingView,
     h: float, t_end: float, next_carry: float, factor: float, changing: bool,
 ) -> int:  # fmt: skip
     """Make the end of the step in the workspace the start of the next one."""
@@ -174,7 +174,7 @@ def accept(
 
 @compiled
 def reject(
-    system: System, record: Record, switching: Switching,
+    system: SystemView, record: Record, switching: SwitchingView,
     t: float, h: float, t_end: float, factor: float,
 ) -> int:  # fmt: skip
     """Make the next trial shorter, unless it would be too short."""
@@ -261,10 +261,11 @@ def go_on(context: int, conclude: int) -> int:
 def adaptive_steps(context: int, flagged: int, begin: int, conclude: int) -> int:
     """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
 
-    `context` is the address of a `System`, `Table`, `Record`, `Hook`, `Switching` and `Control` in
-    a row; `flagged` is 1 where printed code has gone on up to a step that is to be finished, and 0
-    at the start. `begin` and `conclude` are addresses of the functions above: lanes call the same
-    machine code. Row 0 holds the state, in the end the final one; its time is ``control[NOW]``.
+    `context` is the address of a `SystemView`, `TableView`, `Record`, `Hook`, `SwitchingView` and
+    `Control` in a row; `flagged` is 1 where printed code has gone on up to a step that is to be
+    finished, and 0 at the start. `begin` and `conclude` are addresses of the functions above: lanes
+    call the same machine code. Row 0 holds the state, in the end the final one; its time is
+    ``control[NOW]``.
     """
     pace = floats(system_at(context).pace)
     outcome = call_step(begin if flagged == 0 else conclude, context)

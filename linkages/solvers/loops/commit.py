@@ -13,8 +13,8 @@ from linkages.solvers.steps.views import (
     SAMPLES,
     STEPS,
     Record,
-    System,
-    Table,
+    SystemView,
+    TableView,
 )
 from linkages.solvers.watched.counting import arrive, expect_end, start_angles
 from linkages.solvers.watched.margins import is_too_small
@@ -44,7 +44,7 @@ def outcome_of(record: Record, status: int) -> int:
 
 
 @compiled
-def margin_outcome(system: System, record: Record) -> int:
+def margin_outcome(system: SystemView, record: Record) -> int:
     """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
     for block in range(system.blocks):
         if is_too_small(system, 0, block):
@@ -54,7 +54,7 @@ def margin_outcome(system: System, record: Record) -> int:
 
 
 @compiled
-def begin(system: System, record: Record, start: float, near: float) -> int:
+def begin(system: SystemView, record: Record, start: float, near: float) -> int:
     """Evaluate row 0 at the start and take the samples within `near` of it."""
     counters = integers(record.counters)
     floats(record.control)[NOW] = start
@@ -80,7 +80,7 @@ def begin(system: System, record: Record, start: float, near: float) -> int:
 
 
 @compiled
-def settle(system: System) -> None:
+def settle(system: SystemView) -> None:
     """Replace coordinates that are carried along in row 0 by what the iteration found there."""
     rows, found = floats(system.rows), 3 * system.n + 2 * system.blocks
     for i in range(system.carried):
@@ -89,7 +89,7 @@ def settle(system: System) -> None:
 
 
 @compiled
-def commit(system: System, table: Table, record: Record, t_end: float) -> None:
+def commit(system: SystemView, table: TableView, record: Record, t_end: float) -> None:
     """Make the end of an accepted step the start of the next one.
 
     Where dependent angles are expected there must be known.
@@ -108,7 +108,13 @@ def commit(system: System, table: Table, record: Record, t_end: float) -> None:
 
 @compiled
 def cut_short(
-    system: System, table: Table, record: Record, t: float, h: float, part: float, outcome: int
+    system: SystemView,
+    table: TableView,
+    record: Record,
+    t: float,
+    h: float,
+    part: float,
+    outcome: int,
 ) -> int:
     """End a run with the part of a step that is in the workspace."""
     if part == 0.0:

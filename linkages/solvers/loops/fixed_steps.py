@@ -17,7 +17,15 @@ from linkages.solvers.loops.commit import (
 )
 from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
 from linkages.solvers.steps.stages import NOT_FINITE, try_step
-from linkages.solvers.steps.views import EVALUATIONS, STOP, Hook, Record, Switching, System, Table
+from linkages.solvers.steps.views import (
+    EVALUATIONS,
+    STOP,
+    Hook,
+    Record,
+    SwitchingView,
+    SystemView,
+    TableView,
+)
 from linkages.solvers.watched.counting import expect_end
 from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.reach import reachable_part
@@ -26,11 +34,11 @@ from linkages.solvers.watched.sampling import SNAP, take_samples
 
 @compiled
 def fixed_steps(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     record: Record,
     hook: Hook,
-    switching: Switching,
+    switching: SwitchingView,
     start: float,
     end: float,
     count: int,

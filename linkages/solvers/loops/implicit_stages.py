@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
 from linkages.solvers.steps.stages import NOT_FINITE, address_of, finite
-from linkages.solvers.steps.views import EVALUATIONS, WORD, Nodes, Record, System
+from linkages.solvers.steps.views import EVALUATIONS, WORD, Nodes, Record, SystemView
 
 NOT_SETTLED = -2
 ITERATIONS = 50
@@ -20,7 +20,7 @@ SETTLED = 1e-9
 
 
 @compiled
-def set_clocks(system: System, nodes: Nodes, t: float, h: float) -> int:
+def set_clocks(system: SystemView, nodes: Nodes, t: float, h: float) -> int:
     """Evaluate what depends on time alone at every stage; iterations do not change it."""
     for i in range(nodes.stages):
         timed = nodes.timed + WORD * i * nodes.timed_size
@@ -31,7 +31,7 @@ def set_clocks(system: System, nodes: Nodes, t: float, h: float) -> int:
 
 
 @compiled
-def place_stages(system: System, nodes: Nodes, first: int, h: float) -> None:
+def place_stages(system: SystemView, nodes: Nodes, first: int, h: float) -> None:
     """Write the coordinates and speeds of all stages, from their accelerations."""
     n, s, width = system.n, nodes.stages, system.width
     rows, A, AA, c = floats(system.rows), floats(nodes.A), floats(nodes.AA), floats(nodes.c)
@@ -49,7 +49,7 @@ def place_stages(system: System, nodes: Nodes, first: int, h: float) -> None:
 
 @compiled
 def evaluate_stages(
-    system: System, nodes: Nodes, record: Record, first: int
+    system: SystemView, nodes: Nodes, record: Record, first: int
 ) -> tuple[int, float, float]:
     """Evaluate all stages: status, largest change of an acceleration, largest acceleration."""
     n, width = system.n, system.width
@@ -74,7 +74,7 @@ def evaluate_stages(
 
 @compiled
 def solve_stages(
-    system: System, nodes: Nodes, record: Record, first: int, t: float, h: float
+    system: SystemView, nodes: Nodes, record: Record, first: int, t: float, h: float
 ) -> int:
     """Solve the stages in rows first, first + 1, … of a step from row 0.
 
@@ -98,7 +98,7 @@ def solve_stages(
 
 
 @compiled
-def finish_step(system: System, nodes: Nodes, first: int, row: int, h: float) -> None:
+def finish_step(system: SystemView, nodes: Nodes, first: int, row: int, h: float) -> None:
     """Write the end of a step to a row, summed with compensation.
 
     ``nodes.carry`` holds what row 0 is too small by, ``nodes.next_carry`` becomes that of the row.

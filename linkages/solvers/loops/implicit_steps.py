@@ -30,8 +30,8 @@ from linkages.solvers.steps.views import (
     Hook,
     Nodes,
     Record,
-    System,
-    Table,
+    SystemView,
+    TableView,
 )
 from linkages.solvers.watched.counting import expect_by_nodes
 from linkages.solvers.watched.margins import check_margins
@@ -40,7 +40,7 @@ from linkages.solvers.watched.sampling import SNAP, write_sample
 
 
 @compiled
-def predict(system: System, nodes: Nodes, first: int, steps: int) -> None:
+def predict(system: SystemView, nodes: Nodes, first: int, steps: int) -> None:
     """Starting values of a step: the accelerations of the last one, continued."""
     n, s, width = system.n, nodes.stages, system.width
     rows, ahead, kept = floats(system.rows), floats(nodes.ahead), floats(nodes.kept)
@@ -58,7 +58,7 @@ def predict(system: System, nodes: Nodes, first: int, steps: int) -> None:
 
 @compiled
 def end_step(
-    system: System, nodes: Nodes, record: Record, first: int, row: int, t_end: float, h: float
+    system: SystemView, nodes: Nodes, record: Record, first: int, row: int, t_end: float, h: float
 ) -> int:
     """Write the end of a step whose stages are solved, and evaluate it."""
     finish_step(system, nodes, first, row, h)
@@ -69,7 +69,7 @@ def end_step(
 
 @compiled
 def make_step(
-    system: System, nodes: Nodes, record: Record, first: int, row: int, t: float, h: float
+    system: SystemView, nodes: Nodes, record: Record, first: int, row: int, t: float, h: float
 ) -> int:
     """Make a step from row 0 to a row, by way of the stages in rows from `first` on."""
     status = solve_stages(system, nodes, record, first, t, h)
@@ -80,7 +80,13 @@ def make_step(
 
 @compiled
 def sample_step(
-    system: System, nodes: Nodes, table: Table, record: Record, t: float, h: float, slack: float
+    system: SystemView,
+    nodes: Nodes,
+    table: TableView,
+    record: Record,
+    t: float,
+    h: float,
+    slack: float,
 ) -> int:
     """Take the samples of a step, each by a step of its own, so that they have its full order."""
     n, width, counters = system.n, system.width, integers(record.counters)
@@ -110,7 +116,9 @@ def sample_step(
 
 
 @compiled
-def fail(system: System, table: Table, record: Record, t: float, h: float, t_end: float) -> int:
+def fail(
+    system: SystemView, table: TableView, record: Record, t: float, h: float, t_end: float
+) -> int:
     """Find out why a step failed, with an explicit method, and end the run where it is due."""
     status = try_step(system, t, h, t_end)
     integers(record.counters)[EVALUATIONS] += table.end
@@ -125,9 +133,9 @@ def fail(system: System, table: Table, record: Record, t: float, h: float, t_end
 
 @compiled
 def implicit_steps(
-    system: System,
+    system: SystemView,
     nodes: Nodes,
-    table: Table,
+    table: TableView,
     record: Record,
     hook: Hook,
     start: float,

@@ -36,7 +36,7 @@ from linkages.solvers.steps.views import (
     TURNS,
     WORD,
     Lanes,
-    System,
+    SystemView,
     T,
 )
 
@@ -60,7 +60,7 @@ def collect(source: int, target: int, count: int, lane: int, lanes: int) -> None
 
 
 @compiled
-def put(lanes: Lanes, lane: int, system: System) -> None:
+def put(lanes: Lanes, lane: int, system: SystemView) -> None:
     """Put what changes of a motion on its way into a lane."""
     held = lanes.size - system.holding
     place = lanes.parameters + WORD * held * lanes.lanes
@@ -73,7 +73,7 @@ def put(lanes: Lanes, lane: int, system: System) -> None:
 
 
 @compiled
-def enter(lanes: Lanes, lane: int, system: System, atol: int) -> None:
+def enter(lanes: Lanes, lane: int, system: SystemView, atol: int) -> None:
     """Put a motion that has begun into a lane, with all of its numbers."""
     spread(system.parameters, lanes.parameters, lanes.size, lane, lanes.lanes)
     spread(atol, lanes.atol, 2 * system.n, lane, lanes.lanes)

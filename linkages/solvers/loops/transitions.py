@@ -25,7 +25,7 @@ from linkages.solvers.steps.compiled import (
 )
 from linkages.solvers.steps.stages import evaluate, finite, set_clock
 from linkages.solvers.steps.turns import wrap_angles
-from linkages.solvers.steps.views import EVALUATIONS, SWITCH, WORD, Record, Switches, System
+from linkages.solvers.steps.views import EVALUATIONS, SWITCH, WORD, Record, SwitchesView, SystemView
 from linkages.solvers.watched.switches import (
     RECORD_WORDS,
     SYSTEM_WORDS,
@@ -43,7 +43,7 @@ CHANGES, SPAN = 100, 1e-10
 
 
 @compiled
-def spread(system: System, switches: Switches) -> None:
+def spread(system: SystemView, switches: SwitchesView) -> None:
     """Write what is held now wherever it is needed beside the kernel itself."""
     copies, held = integers(switches.copies), floats(system.held)
     for k in range(switches.copied):
@@ -53,7 +53,7 @@ def spread(system: System, switches: Switches) -> None:
 
 
 @compiled
-def arrive_at(system: System, switches: Switches, record: Record, t: float) -> int:
+def arrive_at(system: SystemView, switches: SwitchesView, record: Record, t: float) -> int:
     """Evaluate row 0 with what is held now; returns the status of the kernel."""
     spread(system, switches)
     integers(record.counters)[EVALUATIONS] += 1
@@ -62,7 +62,7 @@ def arrive_at(system: System, switches: Switches, record: Record, t: float) -> i
 
 
 @compiled
-def new_values(system: System, switches: Switches, t: float) -> int:
+def new_values(system: SystemView, switches: SwitchesView, t: float) -> int:
     """Compute what becomes of the state in row 0."""
     spread(system, switches)
     functions = integers(switches.transition)
@@ -73,7 +73,7 @@ def new_values(system: System, switches: Switches, t: float) -> int:
 
 
 @compiled
-def shift(switches: Switches, switch: int, column: int, rate: float) -> float:
+def shift(switches: SwitchesView, switch: int, column: int, rate: float) -> float:
     """How much later a neighbour in the direction of a tangent meets the change."""
     if rate == 0.0:
         return 0.0
@@ -83,7 +83,7 @@ def shift(switches: Switches, switch: int, column: int, rate: float) -> float:
 
 
 @compiled
-def remember(system: System, switches: Switches, switch: int, rate: float) -> None:
+def remember(system: SystemView, switches: SwitchesView, switch: int, rate: float) -> None:
     """Renew what is remembered from a rise, with its tangents."""
     held, written = floats(system.held), floats(switches.written)
     owners, first = integers(switches.owners), switches.modes
@@ -99,7 +99,7 @@ def remember(system: System, switches: Switches, switch: int, rate: float) -> No
 
 
 @compiled
-def wake(system: System, switches: Switches, switch: int, forward: float) -> bool:
+def wake(system: SystemView, switches: SwitchesView, switch: int, forward: float) -> bool:
     """Set modes that are watched only while another one is +1, in the end this one; whether any.
 
     Row 0 has been evaluated with the other one. A mode stands behind the one that it depends on.
@@ -121,7 +121,12 @@ def wake(system: System, switches: Switches, switch: int, forward: float) -> boo
 
 @compiled
 def rethink(
-    system: System, switches: Switches, record: Record, switch: int, forward: float, t: float
+    system: SystemView,
+    switches: SwitchesView,
+    record: Record,
+    switch: int,
+    forward: float,
+    t: float,
 ) -> int:
     """Set the modes of functions whose values rates have made jump; returns the kernel's status.
 
@@ -156,7 +161,7 @@ def rethink(
 
 @compiled
 def cross_tangents(
-    system: System, switches: Switches, switch: int, rate: float, jumped: int
+    system: SystemView, switches: SwitchesView, switch: int, rate: float, jumped: int
 ) -> None:
     """Lead tangents across the change, from the state before to that in row 0."""
     n, free, columns = system.n, switches.free, switches.tangents
@@ -178,7 +183,7 @@ def cross_tangents(
 
 @compiled
 def note_change(
-    system: System, switches: Switches, record: Record, switch: int, rises: bool, t: float
+    system: SystemView, switches: SwitchesView, record: Record, switch: int, rises: bool, t: float
 ) -> None:
     """Record a change with the state before it."""
     n, noted = system.n, integers(switches.noted)
@@ -199,7 +204,7 @@ def note_change(
 
 
 @compiled
-def chatters(switches: Switches, t: float) -> bool:
+def chatters(switches: SwitchesView, t: float) -> bool:
     """Whether modes change all the time while time hardly goes on."""
     row, since = integers(switches.pending), floats(switches.since)
     if abs(t - since[0]) > SPAN * abs(t):
@@ -211,7 +216,12 @@ def chatters(switches: Switches, t: float) -> bool:
 
 @compiled
 def release(
-    system: System, switches: Switches, record: Record, switch: int, forward: float, t: float
+    system: SystemView,
+    switches: SwitchesView,
+    record: Record,
+    switch: int,
+    forward: float,
+    t: float,
 ) -> int:
     """Leave the zero of a function on which the motion has stuck; returns an `Outcome`."""
     held = floats(system.held)

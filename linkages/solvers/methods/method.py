@@ -31,10 +31,10 @@ from linkages.solvers.steps.views import (
     TAKEN,
     Hook,
     Record,
-    Switching,
-    System,
+    SwitchingView,
+    SystemView,
     T,
-    Table,
+    TableView,
 )
 
 ADAPTIVE_STEPS, BEGIN_MOTION, CONCLUDE_STEP = (
@@ -119,7 +119,7 @@ class RungeKutta(Method):
         """The printed steps."""
         return compiled_step(self.tableau, Shape.of(job.flow, job.tangents), self.memory)
 
-    def motion(self, job: Job) -> Motion:
+    def motion(self, job: Job) -> PreparedMotion:
         """What a loop takes of a job."""
         # Listing methods need not wait for it.
         from linkages.solvers import arrays, hooks
@@ -136,10 +136,10 @@ class RungeKutta(Method):
         if job.step is None:
             control = arrays.control(store, job, self.code(job))
             context = store.integers([*chain(*words, control)])
-        return Motion(rows, words, context, pace, store)
+        return PreparedMotion(rows, words, context, pace, store)
 
 
-def adapted(code: MachineCode, job: Job, motion: Motion) -> int:
+def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
     """Integrate with steps that follow a tolerance; returns an `Outcome`.
 
     The loop is compiled where it is needed: printed code has a motion that nothing watches for
@@ -163,7 +163,7 @@ def adapted(code: MachineCode, job: Job, motion: Motion) -> int:
     return ADAPTIVE_STEPS(motion.context, flagged, BEGIN_MOTION.address, CONCLUDE_STEP.address)
 
 
-class Motion(NamedTuple):
+class PreparedMotion(NamedTuple):
     """A job as compiled loops take it.
 
     Parameters
@@ -171,7 +171,8 @@ class Motion(NamedTuple):
     rows
         Its workspace, with the state in row 0.
     words
-        A `System`, `Table`, `Record`, `Hook` and `Switching` of `linkages.solvers.steps.views`.
+        A `SystemView`, `TableView`, `Record`, `Hook` and `SwitchingView`; see
+        `linkages.solvers.steps.views`.
     context
         Address of the same and a `Control` behind them, for adaptive steps; 0 for others.
     pace
@@ -181,7 +182,7 @@ class Motion(NamedTuple):
     """
 
     rows: NDArray[np.float64]
-    words: tuple[System, Table, Record, Hook, Switching]
+    words: tuple[SystemView, TableView, Record, Hook, SwitchingView]
     context: int
     pace: NDArray[np.float64]
     memory: object

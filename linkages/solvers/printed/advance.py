@@ -11,13 +11,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from linkages.kernel.closure.dyads import LEAST_MARGIN
-from linkages.kernel.code.instructions import Instructions, Loop
+from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
 from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
 from linkages.solvers.printed.shape import (
-    Memory,
     Shape,
+    StepMemory,
     fold,
     larger,
     set_whole,
@@ -83,7 +83,7 @@ class Advance:
 
     def __init__(self, code: Instructions, tableau: Tableau, shape: Shape, gain: float) -> None:
         self._code, self._tableau, self._shape, self._gain = code, tableau, shape, gain
-        self._memory = Memory(code, shape)
+        self._memory = StepMemory(code, shape)
 
     def write(self) -> None:
         """Write a loop over at most ``%ticks`` trials.
@@ -91,7 +91,7 @@ class Advance:
         Returned are bits of the lanes with a flag, and in the upper half the number of trials.
         """
         code, memory = self._code, self._memory
-        loop = Loop(code, [("i64", "0")])
+        loop = PrintedLoop(code, [("i64", "0")])
         trial = self._begin()
         status = self._attempt()
         judged = judge(code, self._tableau, self._shape, memory, self._gain)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.power import binary_logarithm, binary_power
-from linkages.solvers.printed.shape import Memory, Shape, fold, larger, smaller
+from linkages.solvers.printed.shape import Shape, StepMemory, fold, larger, smaller
 from linkages.solvers.steps.views import BEFORE, LENGTH, RTOL
 
 # Measured on pendulums and Duffing's equation at rtol 1e-10: against the usual 0.9, fewer rejected
@@ -60,7 +60,7 @@ class Judged(NamedTuple):
 
 
 def judge(
-    code: Instructions, tableau: Tableau, shape: Shape, memory: Memory, gain: float
+    code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory, gain: float
 ) -> Judged:
     """Write what is thought of the step in the workspace; `gain` as `next_factor` has it."""
     h = memory.pace(LENGTH)
@@ -75,7 +75,7 @@ def judge(
     return Judged(error, factor, code.all_of([small, code.opposite(far)]))
 
 
-def _rounding(code: Instructions, end: int, shape: Shape, memory: Memory) -> str:
+def _rounding(code: Instructions, end: int, shape: Shape, memory: StepMemory) -> str:
     """Relative round-off of accelerations, from the least margin at both ends of a step.
 
     A link's component found as ``sqrt(L² - n²)`` carries a relative error ε/m² at the relative
@@ -96,7 +96,7 @@ def _rounding(code: Instructions, end: int, shape: Shape, memory: Memory) -> str
 
 
 def _error_norm(
-    code: Instructions, tableau: Tableau, shape: Shape, memory: Memory, length: str
+    code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory, length: str
 ) -> str:
     """The error of a step of some length.
 
@@ -161,7 +161,9 @@ def next_factor(code: Instructions, error: str, before: str, order: int, gain: f
     return code.select(fine, factor, least)
 
 
-def _turns_too_far(code: Instructions, end: int, shape: Shape, memory: Memory, length: str) -> str:
+def _turns_too_far(
+    code: Instructions, end: int, shape: Shape, memory: StepMemory, length: str
+) -> str:
     """Whether links turn so far within a step that a singular position could be overlooked."""
     rates = [memory.row(row, shape.margins + shape.blocks) for row in range(end + 1)]
 

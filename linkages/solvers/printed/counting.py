@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.printed.shape import Memory, Shape
+from linkages.solvers.printed.shape import Shape, StepMemory
 from linkages.solvers.steps.views import TWO_PI
 
 
@@ -16,7 +16,7 @@ def end_weights(code: Instructions, tableau: Tableau) -> list[tuple[str, int]]:
 
 
 def write_expected(
-    code: Instructions, shape: Shape, memory: Memory, h: str, weights: Sequence[tuple[str, int]]
+    code: Instructions, shape: Shape, memory: StepMemory, h: str, weights: Sequence[tuple[str, int]]
 ) -> None:
     """Write where dependent angles are after a time h, from weights of their speeds in rows."""
     speeds = shape.cosines + 2 * shape.counted
@@ -27,7 +27,9 @@ def write_expected(
         code.store(code.fused(h, mean, code.load(memory["angles"], i)), memory["ahead"], i)
 
 
-def write_counted(code: Instructions, shape: Shape, memory: Memory, row: str, into: str) -> None:
+def write_counted(
+    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str
+) -> None:
     """Write the angles in a row, with the turns that bring them closest to where they should be."""
     cosines = code.address(row, shape.cosines)
     turn = code.constant(TWO_PI)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from linkages.kernel.closure.dyads import LEAST_MARGIN
-from linkages.kernel.code.instructions import Instructions, Loop
+from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
 from linkages.solvers.printed.power import binary_logarithm, binary_power
 from linkages.solvers.printed.shape import (
-    Memory,
     Shape,
+    StepMemory,
     call_clock,
     call_rates,
     fold,
@@ -43,7 +43,7 @@ ELSEWHERE = 1
 
 def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> None:
     """Write the state at the fraction `THETA` of a step into the last row, by the dense output."""
-    memory, n = Memory(code, shape), shape.n
+    memory, n = StepMemory(code, shape), shape.n
     theta, h = memory.pace(THETA), memory.pace(LENGTH)
     begun, target = memory.row(0), memory.row(len(tableau.extended_c))
     terms = [(w, memory.row(row, n)) for w, row in _dense_weights(code, tableau, theta)]
@@ -73,7 +73,7 @@ def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tup
 
 def write_sample(code: Instructions, shape: Shape) -> None:
     """Write ``%row`` as the next sample; see `linkages.solvers.watched.sampling.write_sample`."""
-    memory, n = Memory(code, shape), shape.n
+    memory, n = StepMemory(code, shape), shape.n
     taken = whole_row(code, memory["counters"], SAMPLES)
     place = code.on_integers("mul", taken, code.whole(n))
     twice = code.on_integers("mul", taken, code.whole(2 * n))
@@ -110,7 +110,7 @@ def write_samples(code: Instructions, tableau: Tableau, shape: Shape) -> None:
 
     Returns `ELSEWHERE` where one of them cannot be evaluated, with all as it was.
     """
-    memory, rows = Memory(code, shape), len(tableau.extended_c)
+    memory, rows = StepMemory(code, shape), len(tableau.extended_c)
     t, h, end = (memory.pace(entry) for entry in (FROM, LENGTH, TO))
     forward = code.compare("oge", h, code.constant(0.0))
     counted = whole_row(code, memory["counters"], EVALUATIONS)
@@ -119,7 +119,7 @@ def write_samples(code: Instructions, tableau: Tableau, shape: Shape) -> None:
     reached, last = memory.row(tableau.stages), memory.row(rows)
     fail = code.new_label("fail")
     further = rows - 1 - tableau.stages
-    loop = Loop(code, [("i64", code.whole(0))])
+    loop = PrintedLoop(code, [("i64", code.whole(0))])
     time = memory.pace(SAMPLE)
     at_end, between, evaluate, write = (
         code.new_label(name) for name in ("end", "between", "evaluate", "write")
@@ -168,7 +168,7 @@ def write_begin(code: Instructions, shape: Shape) -> None:
 
     Returns `ELSEWHERE` where anything is not as it should be, with nothing counted.
     """
-    memory = Memory(code, shape)
+    memory = StepMemory(code, shape)
     code.require(is_sound(code, shape, memory.row(0), 2 * shape.n), ELSEWHERE)
     for i in range(shape.n):
         if shape.rotates[i]:
@@ -201,7 +201,7 @@ def write_first(code: Instructions, shape: Shape, order: int) -> None:
 
     Row 0 has been evaluated; row 1 is written. `order` is that of the error estimate.
     """
-    memory, n = Memory(code, shape), shape.n
+    memory, n = StepMemory(code, shape), shape.n
     t, span = memory.pace(T), code.subtract(memory.pace(END), memory.pace(T))
     most = code.absolute(span)
     memory.set_pace(span, H)
@@ -242,7 +242,7 @@ def write_first(code: Instructions, shape: Shape, order: int) -> None:
 
 
 def _norm(
-    code: Instructions, shape: Shape, memory: Memory, value: Callable[[int | str], str]
+    code: Instructions, shape: Shape, memory: StepMemory, value: Callable[[int | str], str]
 ) -> str:
     """Root mean square of some numbers in units of the tolerance at row 0."""
     begun, rtol = memory.row(0), memory.pace(RTOL)
@@ -257,7 +257,7 @@ def _norm(
     return code.call("llvm.sqrt", code.divide(total, code.constant(2.0 * shape.n)))
 
 
-def _margins_are_fine(code: Instructions, shape: Shape, memory: Memory) -> str:
+def _margins_are_fine(code: Instructions, shape: Shape, memory: StepMemory) -> str:
     """Whether no margin in row 0 is too small; see `watched.margins.is_too_small`."""
     margins, rates = memory.row(0, shape.margins), memory.row(0, shape.margins + shape.blocks)
     span = code.subtract(memory.pace(END), memory.pace(T))
@@ -287,7 +287,7 @@ def _continue_if_zero(code: Instructions, status: str, fail: str) -> None:
     code.begin(on)
 
 
-def _count(code: Instructions, memory: Memory, evaluations: int) -> None:
+def _count(code: Instructions, memory: StepMemory, evaluations: int) -> None:
     """Count evaluations."""
     before = whole_row(code, memory["counters"], EVALUATIONS)
     after = code.on_integers("add", before, code.whole(evaluations))

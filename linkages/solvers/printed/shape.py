@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, Loop
+from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
 from linkages.solvers.flow import Flow
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.steps.views import FRAME
@@ -16,7 +16,7 @@ UNROLLED = 16
 
 @dataclass(frozen=True)
 class Shape:
-    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.System`.
+    """What stands where in a row of the workspace; see `linkages.solvers.steps.views.SystemView`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
     many are lengths themselves (see `linkages.solvers.renormalisation`).
@@ -66,7 +66,7 @@ def _sizes(tangents: Renormalisation) -> tuple[int, int, int]:
     return tangents.columns, tangents.size, tangents.placed
 
 
-class Memory:
+class StepMemory:
     """The arrays of a frame, by name.
 
     Parameters
@@ -134,7 +134,7 @@ def fold(
         for entry in range(count):
             values = list(body(entry, values))
         return values
-    loop = Loop(code, [("i64", "0"), *((code.number, start) for start in starts)])
+    loop = PrintedLoop(code, [("i64", "0"), *((code.number, start) for start in starts)])
     place, *before = loop.values
     found = list(body(place, before))
     following = code.give(f"add i64 {place}, 1")
@@ -152,7 +152,7 @@ def smaller(code: Instructions, one: str, other: str) -> str:
     return code.select(code.compare("olt", other, one), other, one)
 
 
-def call_clock(code: Instructions, memory: Memory, time: str) -> str:
+def call_clock(code: Instructions, memory: StepMemory, time: str) -> str:
     """Evaluate what depends on time alone; returns the statuses."""
     rest = f"ptr {memory['parameters']}, ptr {memory['timed']}"
     if code.lanes == 1:
@@ -162,7 +162,7 @@ def call_clock(code: Instructions, memory: Memory, time: str) -> str:
     return _statuses(code, f"{memory['clock']}(ptr {row}, {rest}, ")
 
 
-def call_rates(code: Instructions, memory: Memory, row: int, n: int) -> str:
+def call_rates(code: Instructions, memory: StepMemory, row: int, n: int) -> str:
     """Evaluate the kernel at the state in a row; returns the statuses."""
     arguments = [memory.row(row), memory["parameters"], memory["timed"], memory.row(row, 2 * n)]
     called = f"{memory['rates']}({', '.join(f'ptr {a}' for a in arguments)}"

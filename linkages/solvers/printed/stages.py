@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.shape import (
-    Memory,
     Shape,
+    StepMemory,
     call_clock,
     call_rates,
     fold,
@@ -46,7 +46,9 @@ class Stages:
         Of the step.
     """
 
-    def __init__(self, code: Instructions, tableau: Tableau, shape: Shape, memory: Memory) -> None:
+    def __init__(
+        self, code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory
+    ) -> None:
         self._code, self._shape, self._memory = code, shape, memory
         self._weights, self._nodes = tableau.extended_A, tableau.extended_c
         self._clocks = clocks(tableau)

@@ -20,7 +20,7 @@ from linkages.solvers.printed.samples import (
     write_sample,
     write_samples,
 )
-from linkages.solvers.printed.shape import Memory, Shape, set_whole
+from linkages.solvers.printed.shape import Shape, StepMemory, set_whole
 from linkages.solvers.printed.stages import Stages
 from linkages.solvers.steps.views import STATUS
 
@@ -48,7 +48,7 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     spans = [("attempt", 1, last), ("further", last + 1, rows)]
     for name, first, end in spans[: 1 if lanes > 1 else 2]:
         code = module.instructions()
-        memory = Memory(code, shape)
+        memory = StepMemory(code, shape)
         status = Stages(code, tableau, shape, memory).write(first, end)
         if lanes == 1:
             code.say("ret i64 0")

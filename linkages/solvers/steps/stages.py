@@ -18,20 +18,20 @@ from linkages.solvers.steps.views import (
     NOT_FINITE,
     TO,
     WORD,
-    System,
+    SystemView,
 )
 
 HALF, LOWER = 32, 2**32 - 1
 
 
 @compiled
-def address_of(system: System, row: int) -> int:
+def address_of(system: SystemView, row: int) -> int:
     """Address of a row of the workspace."""
     return system.rows + WORD * row * system.width
 
 
 @compiled
-def finite(system: System, row: int, columns: int) -> bool:
+def finite(system: SystemView, row: int, columns: int) -> bool:
     """Whether the first columns of a row are numbers that a motion can have."""
     values, rotates = floats(address_of(system, row)), integers(system.rotates)
     for i in range(columns):
@@ -45,13 +45,13 @@ def finite(system: System, row: int, columns: int) -> bool:
 
 
 @compiled
-def set_clock(system: System, t: float) -> int:
+def set_clock(system: SystemView, t: float) -> int:
     """Evaluate what depends on time alone; returns the status of the kernel."""
     return call_clock(system.clock, t, system.parameters, system.timed)
 
 
 @compiled
-def evaluate(system: System, row: int) -> int:
+def evaluate(system: SystemView, row: int) -> int:
     """Evaluate the kernel at the state in a row; 0, 1 + block, or NOT_FINITE."""
     state = address_of(system, row)
     out = state + WORD * 2 * system.n
@@ -63,19 +63,19 @@ def evaluate(system: System, row: int) -> int:
 
 
 @compiled
-def try_step(system: System, t: float, h: float, t_end: float) -> int:
-    """Step from row 0 to row `Table.end`; 0, 1 + block, or NOT_FINITE."""
+def try_step(system: SystemView, t: float, h: float, t_end: float) -> int:
+    """Step from row 0 to row `TableView.end`; 0, 1 + block, or NOT_FINITE."""
     return run(system, system.attempt, t, h, t_end)
 
 
 @compiled
-def further_stages(system: System, t: float, h: float, t_end: float) -> int:
+def further_stages(system: SystemView, t: float, h: float, t_end: float) -> int:
     """Compute the rows behind the end of a step, which its dense output needs; as `try_step`."""
     return run(system, system.further, t, h, t_end)
 
 
 @compiled
-def run(system: System, function: int, t: float, h: float, t_end: float) -> int:
+def run(system: SystemView, function: int, t: float, h: float, t_end: float) -> int:
     """Run a printed function over a time."""
     pace = floats(system.pace)
     pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
@@ -83,7 +83,7 @@ def run(system: System, function: int, t: float, h: float, t_end: float) -> int:
 
 
 @compiled
-def status_of(system: System, found: int) -> int:
+def status_of(system: SystemView, found: int) -> int:
     """Status of a printed function, which returns the row as well."""
     if found <= 0:
         return found

@@ -10,11 +10,11 @@ import math
 import numpy as np
 
 from linkages.solvers.steps.compiled import compiled, floats, fused, integers
-from linkages.solvers.steps.views import TWO_PI, TWO_PI_TAIL, System
+from linkages.solvers.steps.views import TWO_PI, TWO_PI_TAIL, SystemView
 
 
 @compiled
-def wrap_angles(system: System, angles: int, turns: int, into: int) -> None:
+def wrap_angles(system: SystemView, angles: int, turns: int, into: int) -> None:
     """Bring rotating coordinates into [-π, π]; writes ``into = turns + turns taken away``.
 
     All three are addresses: of the coordinates and of turns to start from and to write.

@@ -11,14 +11,14 @@ from typing import NamedTuple
 WORD = 8
 
 
-class System(NamedTuple):
+class SystemView(NamedTuple):
     """A flow and the workspace for its steps.
 
     `rows` is a workspace with one row ``[q (n), v (n), a (n), margin (b), margin_rate (b),
     settled (c), settled_rate (c), cosine (d), sine (d), speed (d), function (m),
     function_rate (m)]`` for each stage, so that the state is ``row[:2n]``, its derivative
     ``row[n:3n]``, and the kernel writes straight into ``row[2n:]``. Row 0 is the start of the
-    step, row `Table.end` its end, and the last row a scratch row for samples.
+    step, row `TableView.end` its end, and the last row a scratch row for samples.
     """
 
     clock: int
@@ -46,7 +46,7 @@ class System(NamedTuple):
     first: int
 
 
-class Table(NamedTuple):
+class TableView(NamedTuple):
     """A tableau for a workspace, with its rows as in `Tableau.extended_A` but without zeros.
 
     Row r takes the coefficients ``weights[starts[r]:starts[r + 1]]`` of the derivatives that
@@ -159,7 +159,7 @@ class Events(NamedTuple):
     held: int  # (rows, h) of float64
 
 
-class Switches(NamedTuple):
+class SwitchesView(NamedTuple):
     """Modes that change where functions of time and state cross zero."""
 
     modes: int  # their number m
@@ -179,7 +179,7 @@ class Switches(NamedTuple):
     events: int  # number of events
     values_of_events: int  # see `Events.values`
     pending: int  # (2,) of int64: the switch that changes next; changes in a row
-    kind: int  # see `Switching`
+    kind: int  # see `SwitchingView`
     halved: int  # (1,) of int64: how often a step has been halved to see what functions do
     rows: int  # of int64: stages at which functions are compared with cubics
     compared: int  # their number
@@ -218,21 +218,22 @@ class Hook(NamedTuple):
     """A compiled function that sees every accepted step; both are 0 if there is none.
 
     ``function(context, t, h, t_end)`` returns the fraction of the step at which the run ends, or
-    more than 1. `context` is the address of a `System`, `Table`, `Record` and `Events` in a row.
+    more than 1. `context` is the address of a `SystemView`, `TableView`, `Record` and `Events` in a
+    row.
     """
 
     function: int
     context: int
 
 
-class Switching(NamedTuple):
+class SwitchingView(NamedTuple):
     """Compiled functions that find and make the changes of modes; 0 if there are none.
 
     ``look(context, t, h, t_end)`` returns the fraction of an accepted step at which a mode
     changes, with the workspace holding the step up to there, or more than 1, or less than 0 where
     the step is to be halved; `guess` about the same for a rejected step. Then ``change`` of the
     same arguments makes the change at the state in row 0 and returns an `Outcome`. `context` is the
-    address of a `System`, `Table`, `Record` and `Switches` in a row.
+    address of a `SystemView`, `TableView`, `Record` and `SwitchesView` in a row.
     """
 
     look: int

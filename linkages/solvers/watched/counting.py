@@ -13,17 +13,17 @@ import numpy as np
 
 from linkages.solvers.steps.compiled import compiled, floats, fused, integers
 from linkages.solvers.steps.stages import address_of
-from linkages.solvers.steps.views import TWO_PI, Nodes, Record, System, Table
+from linkages.solvers.steps.views import TWO_PI, Nodes, Record, SystemView, TableView
 
 
 @compiled
-def first_cosine(system: System) -> int:
+def first_cosine(system: SystemView) -> int:
     """Place within a row of the unit vectors of dependent angles; their speeds follow."""
     return 3 * system.n + 2 * system.blocks + 2 * system.carried
 
 
 @compiled
-def counted_angle(system: System, record: Record, row: int, i: int) -> float:
+def counted_angle(system: SystemView, record: Record, row: int, i: int) -> float:
     """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
     values, first = floats(address_of(system, row)), first_cosine(system)
     angle = math.atan2(values[first + system.counted + i], values[first + i])
@@ -31,14 +31,14 @@ def counted_angle(system: System, record: Record, row: int, i: int) -> float:
 
 
 @compiled
-def arrive(system: System, record: Record, row: int) -> None:
+def arrive(system: SystemView, record: Record, row: int) -> None:
     """Take the angles in a row as those that the next step starts from."""
     for i in range(system.counted):
         floats(record.angles)[i] = counted_angle(system, record, row, i)
 
 
 @compiled
-def start_angles(system: System, record: Record) -> None:
+def start_angles(system: SystemView, record: Record) -> None:
     """Begin with the angles in row 0, closest to where a run says that they are."""
     for i in range(system.counted):
         floats(record.ahead)[i] = floats(record.angles)[i]
@@ -46,7 +46,7 @@ def start_angles(system: System, record: Record) -> None:
 
 
 @compiled
-def expect_end(system: System, table: Table, record: Record, h: float) -> None:
+def expect_end(system: SystemView, table: TableView, record: Record, h: float) -> None:
     """Where dependent angles are at the end of an explicit step of length h."""
     rows, starts, places = floats(system.rows), integers(table.starts), integers(table.places)
     # `places` are those of the speeds that begin at n.
@@ -59,7 +59,9 @@ def expect_end(system: System, table: Table, record: Record, h: float) -> None:
 
 
 @compiled
-def expect_between(system: System, table: Table, record: Record, h: float, theta: float) -> None:
+def expect_between(
+    system: SystemView, table: TableView, record: Record, h: float, theta: float
+) -> None:
     """Where dependent angles are at the fraction theta of a step, by its dense output."""
     rows, dense, degree = floats(system.rows), floats(table.dense), table.degree
     first = first_cosine(system) + 2 * system.counted
@@ -74,7 +76,7 @@ def expect_between(system: System, table: Table, record: Record, h: float, theta
 
 
 @compiled
-def expect_by_nodes(system: System, nodes: Nodes, record: Record, first: int, h: float) -> None:
+def expect_by_nodes(system: SystemView, nodes: Nodes, record: Record, first: int, h: float) -> None:
     """Where dependent angles are at the end of a collocation step with stages from `first` on."""
     rows, place = floats(system.rows), first_cosine(system) + 2 * system.counted
     for i in range(system.counted):

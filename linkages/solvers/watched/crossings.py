@@ -16,8 +16,8 @@ from linkages.solvers.steps.views import (
     WORD,
     Events,
     Record,
-    System,
-    Table,
+    SystemView,
+    TableView,
 )
 from linkages.solvers.watched.counting import counted_angle, expect_end
 from linkages.solvers.watched.locate import (
@@ -32,9 +32,9 @@ from linkages.solvers.watched.locate import (
     value,
 )
 
-system_at, table_at = tuple_at(System), tuple_at(Table)
+system_at, table_at = tuple_at(SystemView), tuple_at(TableView)
 record_at, events_at = tuple_at(Record), tuple_at(Events)
-SYSTEM_WORDS, TABLE_WORDS = len(System._fields), len(Table._fields)
+SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
 RECORD_WORDS = len(Record._fields)
 # What `watch_step` returns where the integration goes on.
 GO_ON = 2.0
@@ -46,8 +46,8 @@ SAME_TIME = 4.5e-16
 
 @compiled
 def note(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,
@@ -90,8 +90,8 @@ def crossed_levels(
 
 @compiled
 def cross_piece(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,
@@ -124,7 +124,7 @@ def cross_piece(
 
 @inlined
 def at_start(
-    system: System, events: Events, record: Record, event: int, t: float
+    system: SystemView, events: Events, record: Record, event: int, t: float
 ) -> tuple[float, float]:
     """Function of an event, less its level, and its rate at the start of a step."""
     kept = floats(events.values + WORD * VALUES * event)
@@ -144,8 +144,8 @@ def remember(events: Events, event: int, t: float) -> None:
 
 @inlined
 def watch_event(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,

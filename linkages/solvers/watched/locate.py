@@ -16,7 +16,15 @@ from linkages.solvers.steps.compiled import (
     integers,
 )
 from linkages.solvers.steps.stages import address_of, further_stages, try_step
-from linkages.solvers.steps.views import EVALUATIONS, TWO_PI, WORD, Events, Record, System, Table
+from linkages.solvers.steps.views import (
+    EVALUATIONS,
+    TWO_PI,
+    WORD,
+    Events,
+    Record,
+    SystemView,
+    TableView,
+)
 from linkages.solvers.watched.sampling import interpolate
 
 SEARCHES, POLISHES = 60, 8
@@ -26,7 +34,7 @@ NEAR, EXACT = 1e-9, 1e-15
 
 
 @inlined
-def evaluate_function(system: System, events: Events, event: int, row: int, t: float) -> None:
+def evaluate_function(system: SystemView, events: Events, event: int, row: int, t: float) -> None:
     """Evaluate a compiled function and its rate; where it cannot be, they are nan."""
     functions = integers(events.functions + WORD * FUNCTION * event)
     out = events.values + WORD * VALUES * event
@@ -39,7 +47,9 @@ def evaluate_function(system: System, events: Events, event: int, row: int, t: f
 
 
 @inlined
-def value(system: System, events: Events, record: Record, event: int, row: int, t: float) -> float:
+def value(
+    system: SystemView, events: Events, record: Record, event: int, row: int, t: float
+) -> float:
     """Function of an event, less its level, at the state in a row and its time."""
     n = system.n
     if integers(events.functions)[FUNCTION * event] != 0:
@@ -57,7 +67,7 @@ def value(system: System, events: Events, record: Record, event: int, row: int, 
 
 
 @inlined
-def slope(system: System, events: Events, event: int, row: int) -> float:
+def slope(system: SystemView, events: Events, event: int, row: int) -> float:
     """Rate of the function of an event; the row has been evaluated, by `value` last of all."""
     n = system.n
     if integers(events.functions)[FUNCTION * event] != 0:
@@ -72,8 +82,8 @@ def slope(system: System, events: Events, event: int, row: int) -> float:
 
 @compiled
 def dense_value(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,
@@ -87,7 +97,7 @@ def dense_value(
 
 
 @compiled
-def prepare_dense(system: System, table: Table, record: Record, t: float, h: float) -> bool:
+def prepare_dense(system: SystemView, table: TableView, record: Record, t: float, h: float) -> bool:
     """Make a step again with all rows of its dense output; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.rows - 1
     if try_step(system, t, h, t + h) != 0:
@@ -97,8 +107,8 @@ def prepare_dense(system: System, table: Table, record: Record, t: float, h: flo
 
 @compiled
 def turning_point(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,
@@ -129,8 +139,8 @@ def turning_point(
 
 @compiled
 def search(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,
@@ -167,8 +177,8 @@ def search(
 
 @compiled
 def polish(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     events: Events,
     record: Record,
     event: int,

@@ -15,7 +15,7 @@ from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.solvers.printed.advance import CONCAVITY
 from linkages.solvers.steps.compiled import compiled, floats, integers
 from linkages.solvers.steps.stages import address_of, try_step
-from linkages.solvers.steps.views import BLOCK, EVALUATIONS, WORD, Record, System, Table
+from linkages.solvers.steps.views import BLOCK, EVALUATIONS, WORD, Record, SystemView, TableView
 
 # Enough to halve a step down to its last digit.
 BISECTIONS = 60
@@ -24,13 +24,13 @@ EARLY_BISECTIONS = 12
 
 
 @compiled
-def margins_of(system: System, row: int) -> int:
+def margins_of(system: SystemView, row: int) -> int:
     """Address of the margins of a row; their rates follow."""
     return address_of(system, row) + WORD * 3 * system.n
 
 
 @compiled
-def is_suspicious(system: System, end: int, block: int, h: float) -> bool:
+def is_suspicious(system: SystemView, end: int, block: int, h: float) -> bool:
     """Whether a block's margin, extrapolated from both ends of a step, crosses zero within."""
     first, last = floats(margins_of(system, 0)), floats(margins_of(system, end))
     rate = block + system.blocks
@@ -42,7 +42,7 @@ def is_suspicious(system: System, end: int, block: int, h: float) -> bool:
 
 @compiled
 def least_margin(
-    system: System, table: Table, record: Record, block: int, t: float, h: float
+    system: SystemView, table: TableView, record: Record, block: int, t: float, h: float
 ) -> tuple[float, float]:
     """Least margin of a block within a step, and the fraction of the step before it.
 
@@ -68,7 +68,7 @@ def least_margin(
 
 
 @compiled
-def is_too_small(system: System, row: int, block: int) -> bool:
+def is_too_small(system: SystemView, row: int, block: int) -> bool:
     """Whether a margin is singular, or smaller than a run allows and still falling."""
     margins = floats(margins_of(system, row))
     margin, rate = margins[block], margins[block + system.blocks]
@@ -79,7 +79,7 @@ def is_too_small(system: System, row: int, block: int) -> bool:
 
 
 @compiled
-def ends_early(system: System, end: int, block: int) -> bool:
+def ends_early(system: SystemView, end: int, block: int) -> bool:
     """Whether a run stops at larger margins than it must, and this one is too small at the end."""
     smallest = floats(system.smallest_margins)[block]
     early = smallest > 2.0 * LEAST_MARGIN * floats(system.margin_scale)[block]
@@ -88,7 +88,13 @@ def ends_early(system: System, end: int, block: int) -> bool:
 
 @compiled
 def early_fraction(
-    system: System, table: Table, record: Record, block: int, t: float, h: float, after: float
+    system: SystemView,
+    table: TableView,
+    record: Record,
+    block: int,
+    t: float,
+    h: float,
+    after: float,
 ) -> float:
     """Fraction of a step before a margin is the smallest that is allowed; it is so at `after`."""
     before = 0.0
@@ -105,7 +111,7 @@ def early_fraction(
 
 @compiled
 def singular_fraction(
-    system: System, table: Table, record: Record, t: float, h: float, t_end: float
+    system: SystemView, table: TableView, record: Record, t: float, h: float, t_end: float
 ) -> float:
     """Find the first singular position within a step that has suspicious blocks.
 
@@ -138,7 +144,7 @@ def singular_fraction(
 
 @compiled
 def check_margins(
-    system: System, table: Table, record: Record, t: float, h: float, t_end: float
+    system: SystemView, table: TableView, record: Record, t: float, h: float, t_end: float
 ) -> float:
     """Fraction of an accepted step before a singular position; see `singular_fraction`."""
     for block in range(system.blocks):

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from linkages.solvers.steps.compiled import compiled, integers
 from linkages.solvers.steps.stages import try_step
-from linkages.solvers.steps.views import EVALUATIONS, Record, System, Table
+from linkages.solvers.steps.views import EVALUATIONS, Record, SystemView, TableView
 
 BISECTIONS = 60
 
 
 @compiled
-def reachable_part(system: System, table: Table, record: Record, t: float, h: float) -> float:
+def reachable_part(
+    system: SystemView, table: TableView, record: Record, t: float, h: float
+) -> float:
     """Longest fraction of a failed step that can be made, left in the workspace."""
     made, failed = 0.0, 1.0
     for _ in range(BISECTIONS):

@@ -12,8 +12,8 @@ from linkages.solvers.steps.views import (
     THETA,
     WORD,
     Record,
-    System,
-    Table,
+    SystemView,
+    TableView,
 )
 from linkages.solvers.watched.counting import counted_angle, expect_between, expect_end
 
@@ -22,7 +22,7 @@ SNAP = 1e-9
 
 
 @compiled
-def write_sample(system: System, record: Record, row: int) -> None:
+def write_sample(system: SystemView, record: Record, row: int) -> None:
     """Write the state and the accelerations in a row as the next sample."""
     n, counters = system.n, integers(record.counters)
     k = counters[SAMPLES]
@@ -41,7 +41,7 @@ def write_sample(system: System, record: Record, row: int) -> None:
 
 
 @compiled
-def interpolate(system: System, h: float, theta: float) -> None:
+def interpolate(system: SystemView, h: float, theta: float) -> None:
     """Write the state at the fraction theta of a step into the last row, by the dense output."""
     floats(system.pace)[LENGTH], floats(system.pace)[THETA] = h, theta
     call_step(system.interpolate, system.frame)
@@ -49,7 +49,13 @@ def interpolate(system: System, h: float, theta: float) -> None:
 
 @compiled
 def sample_between(
-    system: System, table: Table, record: Record, t: float, h: float, t_end: float, slack: float
+    system: SystemView,
+    table: TableView,
+    record: Record,
+    t: float,
+    h: float,
+    t_end: float,
+    slack: float,
 ) -> int:
     """Take the samples within a step from t to t_end, of which there is one at least.
 
@@ -89,7 +95,13 @@ def sample_between(
 
 @compiled
 def take_samples(
-    system: System, table: Table, record: Record, t: float, h: float, t_end: float, slack: float
+    system: SystemView,
+    table: TableView,
+    record: Record,
+    t: float,
+    h: float,
+    t_end: float,
+    slack: float,
 ) -> int:
     """Take all samples that fall within an accepted step; see `sample_between`."""
     k = integers(record.counters)[SAMPLES]

@@ -14,14 +14,14 @@ from linkages.solvers.steps.views import (
     EVALUATIONS,
     WORD,
     Record,
-    Switches,
-    System,
-    Table,
+    SwitchesView,
+    SystemView,
+    TableView,
 )
 
-system_at, table_at = tuple_at(System), tuple_at(Table)
-record_at, switches_at = tuple_at(Record), tuple_at(Switches)
-SYSTEM_WORDS, TABLE_WORDS = len(System._fields), len(Table._fields)
+system_at, table_at = tuple_at(SystemView), tuple_at(TableView)
+record_at, switches_at = tuple_at(Record), tuple_at(SwitchesView)
+SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
 RECORD_WORDS = len(Record._fields)
 # What `look` returns where no mode changes.
 GO_ON = 2.0
@@ -42,13 +42,13 @@ BELOW = 1e-9
 
 
 @compiled
-def functions_of(system: System, modes: int, row: int) -> int:
+def functions_of(system: SystemView, modes: int, row: int) -> int:
     """Address of the functions of all switches in a row; their rates follow."""
     return address_of(system, row) + WORD * (system.width - 2 * modes)
 
 
 @compiled
-def seen(system: System, modes: int, row: int, switch: int) -> tuple[float, float]:
+def seen(system: SystemView, modes: int, row: int, switch: int) -> tuple[float, float]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
     mode, found = floats(system.held)[switch], floats(functions_of(system, modes, row))
     if mode == 0.0:  # it sticks
@@ -90,7 +90,9 @@ def least_place(start: float, rise: float, end: float, fall: float) -> float:
 
 
 @compiled
-def try_part(system: System, table: Table, record: Record, t: float, h: float, part: float) -> bool:
+def try_part(
+    system: SystemView, table: TableView, record: Record, t: float, h: float, part: float
+) -> bool:
     """Repeat a step in part; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.end
     return try_step(system, t, part * h, t + part * h) == 0
@@ -98,8 +100,8 @@ def try_part(system: System, table: Table, record: Record, t: float, h: float, p
 
 @compiled
 def locate(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     record: Record,
     modes: int,
     switch: int,
@@ -145,8 +147,8 @@ def locate(
 
 @compiled
 def crossing(
-    system: System,
-    table: Table,
+    system: SystemView,
+    table: TableView,
     record: Record,
     modes: int,
     switch: int,
@@ -200,7 +202,9 @@ def crossing(
 
 
 @compiled
-def unresolved(system: System, table: Table, switches: Switches, switch: int, h: float) -> bool:
+def unresolved(
+    system: SystemView, table: TableView, switches: SwitchesView, switch: int, h: float
+) -> bool:
     """Whether a function varies so much within a step that its ends do not say if it crosses zero.
 
     At stages it is then far from the cubic through both ends, beside its own variation.

@@ -19,10 +19,10 @@ import math
 from linkages.solvers.renormalisation import MOST_DOUBT
 from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
 from linkages.solvers.steps.stages import evaluate, set_clock
-from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, System, Tangents
+from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, SystemView, Tangents
 
-system_at, record_at, tangents_at = tuple_at(System), tuple_at(Record), tuple_at(Tangents)
-SYSTEM_WORDS, RECORD_WORDS = len(System._fields), len(Record._fields)
+system_at, record_at, tangents_at = tuple_at(SystemView), tuple_at(Record), tuple_at(Tangents)
+SYSTEM_WORDS, RECORD_WORDS = len(SystemView._fields), len(Record._fields)
 
 # What is left of a tangent that has shrunk this far beside others is their round-off to so many
 # digits. Accelerations would keep the round-off of theirs, which fits no step: they are new then.
@@ -66,7 +66,7 @@ def scale(n: int, parts: int, size: int, factor: float, one: int) -> None:
 
 
 @compiled
-def renormalise(system: System, tangents: Tangents, samples: int, count: int) -> float:
+def renormalise(system: SystemView, tangents: Tangents, samples: int, count: int) -> float:
     """Renormalise tangents at the first of some samples, in row 0 where there are none.
 
     Those at the other samples and in row 0 follow. Adds the logarithms of their lengths to what
@@ -117,7 +117,7 @@ def renormalise(system: System, tangents: Tangents, samples: int, count: int) ->
 
 
 @compiled
-def stretched(system: System, tangents: Tangents) -> bool:
+def stretched(system: SystemView, tangents: Tangents) -> bool:
     """Whether errors of the next steps would show in the shortest tangent in row 0."""
     n, size, columns = system.n, tangents.size, tangents.columns
     here, width = floats(system.rows + WORD * (n - columns * size)), columns * size
@@ -142,7 +142,7 @@ def stretched(system: System, tangents: Tangents) -> bool:
 
 
 @compiled
-def renew(system: System, record: Record, t: float) -> None:
+def renew(system: SystemView, record: Record, t: float) -> None:
     """Evaluate row 0 again."""
     integers(record.counters)[EVALUATIONS] += 1
     set_clock(system, t)

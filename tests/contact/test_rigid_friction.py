@@ -239,3 +239,11 @@ def test_one_friction_sticks():
     rough = linkages.loads(f"{text}friction: [{{slider: piston, force: 5 N}}]\n")
     with pytest.raises(InputError, match=r"depends on 'friction\[0\].*', which sticks as well"):
         linkages.simulate(rough, end=0.01)
+
+
+def test_exponents_of_a_pin_that_sticks_again_and_again():
+    """What the contact keeps of its touch has no tangents, beside which others vanish."""
+    mechanism = linkages.loads(ENGINE.replace("FRICTION", "pin_radius: 8 mm, friction: 0.2"))
+    short, long = (linkages.lyapunov(mechanism, periods=n, skip=2, count=1) for n in (1, 16))
+    # the motion repeats, and so does the growth in every period
+    np.testing.assert_allclose(long.exponent, short.exponent, rtol=1e-3)

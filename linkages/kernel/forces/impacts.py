@@ -153,7 +153,10 @@ class Unilateral(Acting):
         touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
         least = self.graph.lift(LEAST)
         held = self.graph.select(pressed - least, pressed, least)
-        swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.gap.size))
+        # beside tangents that friction makes shrink, its own would grow without end
+        alike = self.rubbing is not None
+        pace = self.graph.sqrt(held / self.gap.size)
+        swing = self.model.switches.memory(self.touch, pace, alike=alike)
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self.graph.select(touching, pressed + settling, pressed)
 

@@ -174,7 +174,7 @@ class ContactClearance(Touching):
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""
         yield from super().friction_problems()
-        if self.friction and self.pin_radius is None and "stiffness" in self.law.needs:
+        if self.friction and self.pin_radius is None and self.rubs:
             yield "friction", "missing key 'pin_radius': friction needs the radius of the pin"
 
     def at(self, state: Mapping[str, tuple[float, float]]) -> ContactClearance:

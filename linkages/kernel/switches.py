@@ -64,11 +64,14 @@ class RememberedNumber:
         Number of the switch.
     node
         What is kept.
+    alike
+        Whether neighbours keep the same number: what it is has no effect on the motion.
     """
 
     name: str
     owner: int
     node: Scalar
+    alike: bool = False
 
 
 class Switches:
@@ -208,7 +211,7 @@ class Switches:
         """
         return self._model.inputs.mode(len(self.switches) + further)
 
-    def memory(self, name: str, node: Scalar) -> Scalar:
+    def memory(self, name: str, node: Scalar, *, alike: bool = False) -> Scalar:
         """The value that a node had when a switch rose last, or at the start.
 
         Parameters
@@ -217,6 +220,8 @@ class Switches:
             Of the switch, as it was added.
         node
             What is kept, a function of time and state.
+        alike
+            Whether neighbours keep the same number.
         """
         owner = self._called[name]
         for number, memory in enumerate(self.memories):
@@ -224,7 +229,7 @@ class Switches:
                 return self._model.inputs.memory(number)
         count = sum(memory.owner == owner for memory in self.memories)
         called = self.switches[owner].name + (f" ({count + 1})" if count else "")
-        self.memories.append(RememberedNumber(called, owner, node))
+        self.memories.append(RememberedNumber(called, owner, node, alike))
         return self._model.inputs.memory(len(self.memories) - 1)
 
     def _unused(self, name: str) -> str:

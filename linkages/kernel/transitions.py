@@ -41,4 +41,7 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     accelerations = [model.inputs.acceleration(i) for i in range(len(layout.coordinates))]
     rates = switches.rates(values, accelerations)
     moved = derivative_along([*values, *switches.watched], tangent_directions(model, layout))
+    for place, memory in enumerate(switches.memories):
+        if memory.alike:
+            rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
     return [*values, *rates, *(entry for row in moved for entry in row)]

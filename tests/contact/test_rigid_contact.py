@@ -89,7 +89,7 @@ free: {{pin: {{angle: 0, speed: 0}}}}
 @pytest.mark.parametrize(
     ("gap", "expected"),
     [
-        (f"{RIGID}, friction: 0.1, pin_radius: 8 mm, slip: 1 mm/s", "restitution has no friction"),
+        (f"{RIGID}, friction: 0.1, pin_radius: 8 mm, slip: 1 mm/s", "coulomb has no 'slip'"),
         (f"{RIGID}, stiffness: 1e9", "restitution has no 'stiffness'"),
         ("contact: restitution", "missing key 'restitution', which restitution needs"),
     ],

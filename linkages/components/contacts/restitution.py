@@ -8,4 +8,5 @@ LAW = ContactLaw(
     ("restitution",),
     lambda numbers: RigidContact(numbers["restitution"], numbers["least_rate"]),
     ("least_rate",),
+    rigid=True,
 )

@@ -50,10 +50,17 @@ class RigidContact:
         Newton's coefficient e.
     least_rate
         An impact that would bounce with less than this (m/s) closes the contact.
+    friction
+        Coulomb's coefficient μ of friction; None without any.
+    poisson
+        Whether e is the ratio of the impulses behind and before the end of compression, as
+        Poisson has it; otherwise it is that of the rates. Without friction both are the same.
     """
 
     restitution: Parameter
     least_rate: Parameter
+    friction: Parameter | None = None
+    poisson: bool = False
 
 
 @dataclass(frozen=True)

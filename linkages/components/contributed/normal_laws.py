@@ -35,6 +35,8 @@ class ContactLaw:
         What acts, from the numbers at these keys.
     restitution
         Damping factor χ over wanted restitution, for a law that has one.
+    rigid
+        Whether impacts take no time.
     """
 
     name: str
@@ -42,6 +44,7 @@ class ContactLaw:
     force: Callable[[Numbers], Across]
     takes: tuple[str, ...] = ("exponent",)
     restitution: Callable[[float], float] | None = None
+    rigid: bool = False
 
 
 def elastic_law(name: str) -> ContactLaw:

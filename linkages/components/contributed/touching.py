@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from dataclasses import replace
+from typing import Annotated, Literal
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
-from linkages.components.contributed.contacts import Across
+from linkages.components.contributed.contacts import Across, RigidContact
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -72,7 +73,7 @@ class Touching(Component):
     friction
         Coulomb's coefficient of friction.
     friction_law
-        How friction depends on the slip; ``tanh`` if not given.
+        How friction depends on the slip. If not given, ``tanh``; rigid contacts have ``coulomb``.
     slip
         Velocity of slip over which friction rises, in m/s.
     least_slip
@@ -81,6 +82,9 @@ class Touching(Component):
         Coefficient at which friction is greatest, at least `friction`.
     stribeck_speed
         Velocity of slip over which it falls from there, in m/s.
+    impact
+        Whose the restitution of a rigid contact with friction is: of rates (``newton``), or of
+        impulses (``poisson``).
     """
 
     name: Name
@@ -93,11 +97,12 @@ class Touching(Component):
     least_rate: PositiveSpeed | None = None
     damping: Damping | None = None
     friction: Ratio = 0.0
-    friction_law: FrictionName = "tanh"
+    friction_law: FrictionName | None = None
     slip: PositiveSpeed | None = None
     least_slip: PositiveSpeed | None = None
     static: Ratio | None = None
     stribeck_speed: PositiveSpeed | None = None
+    impact: Literal["newton", "poisson"] = "newton"
 
     @property
     def law(self) -> ContactLaw:
@@ -156,10 +161,27 @@ class Touching(Component):
 
     def friction_problems(self) -> Iterator[tuple[str, str]]:
         """What friction lacks."""
-        if self.friction and "stiffness" not in self.law.needs:
+        rigid, law = self.law.rigid, self._friction_law
+        if self.friction and not self.rubs:
             yield "friction", f"{self.law.name} has no friction; expected the law of a force"
+        elif rigid and (law != "coulomb" or self.static is not None):
+            key = "static" if law == "coulomb" else "friction_law"
+            yield key, f"{self.law.name} takes Coulomb's friction alone; expected no {key!r}"
         else:
-            yield from friction_problems(self.friction_law, self._of_slip)
+            yield from friction_problems(law, self._of_slip)
+        if self.impact != "newton" and not rigid:
+            yield "impact", f"{self.law.name} has no 'impact'; it is for rigid contact"
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the law of the normal force goes with friction."""
+        return self.law.rigid or "stiffness" in self.law.needs
+
+    @property
+    def _friction_law(self) -> str:
+        if self.friction_law is not None:
+            return self.friction_law
+        return "coulomb" if self.law.rigid else "tanh"
 
     @property
     def _of_slip(self) -> dict[str, float | None]:
@@ -181,16 +203,20 @@ class Touching(Component):
         factor = self.law.restitution
         if factor is not None and self.restitution is not None and self._reachable:
             values["restitution"] = factor(self.restitution)
-        return self.law.force(
+        found = self.law.force(
             {
                 key: Parameter((*self.path, key), 1.0 if value is None else float(value))
                 for key, value in values.items()
             }
         )
+        if isinstance(found, RigidContact) and not self.number("friction").absent:
+            friction = Parameter((*self.path, "friction"), self.friction)
+            return replace(found, friction=friction, poisson=self.impact == "poisson")
+        return found
 
     @property
     def rubbing(self) -> Function | None:
-        """Friction along the slip over the normal force, if there is any."""
-        if self.number("friction").absent:
+        """Friction along the slip over the normal force, if there is any that forces tell."""
+        if self.law.rigid or self.number("friction").absent:
             return None
-        return friction_coefficient(self.friction_law, self._of_slip, self.path)
+        return friction_coefficient(self._friction_law, self._of_slip, self.path)

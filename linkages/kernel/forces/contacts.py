@@ -42,7 +42,7 @@ class ContactNodes(GapNodes):
     def power(self, velocities: Velocities) -> Scalar:
         """Power at some velocities: its generalised force if they are partial ones."""
         found = -(self.force * self.gap.rate(velocities))
-        if self.contact.friction is None:
+        if self.friction is self.graph.zero:
             return found
         return found + self.friction * self.gap.slip(velocities)
 

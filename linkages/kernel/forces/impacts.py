@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 from linkages.components.contributed.contacts import Contact, RigidContact
 from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.forces.loads import Acting, Velocities
+from linkages.kernel.forces.rubbing import Rubbing
 from linkages.kernel.graph.scalars import Scalar, ScalarGraph
 
 if TYPE_CHECKING:
@@ -64,6 +65,8 @@ class Unilateral(Acting):
         What is zero where it is closed.
     law
         Its numbers.
+    rubbing
+        Friction along it, if there is any.
     """
 
     model: Model
@@ -71,6 +74,7 @@ class Unilateral(Acting):
     name: str
     gap: Touchable
     law: RigidContact
+    rubbing: Rubbing | None = None
 
     @property
     def touch(self) -> str:
@@ -97,7 +101,9 @@ class Unilateral(Acting):
         inputs = self.model.inputs
         # nothing pulls a pin that comes to rest near the wall while it leaves
         speed = self.graph.select(self.speed, self.speed, self.graph.zero)
-        rebound = inputs.parameter(self.law.restitution) * speed
+        restitution = inputs.parameter(self.law.restitution)
+        rough = self.rubbing
+        rebound = restitution * speed if rough is None else rough.rebound(restitution, speed)
         # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
         rest = self.graph.select(self.slowest - speed, speed, self.slowest)
         rebound = self.graph.select(rebound - self._slow, rebound, -rest)
@@ -117,6 +123,8 @@ class Unilateral(Acting):
     def rates_behind(self) -> list[Scalar]:
         """Rates of the free coordinates behind an impact."""
         pairs = list(zip(self.model.walls.moved, self.impulses, strict=True))
+        if self.rubbing is not None:
+            pairs.append((self.rubbing.moved, -self.rubbing.along(self.impulses[0])))
         return [
             self.model.inputs.rate(i) - self.graph.total(part[i] * p for part, p in pairs)
             for i in range(len(self.model.topology.free))
@@ -145,7 +153,10 @@ class Unilateral(Acting):
         touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
         least = self.graph.lift(LEAST)
         held = self.graph.select(pressed - least, pressed, least)
-        swing = self.model.switches.memory(self.touch, self.graph.sqrt(held / self.gap.size))
+        # beside tangents that friction makes shrink, its own would grow without end
+        alike = self.rubbing is not None
+        pace = self.graph.sqrt(held / self.gap.size)
+        swing = self.model.switches.memory(self.touch, pace, alike=alike)
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self.graph.select(touching, pressed + settling, pressed)
 
@@ -180,3 +191,10 @@ class RigidNodes(Unilateral, ContactNodes):
     def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
         super().__init__(model, contact)
         self.law, self.name = law, contact.name
+        if law.friction is not None:
+            self.rubbing = Rubbing(model, self.name, self.gap, law, law.friction)
+
+    @cached_property
+    def friction(self) -> Scalar:
+        """Force of friction along the direction of slip."""
+        return self.graph.zero if self.rubbing is None else self.model.walls.rubbed[1]

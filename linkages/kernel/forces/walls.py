@@ -88,10 +88,19 @@ class Walls:
     @cached_property
     def forces(self) -> list[Scalar]:
         """Forces of closed contacts that press; 0 of others."""
+        if len(self.contacts) == 1 and self.contacts[0].rubbing is not None:
+            return [self.rubbed[0]]
         if len(self.contacts) == 1:
             (mode,), graph = self.pressing, self.graph
             return [graph.select(mode, self._needed([mode])[0], graph.zero)]
         return self._solved(self.pressing)
+
+    @cached_property
+    def rubbed(self) -> tuple[Scalar, Scalar]:
+        """Normal force and friction of the only contact."""
+        (contact,), (pressing,), (touching,) = self.contacts, self.pressing, self.touching
+        assert contact.rubbing is not None
+        return contact.rubbing.forces(contact.needed, touching, pressing)
 
     def _needed(self, modes: Sequence[Scalar]) -> list[Scalar]:
         """The force that would keep each contact closed, where others press as modes say."""
@@ -132,6 +141,8 @@ class Walls:
         those that are open are 0. Newton's law holds for all that press [1]_.
         """
         own = self.place(contact)
+        if contact.rubbing is not None:
+            return [contact.rubbing.impulse(contact.fall)]
         if len(self.contacts) == 1:
             return [contact.fall * self.mass(0)]
         others = [k for k in range(len(self.contacts)) if k != own]

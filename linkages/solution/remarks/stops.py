@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from linkages.kernel.model import Model
 from linkages.kernel.system import System
 from linkages.solution.remarks.undefined import loads_at_stop
@@ -12,6 +14,9 @@ from linkages.topology.blocks import ITERATED
 COULD_PASS = "'change_points: pass' takes the smooth one"
 FOUND_NONE = "no smooth way on was found"
 """What is said of the way on from a singular position."""
+
+JAMMED = 1e-6
+"""Of W_nn², and of the size: how near to jamming a contact is that is called so."""
 
 
 def block_place(model: Model, block: int, time: float) -> str:
@@ -84,6 +89,8 @@ def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PAS
     outcome = trajectory.outcome
     if outcome in (Outcome.DONE, Outcome.EVENT):
         return None
+    if (jammed := _jammed(system, trajectory)) is not None:
+        return jammed
     if trajectory.switch >= 0:
         name = system.model.switches.switches[trajectory.switch].name
         return f"at t = {trajectory.stop_time:.9g} s, {name}: {outcome}"
@@ -101,3 +108,26 @@ def failure_text(system: System, trajectory: Trajectory, way_on: str = COULD_PAS
                 "there, or none just before or behind. End before, or change the load."
             )
     return f"at t = {trajectory.stop_time:.9g} s: {outcome}"
+
+
+def _jammed(system: System, trajectory: Trajectory) -> str | None:
+    """What is said of a rigid contact that friction jams, at the last state; None if none does."""
+    if trajectory.outcome not in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        return None
+    count, total = len(system.topology.coordinates), len(trajectory.final_state) // 2
+    state = np.concatenate(
+        [trajectory.final_state[:count], trajectory.final_state[total : total + count]]
+    )
+    time = trajectory.stop_time
+    for contact in system.model.walls.contacts:
+        if (rough := contact.rubbing) is None:
+            continue
+        nodes = [rough.jamming, rough.normal, contact.gap.indentation, contact.gap.size]
+        jam, normal, depth, size = system.evaluate(nodes, time, state[:, None])[:, 0]
+        if jam > -JAMMED * normal**2 and depth > -JAMMED * size:
+            return (
+                f"at t = {time:.9g} s, {contact.name}: friction jams the contact (Painlevé). "
+                "Slip presses it more than its normal force pushes it apart, so that no motion "
+                "with finite forces goes on; expected less 'friction', or the law of a force"
+            )
+    return None

@@ -33,6 +33,7 @@ def losses_of_impacts(motion: Motion) -> Floats:
 
     What an impulse P takes is P (d'⁻ + d'⁺)/2, with the rates of the indentation before and behind
     the impact (Kelvin); in an impact of one contact others that are closed take impulses as well.
+    What friction takes is the same with its impulse and the slip.
     """
     walls = motion.pieces[0].system.model.walls
     found = np.zeros((len(motion.time), len(walls.contacts)))
@@ -43,6 +44,11 @@ def losses_of_impacts(motion: Motion) -> Floats:
             rates = evaluate_nodes(piece, speeds) + evaluate_nodes(behind(piece, contact), speeds)
             for place, lost in enumerate(0.5 * impulses * rates):
                 found[:, place] += _since(motion, piece.time[rises], lost[rises])
+            if (rough := contact.rubbing) is not None:
+                rubbed = evaluate_nodes(piece, [rough.along(contact.impulses[0])])
+                slips = (evaluate_nodes(at, [rough.slip]) for at in (piece, behind(piece, contact)))
+                (lost,) = -0.5 * rubbed * sum(slips)
+                found[:, walls.place(contact)] += _since(motion, piece.time[rises], lost[rises])
     return found
 
 

@@ -197,3 +197,24 @@ def test_loops_that_determine_nothing_are_part_of_the_residual():
     assert data.closure_residual.to_numpy() == pytest.approx(5e-9, abs=1e-14)
     with pytest.raises(InputError, match="contradict each other"):
         linkages.simulate(mechanism(FRAME.replace("LENGTH", "1.0000001")), end=0.1)
+
+
+YOKES = """
+joints: {O: [0, 0]}
+bars: {crank: {joints: [O, A], length: 50 mm, mass: 0.3}}
+sliders:
+  yoke: {joint: Y, through: O, angle: 0, mass: 1.5}
+  pin: {joint: A, 'on': yoke, through: Y, angle: 90 deg, mass: 0.05}
+  other: {joint: Y, through: O, angle: 0, mass: 1.5}
+drives: {crank: {angle: 0, speed: 120 rpm}}
+assembly: {A: [50 mm, 0]}
+simulate: {end: 1}
+"""
+
+
+def test_a_constraint_that_is_a_system_of_constants():
+    """Two sliders at one joint on one axis: x = 50 mm cos ωt for both."""
+    data = linkages.simulate(linkages.loads(YOKES), times=np.linspace(0, 1, 101)).data
+    exact = 0.05 * np.cos(4 * np.pi * data.time.to_numpy())
+    for name in ("yoke", "other"):
+        assert np.abs(data.slider_position.sel(slider=name) - exact).max() < 1e-9

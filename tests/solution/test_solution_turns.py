@@ -143,3 +143,19 @@ def test_library_does_not_depend_on_samples(name):
 )  # fmt: skip
 def test_all_of_the_library_does_not_depend_on_samples(name):
     ends_alike(linkages.load(name))
+
+
+FAST = """
+joints: {O: [0, 0]}
+bars: {crank: {joints: [O, A], length: 0.1, mass: 1}}
+drives: {crank: {angle: 0, speed: 1e30}}
+simulate: {end: 5 ms}
+"""
+
+
+def test_drives_too_fast_to_be_followed():
+    """Where nothing has to be counted nothing is looked at; work would need 1e28 places."""
+    mechanism = linkages.loads(FAST)
+    assert linkages.simulate(mechanism).data.bar_speed[-1, 0] == 1e30
+    with pytest.raises(ValueError, match="expected a slower drive, a shorter time, or max_steps"):
+        linkages.simulate(mechanism, outputs="energy_residual")

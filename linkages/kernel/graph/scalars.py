@@ -130,8 +130,9 @@ class ScalarGraph:
             return self._known[key]
 
     def _operation(self, operation: str, *arguments: object) -> Scalar:
+        # what cannot be folded, such as a system of constants, is computed with the parameters
         levels = (a.level for a in arguments if isinstance(a, Scalar))
-        return self._node(operation, arguments, max(levels))
+        return self._node(operation, arguments, max(Level.PARAMETERS, *levels))
 
     def number(self, value: float) -> Scalar:
         """A constant; −0.0 counts as 0.0."""

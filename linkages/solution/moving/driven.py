@@ -110,7 +110,7 @@ def _followed(system: System, settings: Settings) -> Motion:
     if settings.counting:
         pieces = with_turns(pieces, fastest)
     if settings.work:
-        pieces = with_work(pieces, fastest)
+        pieces = with_work(pieces, fastest, settings.run.most_steps)
     return Motion(
         pieces=tuple(pieces),
         failure=failure,

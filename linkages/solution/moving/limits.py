@@ -46,6 +46,24 @@ class DrivenPassage:
     blocks: tuple[int, ...]
 
 
+def looks(span: float, fastest: float, angle: float, most: float) -> int:
+    """Number of places to look at within a time, so that no drive turns further than an angle.
+
+    Raises
+    ------
+    ValueError
+        If there are more than `most`.
+    """
+    turned = abs(span) * fastest / angle
+    if not turned <= most:
+        raise ValueError(
+            f"drives turn by {math.degrees(turned * angle):.3g} degrees, and {turned:.3g} places "
+            f"are looked at on the way; expected a slower drive, a shorter time, or max_steps "
+            f"beyond {most:g}"
+        )
+    return max(1, math.ceil(turned))
+
+
 def chunks(
     times: Floats,
     fastest: float,
@@ -62,14 +80,7 @@ def chunks(
     short one.
     """
     end = float(times[-1]) if len(times) else 0.0
-    turned = abs(end - begun) * fastest / angle
-    if not turned <= most:
-        raise ValueError(
-            f"drives turn by {math.degrees(turned * angle):.3g} degrees, and {turned:.3g} places "
-            f"are looked at on the way; expected a slower drive, a shorter time, or max_steps "
-            f"beyond {most:g}"
-        )
-    intervals = max(1, math.ceil(turned))
+    intervals = looks(end - begun, fastest, angle, most)
     ordered = np.sort(times)
     if intervals < len(times) and not begun:
         yield from (times[i : i + _CHUNK + 1] for i in range(0, max(1, len(times) - 1), _CHUNK))

@@ -44,6 +44,8 @@ def with_turns(pieces: list[Piece], fastest: float) -> list[Piece]:
         Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
     """
     names = pieces[0].system.topology.counted
+    if not names:
+        return pieces
     reached: tuple[float, Floats] | None = None
     result = []
     for piece in pieces:

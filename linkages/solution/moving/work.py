@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.graph.scalars import Scalar
 from linkages.solution.moving.evaluation import evaluate_nodes
+from linkages.solution.moving.limits import looks
 from linkages.solution.moving.motion import Piece
 
 _CHUNK = 8192
@@ -19,7 +20,7 @@ _REFINEMENTS = 7
 Floats = NDArray[np.float64]
 
 
-def with_work(pieces: list[Piece], fastest: float) -> list[Piece]:
+def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
     """Work of drives and loads since t = 0 at the times of all pieces.
 
     Parameters
@@ -28,7 +29,16 @@ def with_work(pieces: list[Piece], fastest: float) -> list[Piece]:
         Of one motion, in their order.
     fastest
         Highest speed of a drive in rad/s (or in sizes of the mechanism per second).
+    most
+        Number of places that may be looked at.
+
+    Raises
+    ------
+    ValueError
+        If that is not enough.
     """
+    end = float(pieces[-1].time[-1]) if len(pieces[-1].time) else 0.0
+    looks(end, fastest, _QUADRATURE_ANGLE, most)
     done, last = 0.0, 0.0
     result = []
     for piece in pieces:

@@ -8,6 +8,7 @@ References
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Annotated, ClassVar
@@ -108,8 +109,9 @@ class _Controller(Component):
                 yield (*self.path, key), message
 
     @property
+    @abstractmethod
     def _effort(self) -> Measure:
-        raise NotImplementedError
+        """What it acts along."""
 
     @property
     def _rate(self) -> Function | None:

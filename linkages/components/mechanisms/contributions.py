@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import chain
@@ -39,9 +40,9 @@ class Contributions:
     """Terms by what they say, with what has to be looked up among other terms."""
 
     @cached_property
+    @abstractmethod
     def term_groups(self) -> tuple[tuple[Term, ...], ...]:
         """What each component contributes."""
-        raise NotImplementedError
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:

@@ -81,11 +81,11 @@ def computed(
     interrupted = False
     try:
         for span, part in _chunks(question, left, executor):
-            if store is not None:
-                store.write(span, part)
             parts[span] = part
             ledger.add(span, part)
-            ledger.tell()
+            ledger.tell()  # who watches keeps signals from then on: before anything is on disk
+            if store is not None:
+                store.write(span, part)
     except KeyboardInterrupt:
         interrupted = True
     whole = [parts.get(span) or question.nothing(span[1] - span[0]) for span in spans]

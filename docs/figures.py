@@ -54,11 +54,11 @@ def ninebar_figures() -> None:
         write_small(figure, STATIC / f"ninebar-{name.replace('_', '-')}.png")
 
 
-def write_small(figure: Figure, path: Path) -> None:
+def write_small(figure: Figure, path: Path, colours: int = 64) -> None:
     """Write a figure with a palette of its own, at a fraction of the size."""
     write_figure(figure, path)
     with Image.open(path) as image:
-        image.convert("RGB").quantize(64).save(path, optimize=True)
+        image.convert("RGB").quantize(colours).save(path, optimize=True)
 
 
 def work_precision() -> dict[str, list[Row]]:

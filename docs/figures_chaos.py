@@ -1,4 +1,4 @@
-"""Make the figures of the page on regular and chaotic motion; takes some minutes.
+"""Make the figures of the page on regular and chaotic motion; takes half an hour.
 
 python docs/figures_chaos.py
 """
@@ -66,11 +66,11 @@ def plane() -> None:
     mechanism = linkages.load(
         "ninebar", set={"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
     )
-    angles = parse_range("clearances.r1.angle=-180deg:180deg:37")
-    speeds = parse_range("clearances.r1.speed=-600:600:25")
+    angles = parse_range("clearances.r1.angle=-180deg:180deg:200")
+    speeds = parse_range("clearances.r1.speed=-600:600:200")
     figure = maps.figure(linkages.chaos_map(mechanism, angles, speeds, indicator="fli", periods=10))
     assert figure is not None
-    write_small(figure, STATIC / "chaos-map.png")
+    write_small(figure, STATIC / "chaos-map.png", colours=256)
 
 
 if __name__ == "__main__":

@@ -86,7 +86,7 @@ def diagram_figure(data: xr.Dataset, x: np.ndarray, label: str) -> Figure:
     speed = data.clearance_speed.isel(clearance=0).to_numpy()
     for row, ((ax,), start) in enumerate(zip(grid, STARTS, strict=True)):
         places = np.repeat(x[:, None], speed.shape[2], axis=1)
-        look = {"markersize": 1.3, "markeredgewidth": 0, "color": PALETTE[row]}
+        look = {"markersize": 0.5, "markeredgewidth": 0, "color": PALETTE[row]}
         ax.plot(places.ravel(), speed[row].ravel(), "o", **look)
         ax.set_xlim(0, 1.01 * x.max())
         ax.set_ylabel(f"{start} start\ndα/dt [rad/s]")

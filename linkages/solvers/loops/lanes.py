@@ -23,8 +23,12 @@ from linkages.solvers.steps.compiled import call_advance, call_step, compiled, f
 from linkages.solvers.steps.stages import HALF, LOWER
 from linkages.solvers.steps.views import (
     ACTIVE,
-    ALWAYS,
+    ANGLES,
     END,
+    EVENT_VALUES,
+    FUNCTION,
+    FUNCTIONS,
+    LEVELS,
     NOW,
     PACE,
     REJECTED,
@@ -34,6 +38,7 @@ from linkages.solvers.steps.views import (
     STOP,
     TAKEN,
     TURNS,
+    VALUES,
     WORD,
     Lanes,
     SystemView,
@@ -60,6 +65,16 @@ def collect(source: int, target: int, count: int, lane: int, lanes: int) -> None
 
 
 @compiled
+def put_functions(lanes: Lanes, lane: int, system: SystemView) -> None:
+    """Put the parameters of what events watch into a lane."""
+    own = integers(integers(system.frame)[FUNCTIONS])
+    for event in range(lanes.events):
+        place = FUNCTION * event + 2
+        size = integers(lanes.function_sizes)[event]
+        spread(own[place], integers(lanes.functions)[place], size, lane, lanes.lanes)
+
+
+@compiled
 def put(lanes: Lanes, lane: int, system: SystemView) -> None:
     """Put what changes of a motion on its way into a lane."""
     held = lanes.size - system.holding
@@ -68,8 +83,12 @@ def put(lanes: Lanes, lane: int, system: SystemView) -> None:
     spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
     spread(system.pace, lanes.pace, PACE, lane, lanes.lanes)
     spread(integers(system.frame)[TURNS], lanes.turns, system.n, lane, lanes.lanes)
-    if system.counted > 0:  # turns of dependent angles are counted for a motion alone
-        floats(lanes.pace)[ALWAYS * lanes.lanes + lane] = 1.0
+    spread(integers(system.frame)[ANGLES], lanes.angles, system.counted, lane, lanes.lanes)
+    spread(
+        integers(system.frame)[EVENT_VALUES], lanes.values, VALUES * lanes.events, lane, lanes.lanes
+    )
+    if system.holding > 0:
+        put_functions(lanes, lane, system)
 
 
 @compiled
@@ -79,6 +98,8 @@ def enter(lanes: Lanes, lane: int, system: SystemView, atol: int) -> None:
     spread(atol, lanes.atol, 2 * system.n, lane, lanes.lanes)
     spread(system.margin_scale, lanes.scale, system.blocks, lane, lanes.lanes)
     spread(system.smallest_margins, lanes.smallest, system.blocks, lane, lanes.lanes)
+    spread(integers(system.frame)[LEVELS], lanes.levels, lanes.events, lane, lanes.lanes)
+    put_functions(lanes, lane, system)
     put(lanes, lane, system)
 
 
@@ -90,6 +111,9 @@ def take_out(lanes: Lanes, lane: int, rows: int) -> None:
     collect(lanes.rows, system.rows, rows * system.width, lane, lanes.lanes)
     collect(lanes.pace, system.pace, PACE, lane, lanes.lanes)
     collect(lanes.turns, record.final_turns, system.n, lane, lanes.lanes)
+    collect(lanes.angles, record.angles, system.counted, lane, lanes.lanes)
+    values = integers(system.frame)[EVENT_VALUES]
+    collect(lanes.values, values, VALUES * lanes.events, lane, lanes.lanes)
     note_steps(system, table_at(context + TABLE), record)
 
 

@@ -24,7 +24,7 @@ from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import FRAME, PACE, REJECTED, SINGLE, STEPS, VALUES, WORD, Lanes
+from linkages.solvers.steps.views import ALONE, FRAME, PACE, REJECTED, SINGLE, STEPS, VALUES, WORD, Lanes
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -106,7 +106,7 @@ def _run(
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
-    control = np.zeros(2)
+    control = np.zeros(3)
     view = _lanes(memory, method, jobs, motions, lanes)._replace(
         outcomes=memory.integers(outcomes), control=memory.floats(control)
     )
@@ -117,8 +117,8 @@ def _run(
     spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
-        "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use",
-        len(jobs), lanes, made, made / max(1, spent),
+        "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
+        len(jobs), lanes, made, made / max(1, spent), control[ALONE],
     )  # fmt: skip
     for job, motion in zip(jobs, motions, strict=True):
         np.copyto(job.state, motion.rows[0, : len(job.state)])

@@ -23,6 +23,7 @@ from linkages.solvers.steps.compiled import call_advance, call_step, compiled, f
 from linkages.solvers.steps.stages import HALF, LOWER
 from linkages.solvers.steps.views import (
     ACTIVE,
+    ALONE,
     ANGLES,
     END,
     EVENT_VALUES,
@@ -158,6 +159,7 @@ def conclude(lanes: Lanes, lane: int) -> None:
     """Finish a step that needs more than arithmetic."""
     context = integers(lanes.motions)[integers(lanes.places)[lane]]
     system, pace = system_at(context), floats(system_at(context).pace)
+    floats(lanes.control)[ALONE] += 1.0
     take_out(lanes, lane, table_at(context + TABLE).end + 1)
     if integers(system.pace)[STATUS] != 0:  # which a motion alone knows better
         integers(system.pace)[STATUS] = call_step(system.attempt, system.frame)

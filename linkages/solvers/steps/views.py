@@ -101,7 +101,7 @@ class Lanes(NamedTuple):
     number: int  # of motions
     outcomes: int  # (number,) of int64
     places: int  # (W,) of int64: the motion in each lane, or -1
-    control: int  # (2,) of float64: number of motions that have ended, and whether to stop
+    control: int  # (3,) of float64: motions that have ended, whether to stop, steps made alone
 
 
 class Nodes(NamedTuple):
@@ -252,8 +252,8 @@ class SwitchingView(NamedTuple):
 
 # Entries of `counters`.
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
-# Entries of `control`: the time reached, and whether to stop.
-NOW, STOP = range(2)
+# Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.
+NOW, STOP, ALONE = range(3)
 # Entries per event of `Events.functions` and `Events.values`.
 FUNCTION, VALUES = 4, 5
 # Arrays of a frame.

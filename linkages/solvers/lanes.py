@@ -24,7 +24,17 @@ from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import ALONE, FRAME, PACE, REJECTED, SINGLE, STEPS, VALUES, WORD, Lanes
+from linkages.solvers.steps.views import (
+    ALONE,
+    FRAME,
+    PACE,
+    REJECTED,
+    SINGLE,
+    STEPS,
+    VALUES,
+    WORD,
+    Lanes,
+)
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -158,7 +168,7 @@ def _lanes(
     frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
     held = frame["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
     functions = [_function(memory, event, lanes) for event in jobs[0].events[: shape.events]]
-    frame["functions"] = memory.integers(functions)
+    frame["functions"] = memory.integers([places for places, _ in functions])
     places = {"clock": wide.clock, "rates": wide.rates, "held": held, **frame}
     return Lanes(
         lanes=lanes,
@@ -166,7 +176,7 @@ def _lanes(
         **{name: frame[name] for name in Lanes._fields if name in frame},
         size=sizes["parameters"],
         events=shape.events,
-        function_sizes=memory.integers([len(e.function.parameters) for e in jobs[0].events]),
+        function_sizes=memory.integers([size for _, size in functions]),
         advance=code.address("advance"),
         begin=BEGIN_MOTION.address,
         conclude=CONCLUDE_STEP.address,
@@ -178,14 +188,15 @@ def _lanes(
     )
 
 
-def _function(memory: arrays.Memory, event: Event, lanes: int) -> list[int]:
-    """Addresses of what an event of some lanes watches."""
+def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:
+    """Addresses of what an event of some lanes watches, and how many parameters it has."""
     assert event.function is not None
     assert event.function.wide is not None
     wide = event.function.wide(lanes)
     memory.keep(wide)
-    parameters = memory.floats(_aligned(len(wide.parameters) * lanes))
-    return [wide.clock, wide.rates, parameters, memory.floats(_aligned(wide.timed_size * lanes))]
+    size = len(wide.parameters)
+    room = [memory.floats(_aligned(n * lanes)) for n in (size, wide.timed_size)]
+    return [wide.clock, wide.rates, *room], size
 
 
 def _aligned(size: int) -> NDArray[np.float64]:

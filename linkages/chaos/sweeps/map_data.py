@@ -49,7 +49,8 @@ def map_fields(system: System) -> dict[str, Field]:
 
 def touchable(system: System) -> list[str]:
     """Names of what may touch: pins and holes, blocks and guides, bodies and their stops."""
-    return [about.name for about in (*system.mechanism.contacts, *system.mechanism.ends)]
+    mechanism = system.mechanism
+    return [about.name for about in mechanism.contacts] + [about.name for about in mechanism.ends]
 
 
 def free_angles(

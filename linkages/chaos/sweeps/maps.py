@@ -176,7 +176,8 @@ class _Mapped(Question):
             value = float((series.fli if self.options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
         looked = 0.0 if log is None else log.interval
-        found = {"indicator": value, "error": error, "sign": told, "interval": looked}
+        found: dict[str, Any] = {"indicator": value, "error": error}
+        found |= {"sign": told, "interval": looked}
         if names := touchable(system):
             counts = begun.tangents.touches(system.time + self._skipped(system.mechanism))
             found["touches"] = [counts.get(name, 0) / self.options.periods for name in names]

@@ -127,7 +127,9 @@ def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
         said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
         screen.print(f"the exponent is {', '.join(said)}", markup=False)
     for name, (low, high) in content["touches"].items():
-        screen.print(f"{name} is touched {number(low)} to {number(high)} times a period", markup=False)
+        screen.print(
+            f"{name} is touched {number(low)} to {number(high)} times a period", markup=False
+        )
     rows = [
         [name, word, count]
         for name, kinds in content["rotation"].items()

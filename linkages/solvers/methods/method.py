@@ -117,7 +117,9 @@ class RungeKutta(Method):
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
-        return compiled_step(self.tableau, Shape.of(job.flow, job.tangents, job.events), self.memory)
+        return compiled_step(
+            self.tableau, Shape.of(job.flow, job.tangents, job.events), self.memory
+        )
 
     def motion(self, job: Job) -> PreparedMotion:
         """What a loop takes of a job."""

@@ -244,14 +244,17 @@ class Advance:
         return code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
 
     def _squares(self) -> Iterator[str]:
-        """Squared lengths of tangents at the end, each less what the others before it have of it."""
+        """Squared lengths of tangents at the end, each less its parts along those before it."""
         code, shape = self._code, self._shape
         columns, size, placed, orthogonal = shape.tangents
         end, zero = self._memory.row(self._tableau.stages), code.constant(0.0)
         before: list[tuple[list[str], str]] = []
         for column in range(columns):
             first = shape.n - (columns - column) * size
-            places = (*range(first, first + placed), *range(shape.n + first, shape.n + first + size))
+            places = (
+                *range(first, first + placed),
+                *range(shape.n + first, shape.n + first + size),
+            )
             values = [code.load(end, place) for place in places]
             for others, square in before:
                 present = code.compare("ogt", square, zero)
@@ -281,7 +284,8 @@ class Advance:
         grown = code.select(code.all_of([again, accepted]), cautious, judged.factor)
         self._keep(goes_on, code.multiply(trial.h, grown), H)
         for value, entry in (
-            (trial.end, T), (trial.carry, CARRY), (judged.error, BEFORE), (zero, TROUBLE), (zero, HALVED),
+            (trial.end, T), (trial.carry, CARRY), (judged.error, BEFORE), (zero, TROUBLE),
+            (zero, HALVED),
         ):  # fmt: skip
             self._keep(commits, value, entry)
         self._keep(goes_on, code.select(accepted, zero, one), REJECTED_BEFORE)

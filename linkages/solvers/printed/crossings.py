@@ -42,7 +42,7 @@ class CrossedLevels:
         return found
 
     def keep(self, where: str, end: str) -> None:
-        """Make values at the end of a step, a time, those at the start of the next one, in some lanes."""
+        """Make values at the end of a step those at the start of the next one, in some lanes."""
         code = self._code
         for event in range(self._shape.events):
             for value, entry in (
@@ -96,4 +96,6 @@ class CrossedLevels:
         turned = code.any_of(beyond(side, bound, start), beyond(side, bound, stop))
         turns = code.compare("olt", code.multiply(before, after), zero)
         crossed = code.any_of(steady, code.all_of([turns, turned]))
-        return code.any_of(crossed, code.compare("une", self._kept(event, BEFORE), self._memory.pace(T)))
+        return code.any_of(
+            crossed, code.compare("une", self._kept(event, BEFORE), self._memory.pace(T))
+        )

@@ -26,8 +26,9 @@ class Shape:
     """What stands where in a row of the workspace; see `linkages.solvers.steps.views.SystemView`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
-    many are lengths themselves, orthogonal or not (see `linkages.solvers.renormalisation`). `active` is that of
-    `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is their number.
+    many are lengths themselves, orthogonal or not (see `linkages.solvers.renormalisation`).
+    `active` is that of `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is
+    their number.
     """
 
     n: int
@@ -124,7 +125,9 @@ class StepMemory:
         """The functions of an event."""
         found = []
         for place in range(FUNCTION * event, FUNCTION * (event + 1)):
-            entry = self._code.give(f"getelementptr {INTEGER}, ptr {self['functions']}, i64 {place}")
+            entry = self._code.give(
+                f"getelementptr {INTEGER}, ptr {self['functions']}, i64 {place}"
+            )
             found.append(self._code.give(f"load ptr, ptr {entry}"))
         return Called(*found)
 

@@ -32,8 +32,13 @@ from linkages.solvers.loops.commit import DONE, INTERRUPTED, STEP_BUDGET
 from linkages.solvers.steps.stages import HALF, LOWER, call_step
 from linkages.solvers.steps.views import (
     ACTIVE,
-    ALWAYS,
+    ALONE,
+    ANGLES,
     END,
+    EVENT_VALUES,
+    FUNCTION,
+    FUNCTIONS,
+    LEVELS,
     NOW,
     PACE,
     REJECTED,
@@ -43,6 +48,7 @@ from linkages.solvers.steps.views import (
     STOP,
     TAKEN,
     TURNS,
+    VALUES,
     WORD,
     Lanes,
     SystemView,
@@ -73,6 +79,16 @@ def collect(
 
 
 @printed
+def put_functions(code: Procedure, lanes: Lanes, lane: Whole, system: SystemView) -> None:
+    """Put the parameters of what events watch into a lane."""
+    own = integers(integers(system.frame)[FUNCTIONS])
+    with code.count(lanes.events) as event:
+        place = FUNCTION * event + 2
+        size = integers(lanes.function_sizes)[event]
+        spread(own[place], integers(lanes.functions)[place], size, lane, lanes.lanes)
+
+
+@printed
 def put(code: Procedure, lanes: Lanes, lane: Whole, system: SystemView) -> None:
     """Put what changes of a motion on its way into a lane."""
     held = lanes.size - system.holding
@@ -80,9 +96,12 @@ def put(code: Procedure, lanes: Lanes, lane: Whole, system: SystemView) -> None:
     spread(system.held, place, system.holding, lane, lanes.lanes)
     spread(system.rows, lanes.rows, system.width, lane, lanes.lanes)
     spread(system.pace, lanes.pace, PACE, lane, lanes.lanes)
-    spread(integers(system.frame)[TURNS], lanes.turns, system.n, lane, lanes.lanes)
-    with code.when(system.counted > 0):  # turns of dependent angles are counted for a motion alone
-        floats(lanes.pace)[ALWAYS * lanes.lanes + lane] = 1.0
+    frame = integers(system.frame)
+    spread(frame[TURNS], lanes.turns, system.n, lane, lanes.lanes)
+    spread(frame[ANGLES], lanes.angles, system.counted, lane, lanes.lanes)
+    spread(frame[EVENT_VALUES], lanes.values, VALUES * lanes.events, lane, lanes.lanes)
+    with code.when(system.holding > 0):
+        put_functions(lanes, lane, system)
 
 
 @printed
@@ -92,6 +111,8 @@ def enter(_code: Procedure, lanes: Lanes, lane: Whole, system: SystemView, atol:
     spread(atol, lanes.atol, 2 * system.n, lane, lanes.lanes)
     spread(system.margin_scale, lanes.scale, system.blocks, lane, lanes.lanes)
     spread(system.smallest_margins, lanes.smallest, system.blocks, lane, lanes.lanes)
+    spread(integers(system.frame)[LEVELS], lanes.levels, lanes.events, lane, lanes.lanes)
+    put_functions(lanes, lane, system)
     put(lanes, lane, system)
 
 
@@ -107,6 +128,9 @@ def take_out(_code: Procedure, lanes: Lanes, lane: Whole, rows: Whole) -> None:
     collect(lanes.rows, system.rows, rows * system.width, lane, lanes.lanes)
     collect(lanes.pace, system.pace, PACE, lane, lanes.lanes)
     collect(lanes.turns, record.final_turns, system.n, lane, lanes.lanes)
+    collect(lanes.angles, record.angles, system.counted, lane, lanes.lanes)
+    values = integers(system.frame)[EVENT_VALUES]
+    collect(lanes.values, values, VALUES * lanes.events, lane, lanes.lanes)
     note_steps(system, table, record)
 
 
@@ -160,6 +184,7 @@ def conclude(code: Procedure, lanes: Lanes, lane: Whole) -> None:
     context = motion_in(lanes, lane)
     system, table, _ = parts_of(context)
     pace, status = floats(system.pace), integers(system.pace)
+    floats(lanes.control)[ALONE] += 1.0
     take_out(lanes, lane, table.end + 1)
     with code.when(status[STATUS] != 0):  # which a motion alone knows better
         status[STATUS] = call_step(code, system.attempt, system.frame)

@@ -117,7 +117,9 @@ class RungeKutta(Method):
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
-        return compiled_step(self.tableau, Shape.of(job.flow, job.tangents), self.memory)
+        return compiled_step(
+            self.tableau, Shape.of(job.flow, job.tangents, job.events), self.memory
+        )
 
     def motion(self, job: Job) -> PreparedMotion:
         """What a loop takes of a job."""
@@ -126,12 +128,12 @@ class RungeKutta(Method):
 
         tableau, store = self.tableau, arrays.Memory()
         rows, pace = arrays.workspace(tableau, job.flow, job.state), arrays.pace(job)
-        system = arrays.system(store, job, rows, pace, self.code(job))
+        events = hooks.events(store, job)
+        system = arrays.system(store, job, rows, pace, self.code(job), events)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
-        events = hooks.events(store, job)
         hook = hooks.hook(store, events, system, table, record)
-        switching = hooks.switching(store, job, events, system, table, record, tableau.c)
+        switching = hooks.switching(store, job, events, system, table, record, tableau.quarters)
         words = (system, table, record, hook, switching)
         places, context = tuple(store.integers(word) for word in words), 0
         if job.step is None:

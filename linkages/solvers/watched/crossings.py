@@ -22,10 +22,13 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.printed import printed
 from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.printed.crossings import SLACK
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import (
     EVALUATIONS,
+    FUNCTION,
+    VALUES,
     WORD,
     Events,
     Record,
@@ -34,8 +37,6 @@ from linkages.solvers.steps.views import (
 )
 from linkages.solvers.watched.counting import counted_angle, expect_end
 from linkages.solvers.watched.locate import (
-    FUNCTION,
-    VALUES,
     dense_value,
     polish,
     prepare_dense,
@@ -49,8 +50,6 @@ SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
 RECORD_WORDS = len(Record._fields)
 # What `watch_step` returns where the integration goes on.
 GO_ON = 2.0
-# A state on a level, as a run from a located crossing starts with, lies beyond it.
-SLACK = 1e-12
 # Two units in the last place: t + θh may be rounded once or twice.
 SAME_TIME = 4.5e-16
 

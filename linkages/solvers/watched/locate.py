@@ -29,7 +29,9 @@ from linkages.solvers.steps.stages import (
 )
 from linkages.solvers.steps.views import (
     EVALUATIONS,
+    FUNCTION,
     TWO_PI,
+    VALUES,
     WORD,
     Events,
     Record,
@@ -39,7 +41,6 @@ from linkages.solvers.steps.views import (
 from linkages.solvers.watched.sampling import interpolate
 
 SEARCHES, POLISHES = 60, 8
-FUNCTION, VALUES = 4, 5  # entries per event of `Events.functions` and `Events.values`
 # Of a step: where searching the dense output gives way to repeating the step.
 NEAR, EXACT = 1e-9, 1e-15
 

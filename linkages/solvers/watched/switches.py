@@ -22,6 +22,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.printed import printed
 from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.printed.modes import BELOW, FAR, ROUND_OFF, UNLIKE
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -38,18 +39,12 @@ RECORD_WORDS = len(Record._fields)
 GO_ON = 2.0
 # Of the length of a step: as near to the change as times can be told apart.
 EXACT = 1e-14
-# Value of a function that is no more than round-off, beside its change in a step.
-ROUND_OFF = 1e-9
 # Repetitions of a step: far more than cubics need, enough to halve it down to its last digit.
 SEARCHES, DIPS = 60, 8
 # Where a rejected step is repeated up to a change, so that it lies within.
 BEHIND = 1.001
-# How far from a cubic a function may be at a stage beside its variation; how far from zero, beside
-# that, it does not matter; how often a step is halved for it: more is round-off. Measured on 260
-# random motions between two walls with friction: 0.1 missed releases of a tenth of a period.
-UNLIKE, FAR, HALVINGS = 0.03, 10.0, 8
-# A stage is this far below zero, beside the ends of its step, before it is looked at.
-BELOW = 1e-9
+# How often a step is halved to see what functions do: more is round-off.
+HALVINGS = 8
 
 
 def system_at(context: Whole) -> Any:

@@ -16,6 +16,7 @@ from linkages.kernel.code.operands import (
     Whole,
     choose,
     floats,
+    fused,
     integers,
     larger_of,
     smaller_of,
@@ -261,7 +262,7 @@ def unresolved(
         row = integers(switches.rows)[k]
         x = floats(table.c)[row]
         here, _ = seen(system, switches.modes, row, switch)
-        cubic = start + x * (rise + x * (c2 + x * c3))
+        cubic = fused(x, fused(x, fused(x, c3, c2), rise), start)
         apart.set(larger_of(apart, abs(here - cubic)))
         low.set(smaller_of(low, here))
         high.set(larger_of(high, here))

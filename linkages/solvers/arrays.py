@@ -198,6 +198,7 @@ def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
         timed=memory.floats(np.zeros((s, flow.timed_size))),
         timed_size=flow.timed_size,
         kept=memory.floats(np.zeros(max(n, s))),
+        changes=memory.floats(np.zeros(2)),
         carry=memory.floats(np.zeros(2 * n)),
         next_carry=memory.floats(np.zeros(2 * n)),
         held=memory.floats(np.zeros(2 * n)),

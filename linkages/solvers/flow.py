@@ -125,7 +125,7 @@ class Flow:
     Parameters
     ----------
     clock, rates
-        Addresses of the compiled functions, for example ``numba.cfunc(...)(f).address``.
+        Addresses of the compiled functions.
     parameters : (p,)
         Numbers passed to both functions; never changed by a solver, which changes modes in a copy.
     timed_size

@@ -124,7 +124,9 @@ def _run(
     def stop() -> None:
         control[1] = 1.0
 
-    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
+    spent, interrupted = supervise(
+        lambda: ADVANCE_LANES(memory.integers(view)), stop, lambda: look(control[0])
+    )
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",

@@ -121,6 +121,7 @@ class Nodes(NamedTuple):
     timed: int  # (s, timed_size) of float64: what `clock` wrote for each stage
     timed_size: int
     kept: int  # (max(n, s),) of float64: room for old values
+    changes: int  # (2,) of float64: largest change of an acceleration, and largest acceleration
     carry: int  # (2n,) of float64: what the state in row 0 is too small by
     next_carry: int  # (2n,) of float64
     held: int  # (2n,) of float64

@@ -1,6 +1,6 @@
 """Make the map of touches and exponents of docs/contact_published.md.
 
-python docs/figures_contact_map.py                        # 100 × 100 points, 15 minutes on two cores
+python docs/figures_contact_map.py                        # 100 × 100 points: 15 minutes
 python docs/figures_contact_map.py --points 40            # fewer
 python docs/figures_contact_map.py --store contact.map    # goes on where it was interrupted
 """
@@ -8,6 +8,7 @@ python docs/figures_contact_map.py --store contact.map    # goes on where it was
 from __future__ import annotations
 
 import argparse
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +68,7 @@ def table(data: xr.Dataset) -> str:
     ]
     sizes, touches = data[data.attrs["y"]].to_numpy(), data.touches.sel(touch="gap").to_numpy()
     known = np.isfinite(data.indicator.to_numpy())
-    for low, high in zip(BOUNDS[:-1], BOUNDS[1:], strict=True):
+    for low, high in pairwise(BOUNDS):
         rows = ((sizes > low) & (sizes <= high * (1 + 1e-9)))[:, None] & known
         share = [float(where[rows].mean()) for where in (touches == 0, data.sign.to_numpy() > 0)]
         most = np.nanmax(np.where(rows, touches, 0.0))

@@ -1,9 +1,10 @@
-"""Whole turns of dependent angles of a single motion, written out; see `watched.counting`."""
+"""Whole turns of dependent angles, written out; see `watched.counting`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from linkages.kernel.code.arcs import arc_of
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.shape import Shape, StepMemory
@@ -28,14 +29,18 @@ def write_expected(
 
 
 def write_counted(
-    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str
+    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str, where: str = ""
 ) -> None:
-    """Write the angles in a row, with the turns that bring them closest to where they should be."""
+    """Write the angles in a row, with the turns that bring them closest to where they should be.
+
+    In some lanes, if they are given.
+    """
     cosines = code.address(row, shape.cosines)
     turn = code.constant(TWO_PI)
     for i in range(shape.counted):
         sine = code.load(cosines, shape.counted + i)
-        angle = code.library("atan2", sine, code.load(cosines, i))
+        angle = arc_of(code, sine, code.load(cosines, i))
         apart = code.subtract(code.load(memory["ahead"], i), angle)
         whole = code.call("llvm.rint", code.divide(apart, turn))
-        code.store(code.fused(turn, whole, angle), into, i)
+        found = code.fused(turn, whole, angle)
+        code.store(code.select(where, found, code.load(into, i)) if where else found, into, i)

@@ -71,12 +71,17 @@ def pace(job: Job) -> NDArray[np.float64]:
     found, flow = np.zeros(PACE), job.flow
     found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
     found[SAMPLE] = job.times[0]
+    watched = is_watched(job)
+    # printed code counts the turns of a single motion; in lanes see `loops.lanes.enter`
+    found[[ALWAYS, PLAIN]] = watched, not watched and job.tangents is None
+    return found
+
+
+def is_watched(job: Job) -> bool:
+    """Whether something looks at every step of a motion."""
     own = job.tangents
     together = own is not None and own.orthogonal and own.columns > 1
-    watched = bool(job.events or flow.switching or together)
-    # printed code counts the turns of a single motion; in lanes see `loops.lanes.enter`
-    found[[ALWAYS, PLAIN]] = watched, not watched and own is None
-    return found
+    return bool(job.events or job.flow.switching or together)
 
 
 def system(

@@ -1,7 +1,8 @@
-"""Many motions on a graphics processor: launches of bounded length, and what they leave to the CPU.
+"""Many motions on a graphics processor: launches of bounded length, and what is left to the CPU.
 
-Threads make steps until one needs more than arithmetic. Between two launches such steps are finished
-on this side, by the functions of single motions, and motions that have ended make room for others.
+Threads make steps until one needs more than arithmetic. Between two launches such steps are
+finished on this side, by the functions of single motions, and motions that have ended make room for
+others.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.code.cuda import Device
+from linkages.kernel.code.ptx import WIDTH
 from linkages.solvers import arrays
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import (
@@ -38,6 +40,9 @@ LOGGER = logging.getLogger(__name__)
 
 FEWEST = 64
 """Motions; fewer are integrated in lanes of this processor."""
+
+PER_MULTIPROCESSOR = 256
+"""Motions: of threads that take all registers they can have no more run at a time."""
 
 SECONDS = 0.05
 """About how long a launch takes, so that Ctrl-C is heard and a display can be drawn between two."""
@@ -83,7 +88,7 @@ class Accelerator:
     @property
     def motions(self) -> int:
         """Number that fills it, about."""
-        return 4 * FEWEST * self.device.multiprocessors
+        return PER_MULTIPROCESSOR * self.device.multiprocessors
 
     def takes(self, method: Method, jobs: Sequence[Job]) -> bool:
         """Whether it is worth while, and possible: nothing watches every step."""
@@ -104,7 +109,7 @@ class Accelerator:
         with self._lock:
             steps = self._steps(method, jobs[0])
             samples = max(0 if job.tangents else len(job.times) for job in jobs)
-            count = min(steps.room(self.device, samples), _multiple(len(jobs)))
+            count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
             with Slots(self.device, steps, count, samples) as slots:
                 launches = _Launches(method, jobs, slots, self._helpers)
                 _, interrupted = supervise(
@@ -140,9 +145,7 @@ class _Launches:
         Trials of all motions, launches, and steps finished on this side.
     """
 
-    def __init__(
-        self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int
-    ) -> None:
+    def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
         self._method, self._jobs, self._slots, self._helpers = method, jobs, slots, helpers
         self._waiting = iter(range(len(jobs)))
         self._free = [*range(len(slots.found))][::-1]
@@ -254,9 +257,9 @@ class _Launches:
         self._free.append(slot)
 
 
-def _multiple(count: int) -> int:
-    """The next number that fills whole warps."""
-    return -(-count // FEWEST) * FEWEST
+def _whole_warps(count: int) -> int:
+    """The next number that fills warps."""
+    return -(-count // WIDTH) * WIDTH
 
 
 _PLACE: ContextVar[Accelerator | None] = ContextVar("accelerator", default=None)

@@ -68,7 +68,7 @@ class Memory:
 
 def pace(job: Job) -> NDArray[np.float64]:
     """How a motion goes on, before it has begun; see `views`."""
-    found, flow = np.zeros(PACE), job.flow
+    found = np.zeros(PACE)
     found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
     found[SAMPLE] = job.times[0]
     watched = is_watched(job)

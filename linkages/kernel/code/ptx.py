@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from linkages.errors import LinkagesError
 from linkages.kernel.code.cache import kept
+from linkages.kernel.code.cuda import DeviceError
 from linkages.kernel.code.instructions import INTEGER, Instructions
 from linkages.kernel.code.llvm import Module, call_routine
 from linkages.kernel.code.statements import Routine
@@ -27,7 +27,7 @@ _TRIPLE = "nvptx64-nvidia-cuda"
 _REGISTER = "llvm.nvvm.read.ptx.sreg"
 
 
-class UnprintedError(LinkagesError):
+class UnprintedError(DeviceError):
     """A kernel calls functions that graphics processors have no code for.
 
     Parameters

@@ -258,7 +258,8 @@ def test_little_memory_has_fewer_slots(driver, caplog):
     assert "70 motions in 32 slots of Stand-in" in caplog.text
 
 
-def test_functions_of_the_c_library_are_refused(driver, monkeypatch):
+@pytest.mark.usefixtures("driver")
+def test_functions_of_the_c_library_are_refused(monkeypatch):
     def refuse(*_):
         raise UnprintedError(["erf"])
 

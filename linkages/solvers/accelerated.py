@@ -116,10 +116,10 @@ class Accelerator:
                     launches.run, launches.stop, lambda: look(launches.control[NOW])
                 )
             LOGGER.info(
-                "%d motions in %d slots of %s (%d registers): %d steps tried in %d launches, "
-                "%d of them finished on the CPU",
+                "%d motions in %d slots of %s (%d registers): %d steps tried in %d launches that "
+                "took %.3g s, %d steps finished on the CPU",
                 len(jobs), count, self.device.name, steps.kernel.registers, launches.trials,
-                launches.number, launches.concluded,
+                launches.number, launches.seconds, launches.concluded,
             )  # fmt: skip
         return launches.outcomes, interrupted
 
@@ -141,8 +141,8 @@ class _Launches:
         Number of motions that have ended, and whether to stop.
     outcomes
         Of all jobs.
-    trials, number, concluded
-        Trials of all motions, launches, and steps finished on this side.
+    trials, number, seconds, concluded
+        Trials of all motions, launches, how long these took, and steps finished on this side.
     """
 
     def __init__(self, method: RungeKutta, jobs: Sequence[Job], slots: Slots, helpers: int) -> None:
@@ -155,6 +155,7 @@ class _Launches:
         self.control = np.zeros(2)
         self.outcomes = [Outcome.INTERRUPTED] * len(jobs)
         self.trials = self.number = self.concluded = 0
+        self.seconds = 0.0
 
     def stop(self) -> None:
         """Ask it to end after the present launch."""
@@ -207,6 +208,7 @@ class _Launches:
         spent = time.perf_counter() - begun
         self.trials += int((self._slots.found[active] >> _HALF).sum())
         self.number += 1
+        self.seconds += spent
         wanted = int(self._ticks * min(2.0, SECONDS / max(spent, 1e-9)))
         self._ticks = max(1, min(MOST_TICKS, wanted))
 

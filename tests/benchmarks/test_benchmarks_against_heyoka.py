@@ -30,5 +30,5 @@ def test_costs_are_read_from_a_line():
     assert cost.at(1e-7) == pytest.approx(10.0 * 10 ** (1 / 3), rel=1e-12)
     with pytest.raises(ValueError, match="expected some around 1e-12"):
         cost.at(1e-12)
-    table = rows({"ours": cost, "theirs": Cost([2.0, 20.0, 200.0], cost.errors)}, 1e-6)
-    assert table[2:] == ["| ours | 39.06 | 1.0 |", "| theirs | 78.12 | 2.0 |"]
+    table = rows({"ours": cost, "theirs": Cost([2.56, 25.6, 256.0], cost.errors)}, 1e-6)
+    assert table[2:] == ["| ours | 39.06 | 1.0 |", "| theirs | 100.00 | 2.6 |"]

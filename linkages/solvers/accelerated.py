@@ -91,11 +91,13 @@ class Accelerator:
         return PER_MULTIPROCESSOR * self.device.multiprocessors
 
     def takes(self, method: Method, jobs: Sequence[Job]) -> bool:
-        """Whether it is worth while, and possible: nothing watches every step."""
+        """Whether it is worth while, and possible: no events are looked for."""
         if len(jobs) < FEWEST or not isinstance(method, RungeKutta):
             return False
         return all(
-            job.step is None and job.flow.routines is not None and not arrays.is_watched(job)
+            job.step is None
+            and job.flow.routines is not None
+            and not (job.events or arrays.is_watched(job))
             for job in jobs
         )
 
@@ -108,7 +110,7 @@ class Accelerator:
         """
         with self._lock:
             steps = self._steps(method, jobs[0])
-            samples = max(0 if job.tangents else len(job.times) for job in jobs)
+            samples = max(len(job.times) * arrays.is_plain(job) for job in jobs)
             count = min(steps.room(self.device, samples), _whole_warps(len(jobs)))
             with Slots(self.device, steps, count, samples) as slots:
                 launches = _Launches(method, jobs, slots, self._helpers)
@@ -124,7 +126,7 @@ class Accelerator:
         return launches.outcomes, interrupted
 
     def _steps(self, method: RungeKutta, job: Job) -> DeviceSteps:
-        key = (method.name, job.flow.clock, Shape.of(job.flow, job.tangents))
+        key = (method.name, job.flow.clock, Shape.of(job.flow, job.tangents, job.events))
         if key not in self._known:
             if len(self._known) == _KEPT:
                 self._known.clear()

@@ -58,12 +58,12 @@ class DeviceSteps:
         """Written, and loaded."""
         flow = job.flow
         assert flow.routines is not None
-        shape = Shape.of(flow, job.tangents)
+        shape = Shape.of(flow, job.tangents, job.events)
         text = write_device_steps(
             method.tableau, shape, flow.routines(), method.memory, device.architecture
         )
         kernel = device.load(text, "advance_lanes")
-        return cls(kernel, shape, len(flow.parameters), flow)
+        return cls(kernel, shape, len(job.parameters), flow)
 
     @cached_property
     def code(self) -> MachineCode:
@@ -190,7 +190,8 @@ class Slots:
     def store(self) -> None:
         """Copy it back, before the next steps."""
         if not self._changed:
-            self._put(KEPT)
+            modes = ("parameters", "held") if self._steps.shape.active else ()
+            self._put((*KEPT, *modes))
 
     def _put(self, names: Sequence[str]) -> None:
         for name in names:

@@ -148,9 +148,6 @@ def test_motions_that_are_computed_on_the_cpu_only():
     over = {"bars.rod.mass": [0.4, 0.5]}
     with pytest.raises(OptionError, match="a motion that drives determine is computed on the CPU"):
         linkages.sweep(linkages.loads(CRANK), over, "max(abs(crank.effort))", device="cuda")
-    contact = linkages.load("slider-crank-contact")
-    with pytest.raises(OptionError, match=r"a motion with modes, whose every step is watched \("):
-        linkages.chaos_map(contact, over, {"bars.crank.mass": [1.0, 2.0]}, device="cuda")
 
 
 @pytest.mark.parametrize(
@@ -158,7 +155,6 @@ def test_motions_that_are_computed_on_the_cpu_only():
     [
         ({"start": "forward"}, "a diagram whose values go on from each other"),
         ({"section": "slider9.velocity=0"}, "a diagram of crossings of a section"),
-        ({"exponent": True}, "a diagram with exponents"),
     ],
 )
 def test_diagrams_that_are_computed_on_the_cpu_only(options, message):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -52,6 +52,44 @@ def indicator_label(data: xr.Dataset) -> str:
     if _logarithmic(data):
         label = f"log₁₀ of the {label}"
     return f"{label} [{units}]" if units else label
+
+
+@styled
+def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
+    """How often something is touched, as an image with a colour bar; None where it never is."""
+    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
+    return touch_page(data, contact) if np.nansum(values) > 0 else None
+
+
+@styled
+def touch_page(data: xr.Dataset, contact: str) -> Figure:
+    """How often something is touched, as an image with a colour bar, whatever it shows."""
+    result, ax, bar = _page(0.0)
+    draw_touches(ax, data, contact)
+    result.colorbar(ax.collections[0], cax=bar, label=str(data["touches"].attrs["long_name"]))
+    return result
+
+
+def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
+    """Draw how often a period something is touched, on average: grey where it is not known.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        With `touches`.
+    contact
+        Name of what is touched.
+    """
+    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
+    x, y = _frame(ax, data)
+    colours, _ = _colours(values, signed=False)
+    most = max(1.0, float(np.nanmax(values, initial=1.0)))
+    limits = SymLogNorm(1.0, vmin=0.0, vmax=most)  # small numbers differ more than large ones
+    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
+    ax.set_title(fitted(f"{data.attrs.get('name', '')}: {contact}", 4.4))
+    return ax
 
 
 @styled

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
-from linkages.solution.moving.plan import Plan
 from linkages.solvers.choice import AUTO, choose
 from linkages.solvers.methods.method import RungeKutta
 from linkages.solvers.methods.named import METHODS
@@ -22,10 +21,6 @@ def cpu_only(system: System, run: RunOptions) -> str:
     """
     if not system.topology.coordinates:
         return "a motion that drives determine"
-    switching = Plan.of(system).switching
-    if switching is not None:
-        names = ", ".join(switching.names[:3])
-        return f"a motion with modes, whose every step is watched ({names})"
     name = choose(run.rtol).name if run.method == AUTO else run.method
     if run.step is not None:
         return "a motion in steps of one length"

@@ -33,7 +33,7 @@ from linkages.solvers.steps.views import (
     T,
 )
 
-GIVEN = ("parameters", "atol", "scale", "smallest")
+GIVEN = ("parameters", "held", "atol", "scale", "smallest")
 KEPT = ("rows", "pace", "turns", "angles", "ahead", "counters")
 """Arrays of a motion's frame that steps read, and those that they change as well."""
 
@@ -58,6 +58,7 @@ def slot_entries(shape: Shape, parameters: int) -> dict[str, int]:
     return {
         "budget": 1,
         "parameters": parameters,
+        "held": len(shape.active),
         "atol": 2 * shape.n,
         "scale": shape.blocks,
         "smallest": shape.blocks,
@@ -191,12 +192,17 @@ class _Thread:
                 room = code.on_integers("add", room, "1")
             first = code.on_integers("mul", self._slot, code.on_integers("mul", room, str(size)))
             places[name] = code.give(f"getelementptr {DOUBLE}, ptr %{name}, {INTEGER} {first}")
-        return places | {
-            "parameters": self._columns["parameters"],
-            "timed": code.reserve(self._timed),
-            "clock": "@clock",
-            "rates": "@rates",
-        }
+        nothing = dict.fromkeys(("functions", "values", "levels"), "null")  # of events
+        return (
+            places
+            | nothing
+            | {
+                "parameters": self._columns["parameters"],
+                "timed": code.reserve(self._timed),
+                "clock": "@clock",
+                "rates": "@rates",
+            }
+        )
 
     def _end(self, found: str) -> None:
         place = self._code.give(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")

@@ -63,12 +63,15 @@ def ptx_of(name, method, tangents=0):
 
 @pytest.mark.parametrize(
     ("name", "tangents", "method"),
-    [("ninebar", 0, "vern9"), ("ninebar", 1, "tsit5"), ("andrews", 0, "dop853")],
-)
+    [
+        ("ninebar", 0, "vern9"), ("ninebar", 1, "tsit5"), ("andrews", 0, "dop853"),
+        ("class-three", 0, "tsit5"), ("slider-crank-contact", 1, "vern9"),
+    ],
+)  # fmt: skip
 def test_every_operation_says_how_it_rounds(name, tangents, method):
     text = ptx_of(name, method, tangents)
     operations = ROUNDED.findall(text)
-    assert len(operations) > 1000
+    assert len(operations) > 700
     assert all(".rn" in operation for operation in operations)
     assert not re.findall(r"\.extern|\.approx|\.ftz|prototype_", text)  # nor calls by address
     assert len(re.findall(r"\.visible \.entry advance_lanes\(", text)) == 1

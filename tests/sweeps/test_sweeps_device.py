@@ -5,6 +5,7 @@ import pytest
 from stand_in_driver import installed
 
 import linkages
+from linkages.chaos.sweeps import bifurcation
 from linkages.kernel.code.cuda import DeviceError
 from linkages.options.option import OptionError
 from linkages.solvers import accelerated
@@ -28,6 +29,21 @@ bars:
   rod: {joints: [A, B], length: 0.14, mass: 0.5, center: 0.07}
 drives: {crank: {angle: 0, speed: 600 rpm}}
 assembly: {B: [0.18, 0]}
+"""
+WORN = """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 0.8, center: 10 mm}
+  rod: {joints: [A, B], length: 140 mm, mass: 0.5}
+sliders: {piston: {joint: B, through: O, mass: 0.4}}
+clearances:
+  gap: {joint: A, bar: rod, size: 0.1 mm, carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s,
+        contact: hunt-crossley-constant, stiffness: 2e8 N/m^1.5, dissipation: 1.5 s/m}
+drives: {crank: {angle: 0, speed: 600 rpm}}
+loads: [{slider: piston, force: -200 N}]
+assembly: {B: [0.18, 0]}
+simulate: {end: 0.05, samples: 11, rtol: 1e-6}
 """
 MEASURES = ["max(arm.speed)", "final(more.angle)"]
 
@@ -74,6 +90,42 @@ def test_a_diagram(driver):
     options = {"periods": 2, "skip": 0, "rtol": 1e-6}
     expected = linkages.bifurcation(mechanism, vary, **options)
     found = linkages.bifurcation(mechanism, vary, **options, device="cuda")
+    require_used(driver)
+    assert found.identical(expected)
+
+
+def test_exponents_of_a_diagram(driver, monkeypatch):
+    """Over fewer periods than users get."""
+    monkeypatch.setattr(bifurcation, "EXPONENT_PERIODS", 4)
+    monkeypatch.setattr(bifurcation, "ALIGNING", 1)
+    mechanism = linkages.load("ninebar")
+    vary = {"clearances.r1.size": ["0.1 mm", "0.2 mm", "0.4 mm"]}
+    options = {"periods": 1, "skip": 0, "rtol": 1e-6, "exponent": True}
+    expected = linkages.bifurcation(mechanism, vary, **options)
+    assert np.isfinite(expected.exponent).all()
+    found = linkages.bifurcation(mechanism, vary, **options, device="cuda")
+    require_used(driver)
+    assert found.identical(expected)
+
+
+def test_motions_with_modes(driver):
+    """Contact opens and closes under friction: modes change in steps left to the CPU."""
+    mechanism = linkages.loads(WORN)
+    over = {"clearances.gap.size": ["0.1 mm", "0.2 mm", "0.3 mm"]}
+    measures = ["max(gap.force)", "mean(gap.force)"]
+    expected = linkages.sweep(mechanism, over, measures)
+    assert not expected.outcome.any()
+    found = linkages.sweep(mechanism, over, measures, device="cuda")
+    require_used(driver)
+    assert found.identical(expected)
+
+
+def test_a_map_of_motions_with_modes(driver):
+    mechanism = linkages.loads(WORN)
+    axes = {"clearances.gap.size": ["0.1 mm", "0.3 mm"]}, {"bars.rod.mass": [0.4, 0.5]}
+    options = {"indicator": "fli", "periods": 4, "rtol": 1e-6}
+    expected = linkages.chaos_map(mechanism, *axes, **options)
+    found = linkages.chaos_map(mechanism, *axes, **options, device="cuda")
     require_used(driver)
     assert found.identical(expected)
 

@@ -41,8 +41,8 @@ LOGGER = logging.getLogger(__name__)
 FEWEST = 64
 """Motions; fewer are integrated in lanes of this processor."""
 
-PER_MULTIPROCESSOR = 256
-"""Motions: of threads that take all registers they can have no more run at a time."""
+PER_MULTIPROCESSOR = 384
+"""Motions: of threads with 168 registers, as the nine-bar has, no more run at a time."""
 
 SECONDS = 0.05
 """About how long a launch takes, so that Ctrl-C is heard and a display can be drawn between two."""

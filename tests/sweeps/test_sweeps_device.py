@@ -38,7 +38,8 @@ bars:
   rod: {joints: [A, B], length: 140 mm, mass: 0.5}
 sliders: {piston: {joint: B, through: O, mass: 0.4}}
 clearances:
-  gap: {joint: A, bar: rod, size: 0.1 mm, carries: hole, pin_radius: 8 mm, friction: 0.05, slip: 10 mm/s,
+  gap: {joint: A, bar: rod, size: 0.1 mm, carries: hole, pin_radius: 8 mm,
+        friction: 0.05, slip: 10 mm/s,
         contact: hunt-crossley-constant, stiffness: 2e8 N/m^1.5, dissipation: 1.5 s/m}
 drives: {crank: {angle: 0, speed: 600 rpm}}
 loads: [{slider: piston, force: -200 N}]

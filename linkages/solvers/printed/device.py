@@ -12,6 +12,7 @@ the other, and finishes steps that need more.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
 from linkages.kernel.code.llvm import Module
@@ -111,7 +112,9 @@ def write_device_steps(
     """
     module = lane_function(tableau, shape, routines)
     add_kernel(module, "advance", ARRAYS, INTEGERS)
-    return assemble_ptx([module.text, write_step(tableau, shape, gain)], architecture)
+    # called by address, functions would need a stack of a size that nobody knows
+    step = write_step(tableau, replace(shape, linked=True), gain)
+    return assemble_ptx([module.text, step], architecture)
 
 
 def lane_function(tableau: Tableau, shape: Shape, routines: Sequence[Routine]) -> Module:
@@ -192,17 +195,9 @@ class _Thread:
                 room = code.on_integers("add", room, "1")
             first = code.on_integers("mul", self._slot, code.on_integers("mul", room, str(size)))
             places[name] = code.give(f"getelementptr {DOUBLE}, ptr %{name}, {INTEGER} {first}")
-        nothing = dict.fromkeys(("functions", "values", "levels"), "null")  # of events
-        return (
-            places
-            | nothing
-            | {
-                "parameters": self._columns["parameters"],
-                "timed": code.reserve(self._timed),
-                "clock": "@clock",
-                "rates": "@rates",
-            }
-        )
+        places["parameters"] = self._columns["parameters"]
+        places["timed"] = code.reserve(self._timed)
+        return dict.fromkeys(FRAME, "null") | places  # there are no events; functions have names
 
     def _end(self, found: str) -> None:
         place = self._code.give(f"getelementptr {INTEGER}, ptr %found, {INTEGER} {self._slot}")

@@ -83,9 +83,7 @@ def lanes(problem: InitialValueProblem, begin: Floats, rtol: float) -> Solve:
     return solve
 
 
-def batches(
-    problem: InitialValueProblem, begin: Floats, rtol: float, batch: int, compact: bool
-) -> Solve:
+def batches(problem: InitialValueProblem, begin: Floats, rtol: float, batch: int) -> Solve:
     """That of heyoka; batches are compiled outside of what is timed."""
     import heyoka
 
@@ -93,9 +91,7 @@ def batches(
     variables = heyoka.make_vars(*[f"y{i}" for i in range(2 * n)])
     rates = [*variables[n:], *expressions(problem, variables, heyoka)]
     system = list(zip(variables, rates, strict=True))
-    integrator: Any = heyoka.taylor_adaptive_batch(
-        system, begin[:batch].T.copy(), tol=rtol, compact_mode=compact
-    )
+    integrator: Any = heyoka.taylor_adaptive_batch(system, begin[:batch].T.copy(), tol=rtol)
 
     def solve() -> Floats:
         found = np.empty((len(begin), n))
@@ -111,8 +107,8 @@ def batches(
 
 WAYS: dict[str, Callable[[InitialValueProblem, Floats, float], Solve]] = {
     "lanes, vern9": lanes,
-    "heyoka, batches of 4": lambda *given: batches(*given, 4, compact=False),
-    "heyoka, batches of 8, compact": lambda *given: batches(*given, 8, compact=True),
+    "heyoka, batches of 4": lambda *given: batches(*given, 4),
+    "heyoka, batches of 8": lambda *given: batches(*given, 8),
 }
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import platform
 import sys
+from importlib import metadata
 from pathlib import Path
 
 from figures import machine
@@ -16,6 +17,7 @@ from figures_stability import write
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "benchmarks"))
 
+import against_heyoka
 import lanes
 
 SETS = {"AVX-512": "x86-64-v4", "AVX2": "x86-64-v3"}
@@ -42,7 +44,19 @@ def main() -> None:
     if platform.machine().lower() not in ("x86_64", "amd64"):
         raise SystemExit("this table compares instruction sets of x86-64; run it on such a machine")
     note = f"Nanoseconds for an evaluation of one state, least of {lanes.ROUNDS}; {machine()}."
-    write("lanes.md", "\n".join([*rows(), "", note, ""]))
+    write("lanes.md", "\n".join([*rows(), "", note, "", *heyoka(), ""]))
+
+
+def heyoka() -> list[str]:
+    """Whole motions against those of heyoka's batches."""
+    of = against_heyoka
+    note = (
+        f"Processor time of {of.MOTIONS} motions of the nine-bar over {of.END:g} s, from as many "
+        f"states, on one core, at a median error of {of.ERROR:g} rad at the end; least of "
+        f"{of.ROUNDS}, in turn; heyoka {metadata.version('heyoka')}, whose batches are compiled "
+        "before; lanes include setting motions up in Python."
+    )
+    return [*of.rows(of.measured()), "", note]
 
 
 if __name__ == "__main__":

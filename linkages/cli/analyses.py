@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Drawing, Moving, Start
+from linkages.cli.options import Drawing, Moving, Processor, Start
 from linkages.cli.verb import computes
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
@@ -20,6 +20,11 @@ RANGE = "PATH=FIRST:LAST:COUNT"
 
 Cores = Annotated[
     int | None, typer.Option(min=1, help="Computations at the same time; default: all cores.")
+]
+
+Device = Annotated[
+    Processor,
+    typer.Option(help="cuda: integrate motions on an NVIDIA graphics processor of this machine."),
 ]
 
 Store = Annotated[
@@ -154,6 +159,7 @@ def bifurcation(
     ] = None,
     store: Store = None,
     cores: Cores = None,
+    device: Device = Processor.CPU,
 ) -> None:
     """Take section points for every value of a parameter."""
 
@@ -168,6 +174,7 @@ def map_(
     ],
     store: Store = None,
     cores: Cores = None,
+    device: Device = Processor.CPU,
 ) -> None:
     """Map an indicator of chaos over two parameters or a plane of initial states."""
 
@@ -207,6 +214,7 @@ def sweep(
         bool, typer.Option("--status", help="Say what the store FILE holds, and compute nothing.")
     ] = False,
     cores: Cores = None,
+    device: Device = Processor.CPU,
 ) -> None:
     """Take measures of the motion at many values, alone, as a grid or drawn at random."""
 

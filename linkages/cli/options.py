@@ -91,6 +91,13 @@ class Drawing(StrEnum):
     LATIN_HYPERCUBE = "latin-hypercube"
 
 
+class Processor(StrEnum):
+    """Where motions of a sweep are integrated."""
+
+    CPU = "cpu"
+    CUDA = "cuda"
+
+
 class Start(StrEnum):
     """Where each value of a sweep starts."""
 

@@ -72,13 +72,22 @@ class Memory:
 
 def pace(job: Job) -> NDArray[np.float64]:
     """How a motion goes on, before it has begun; see `views`."""
-    found, flow = np.zeros(PACE), job.flow
+    found = np.zeros(PACE)
     found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
     found[SAMPLE] = job.times[0]
-    own = job.tangents
-    found[ALWAYS] = not (are_printed(job.events) and (own is None or is_printed(own)))
-    found[PLAIN] = not job.events and own is None and flow.switching is None
+    found[[ALWAYS, PLAIN]] = is_watched(job), is_plain(job)
     return found
+
+
+def is_watched(job: Job) -> bool:
+    """Whether something has to look at every step of a motion that printed code does not see."""
+    own = job.tangents
+    return not (are_printed(job.events) and (own is None or is_printed(own)))
+
+
+def is_plain(job: Job) -> bool:
+    """Whether nothing looks at a motion, so that printed code takes its samples."""
+    return not job.events and job.tangents is None and job.flow.switching is None
 
 
 def system(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.kernel.closure.dyads import LEAST_MARGIN
+from linkages.kernel.code.statements import Routine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,6 +152,8 @@ class Flow:
     wide
         Compiles both functions for so many lanes, with rows of numbers in all arrays and statuses
         behind the arguments; None if there are no such functions.
+    routines
+        Says what both functions do, for processors of another kind; None if nobody knows.
     """
 
     clock: int
@@ -168,6 +171,7 @@ class Flow:
     linearise: Callable[[], Companion] | None = None
     switching: Switching | None = None
     wide: Callable[[int], Companion] | None = None
+    routines: Callable[[], Sequence[Routine]] | None = None
 
     def __post_init__(self) -> None:
         contiguous = np.ascontiguousarray

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers import arrays
+from linkages.solvers.accelerated import accelerator
 from linkages.solvers.events import Event
 from linkages.solvers.integration import IntegrationRequest
 from linkages.solvers.job import Job
@@ -65,6 +66,8 @@ def integrate_many(
     watch
         Called about 20 times a second with the fraction of the motions that have ended.
 
+    Motions of the same functions go to the graphics processor of `accelerated`, where there is one.
+
     Returns
     -------
     Trajectories in the order of the requests. After Ctrl-C all that had not ended are interrupted.
@@ -88,7 +91,11 @@ def integrate_many(
             if watch is not None:
                 watch((ended + running) / len(requests))
 
-        found, interrupted = _run(method, jobs, lanes, look)
+        card = accelerator()
+        if card is not None and isinstance(method, RungeKutta) and card.takes(method, jobs):
+            found, interrupted = card.run(method, jobs, look)
+        else:
+            found, interrupted = _run(method, jobs, lanes, look)
         ended += len(group)
         for index, outcome in zip(group, found, strict=True):
             outcomes[index] = outcome

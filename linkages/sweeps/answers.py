@@ -107,6 +107,16 @@ class Question(ABC):
         return 1, 1
 
     @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only; empty if its motions may go elsewhere."""
+        return "this question"
+
+    @property
+    def room(self) -> int:
+        """Bytes that a point takes while it is computed with others, about."""
+        return 1 << 16
+
+    @property
     @abstractmethod
     def count(self) -> int:
         """Number of points."""

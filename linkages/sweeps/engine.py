@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -104,15 +104,29 @@ def _chunks(
     question: Question, spans: list[Span], executor: Executor
 ) -> Iterator[tuple[Span, Arrays]]:
     """Chunks as they come; one that could not be computed at all has its reason at every point."""
-    for outcome in executor.run(question.chunk, spans):
-        span = spans[outcome.index]
-        if outcome.reason is None:
-            yield span, outcome.value
-            continue
-        lost = question.nothing(span[1] - span[0])
-        lost["outcome"][:] = Code.INVALID
-        lost["reason"] = np.full(span[1] - span[0], outcome.reason)
-        yield span, lost
+    parts = batches(spans, getattr(executor, "motions", 0))
+    wholes = [(part[0][0], part[-1][1]) for part in parts]
+    for outcome in executor.run(question.chunk, wholes):
+        first, last = wholes[outcome.index]
+        whole = outcome.value
+        if outcome.reason is not None:
+            whole = question.nothing(last - first)
+            whole["outcome"][:] = Code.INVALID
+            whole["reason"] = np.full(last - first, outcome.reason)
+        for span in parts[outcome.index]:
+            own = slice(span[0] - first, span[1] - first)
+            yield span, {name: array[own] for name, array in whole.items()}
+
+
+def batches(spans: Sequence[Span], most: int) -> list[list[Span]]:
+    """Chunks that are computed together: neighbours, of so many points at most; one at least."""
+    found: list[list[Span]] = []
+    for span in spans:
+        if found and found[-1][-1][1] == span[0] and span[1] - found[-1][0][0] <= most:
+            found[-1].append(span)
+        else:
+            found.append([span])
+    return found
 
 
 class Ledger:

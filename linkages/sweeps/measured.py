@@ -29,6 +29,7 @@ from linkages.solution.measuring.measure import (
     single,
 )
 from linkages.solution.measuring.reduced import reduced
+from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.many import march_many
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
@@ -85,6 +86,23 @@ class MeasureQuestion(Question):
         if self._driven:
             return TOGETHER
         return SIDE_BY_SIDE if self._side_by_side else (1, 1)
+
+    @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only."""
+        if self._own:
+            return "a sweep over options of the simulation"
+        if self.seconds is not None:
+            return "a sweep with a time for each point"
+        if self._whole:
+            return f"a measure of a whole motion ({', '.join(self._whole)})"
+        return cpu_only(self.first, self._run)
+
+    @property
+    def room(self) -> int:
+        """Bytes of the samples of a point, and of what they are measured by."""
+        sample = 16 * len(self.first.state) + 8 * len(self._series)
+        return super().room + 4 * sample * self._factor * self._run.samples
 
     @property
     def fields(self) -> Mapping[str, Field]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
 from linkages.errors import InputError, LinkagesError
+from linkages.kernel.code.cuda import DeviceError
 from linkages.options.run import RunOptions
 from linkages.sweeps.cores import available_cores
 
@@ -131,6 +132,8 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
     """
     try:
         return TaskOutcome(index, task(point), None)
+    except DeviceError:
+        raise
     except (LinkagesError, ValueError) as error:
         return TaskOutcome(index, None, reason_of(error), getattr(error, "time", None))
 

@@ -15,6 +15,7 @@ from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
 from linkages.sweeps.cluster import Cluster
+from linkages.sweeps.devices import placed
 from linkages.sweeps.engine import Computed, Watch, computed
 from linkages.sweeps.measured import MeasureQuestion
 from linkages.sweeps.points import points_of
@@ -37,6 +38,7 @@ def sweep(
     store: str | Path | None = None,
     cores: int | None = None,
     scheduler: str | None = None,
+    device: str = "cpu",
     executor: Executor | None = None,
     time_per_point: float | None = None,
     watch: Watch | None = None,
@@ -66,6 +68,8 @@ def sweep(
         Computations at the same time; those that this process may use if not given.
     scheduler
         Address of a Dask scheduler, on whose workers points are computed instead.
+    device
+        ``"cuda"``: motions are integrated on the first graphics processor of this machine.
     executor
         Where points are computed instead, as `linkages.bifurcation` takes it.
     time_per_point
@@ -87,6 +91,8 @@ def sweep(
         For what makes no sense, at all points or before any.
     ComputationError
         If the store cannot take more.
+    DeviceError
+        If there is no graphics processor, or it fails.
     Interrupted
         After Ctrl-C; ``kept["sweep"]`` has the points so far.
     """
@@ -102,8 +108,11 @@ def sweep(
     given = {name: value for name, value in options.items() if value is not None}
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point)
     units = question.units()  # what is wrong everywhere shows here
-    with stored(store, mechanism, question) as place:
-        found = computed(question, executor=executor, store=place, watch=watch)
+    with (
+        placed(question, device, executor) as where,
+        stored(store, mechanism, question) as place,
+    ):
+        found = computed(question, executor=where, store=place, watch=watch)
         data = _dataset(mechanism, question, found, units)
         if place is not None and not found.interrupted:
             place.finish(data)

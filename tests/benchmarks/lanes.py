@@ -4,6 +4,7 @@
 
 Clock and accelerations, called from machine code. All widths of a mechanism are measured in turn,
 many times, and of each the least time is taken: whatever else a machine does only adds to times.
+Whole motions are compared with heyoka, where that is installed.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ import argparse
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TypeAlias
 
+import against_heyoka
 import numpy as np
 from chains import chain
 
@@ -166,6 +169,8 @@ def main() -> None:
             ratio = found[1] / min(found.values())
             row = "".join(f"{1e9 * seconds:10.1f}" for seconds in found.values())
             print(f"{name:22}{row}{ratio:16.1f}", flush=True)
+    if find_spec("heyoka") is not None:
+        against_heyoka.main()
 
 
 if __name__ == "__main__":

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from kernel_lanes import run_routines, states_of
 from linkage_models import system_of
-from stand_in_driver import StandIn
+from stand_in_driver import installed
 
 from linkages.components.mechanisms.definition import load
-from linkages.kernel.code import cuda
 from linkages.kernel.code.cuda import Device, DeviceError
-from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.code.ptx import WIDTH, lane_functions, write_ptx
+from linkages.kernel.code.ptx import WIDTH, write_ptx
 from linkages.kernel.system import System
 from linkages.reading.locate import shipped
 from linkages.solution.moving.plan import kernel_source
@@ -103,7 +101,7 @@ def test_the_assembler_takes_it(tmp_path):
 
 def _there_is_a_device():
     try:
-        Device(write_ptx(())).close()
+        Device().close()
     except DeviceError:
         return False
     return True
@@ -121,19 +119,19 @@ def test_a_graphics_processor_has_the_same_bits(name, monkeypatch):
     arrays = arrays_for(program, given)
     status = np.zeros(STATES, dtype=np.int64)
     if not THERE:
-        code = MachineCode(lane_functions(program.routines).text)
-        arguments = {f"{r.name}_lanes": len(r.arguments) + 2 for r in program.routines}
-        driver = StandIn(code, arguments)
-        monkeypatch.setattr(cuda, "_driver", lambda: driver)
-    with Device(write_ptx(program.routines)) as device:
-        places = {name: device.put(values) for name, values in arrays.items()}
+        driver = installed(monkeypatch)
+    with Device() as device:
+        text = write_ptx(program.routines, device.architecture)
+        places = {name: device.reserve(values.nbytes) for name, values in arrays.items()}
+        for array, values in arrays.items():
+            device.put(values, places[array])
         for routine in program.routines:
             ended = np.full(STATES, -1, dtype=np.int64)
-            place = device.put(ended)
-            device.run(
-                f"{routine.name}_lanes", [*(places[a] for a in routine.arguments), place], STATES
-            )
+            place = device.reserve(ended.nbytes)
+            kernel = device.load(text, f"{routine.name}_lanes")
+            kernel.run([*(places[a] for a in routine.arguments), place], STATES)
             device.get(place, ended)
+            device.release([place])
             status = np.where(status, status, ended)
         for array, values in arrays.items():
             device.get(places[array], values)
@@ -145,14 +143,34 @@ def test_a_graphics_processor_has_the_same_bits(name, monkeypatch):
 
 @pytest.mark.skipif(THERE, reason="there is a graphics processor")
 def test_a_machine_without_one_says_so():
-    with pytest.raises(DeviceError, match=r"no driver .* was found|refused cuInit"):
-        Device(write_ptx(()))
+    with pytest.raises(DeviceError, match=r"no driver .* was found|refused cuInit|knows no"):
+        Device()
 
 
 def test_what_the_driver_refuses(monkeypatch):
-    driver = StandIn(None, {})
-    monkeypatch.setattr(cuda, "_driver", lambda: driver)
-    message = r"refused cuModuleLoadData \(218\): a PTX JIT compilation failed"
-    with pytest.raises(DeviceError, match=message):
-        Device("no PTX")
+    driver = installed(monkeypatch)
+    message = r"refused cuModuleLoadDataEx \(218\): a PTX JIT compilation failed\nptxas fatal: syn"
+    with Device() as device, pytest.raises(DeviceError, match=message):
+        device.load("no PTX", "rates_lanes")
     assert not driver.contexts
+
+
+@pytest.mark.parametrize(
+    ("properties", "message"),
+    [
+        ({"devices": 0}, "knows no graphics processor"),
+        ({"capability": (5, 2)}, r"Stand-in has compute capability 5\.2; expected 6\.0"),
+    ],
+)
+def test_what_is_no_device_for_linkages(properties, message, monkeypatch):
+    driver = installed(monkeypatch, **properties)
+    with pytest.raises(DeviceError, match=message):
+        Device()
+    assert not driver.contexts
+
+
+@pytest.mark.parametrize(("capability", "architecture"), [((6, 1), "sm_61"), ((12, 0), "sm_80")])
+def test_code_is_for_the_processor_or_an_older_one(capability, architecture, monkeypatch):
+    installed(monkeypatch, capability=capability)
+    with Device() as device:
+        assert device.architecture == architecture

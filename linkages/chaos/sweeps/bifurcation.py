@@ -28,11 +28,13 @@ from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
+from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.many import Going, alone, side_by_side
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
 from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
+from linkages.sweeps.devices import placed
 from linkages.sweeps.engine import Computed, Ledger, Watch, computed
 from linkages.sweeps.pointwise import SIDE_BY_SIDE, end_when_stopping, refusal_code, stop_code
 from linkages.sweeps.running import Executor, Threads, per_period, stopping
@@ -91,6 +93,16 @@ class _Request(Question):
     def fields(self) -> Mapping[str, Field]:
         """Points of the section, exponents and forces in clearances."""
         return value_fields(self.first, self.options.periods, self.options.section)
+
+    @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only."""
+        asked = self.options
+        if asked.section is not None:
+            return "a diagram of crossings of a section"
+        if asked.start != "same":
+            return "a diagram whose values go on from each other"
+        return cpu_only(self.first, asked)
 
     @property
     def together(self) -> tuple[int, int]:
@@ -225,6 +237,7 @@ def bifurcation(
     vary: Vary,
     *,
     initial: Sequence[Mapping[str, object]] = ({},),
+    device: str = "cpu",
     executor: Executor | None = None,
     store: str | Path | None = None,
     watch: Watch | None = None,
@@ -243,6 +256,9 @@ def bifurcation(
     initial
         Overrides of the definition, one for each initial state that is tried at every value, such
         as ``[{"clearances.r1.angle": 0}, {"clearances.r1.angle": 1.57}]``.
+    device
+        ``"cuda"``: motions are integrated on the first graphics processor of this machine. Not for
+        crossings of sections, and values that go on from each other.
     executor
         Where values are computed; the cores that this process may use if not given.
     store
@@ -287,11 +303,14 @@ def bifurcation(
             "expected start 'same' with a store"
         )
     shape = len(initial), len(values)
-    with stored(store, mechanism, question) as place:
+    with (
+        placed(question, device, executor) as where,
+        stored(store, mechanism, question) as place,
+    ):
         if asked.start == "same":
-            found = computed(question, executor=executor, store=place, watch=watch)
+            found = computed(question, executor=where, store=place, watch=watch)
         else:
-            found = _continued(question, executor, watch)
+            found = _continued(question, where, watch)
         data = diagram(
             system,
             found.arrays,

@@ -28,10 +28,12 @@ from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import MapKeywords, MapOptions
 from linkages.options.signature import takes
+from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question
 from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
+from linkages.sweeps.devices import placed
 from linkages.sweeps.engine import Watch, computed
 from linkages.sweeps.points import Points
 from linkages.sweeps.pointwise import (
@@ -111,6 +113,11 @@ class _Mapped(Question):
     def tangents(self) -> int:
         """How many tangents the indicator needs."""
         return 2 if self.options.indicator == "gali" else 1
+
+    @property
+    def cpu_only(self) -> str:
+        """What of it is computed on the CPU only."""
+        return cpu_only(self.first, self.options)
 
     @property
     def together(self) -> tuple[int, int]:
@@ -236,6 +243,7 @@ def chaos_map(
     x: Vary,
     y: Vary,
     *,
+    device: str = "cpu",
     executor: Executor | None = None,
     store: str | Path | None = None,
     watch: Watch | None = None,
@@ -250,7 +258,7 @@ def chaos_map(
     x, y
         As `linkages.bifurcation` takes what is varied: two parameters, or ``clearances.r1.angle``
         and ``clearances.r1.speed`` for the plane of initial states.
-    executor, store, watch
+    device, executor, store, watch
         As `linkages.bifurcation` takes them.
     options
         As `MapOptions` describes them.
@@ -285,8 +293,11 @@ def chaos_map(
     require_free(first)
     Plan.of(first, tangents=question.tangents).bind(first)  # compiled here, once
     varied_along = {**coordinates(mechanism, across, "x"), **coordinates(mechanism, up, "y")}
-    with stored(store, mechanism, question) as place:
-        found = computed(question, executor=executor, store=place, watch=watch)
+    with (
+        placed(question, device, executor) as where,
+        stored(store, mechanism, question) as place,
+    ):
+        found = computed(question, executor=where, store=place, watch=watch)
         attributes = {**question.attributes, "interrupted": int(found.interrupted)}
         data = map_data(
             first, found.arrays, question.points.shape, indicator, varied_along, attributes

@@ -29,12 +29,14 @@ def run(
     initial: Sequence[str],
     store: Path | None,
     cores: int | None,
+    device: str,
 ) -> int:
     """Sweep over a parameter; returns the exit code."""
     from linkages.sweeps.running import Threads
 
     axis, states = ranges("--vary", vary), initial_states(initial or [])
-    data = _compute(request, axis, states, start, store=store, executor=Threads(cores))
+    where = {"store": store, "executor": Threads(cores), "device": str(device)}
+    data = _compute(request, axis, states, start, **where)
     values = _values(data)
 
     def made() -> Iterator[File]:

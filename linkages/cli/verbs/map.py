@@ -20,14 +20,19 @@ if TYPE_CHECKING:
 
 
 def run(
-    request: Request, x: Sequence[str], y: Sequence[str], store: Path | None, cores: int | None
+    request: Request,
+    x: Sequence[str],
+    y: Sequence[str],
+    store: Path | None,
+    cores: int | None,
+    device: str,
 ) -> int:
     """Compute a map; returns the exit code."""
     from linkages.chaos.sweeps.maps import chaos_map
     from linkages.sweeps.running import Threads
 
     axes = ranges("--x", x), ranges("--y", y)
-    how = {**request.given, "executor": Threads(cores), "store": store}
+    how = {**request.given, "executor": Threads(cores), "device": str(device), "store": store}
     task = partial(chaos_map, request.mechanism, *axes, **how)
     data = swept.result(request, "map", "point", task)
 

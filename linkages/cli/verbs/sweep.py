@@ -39,6 +39,7 @@ def run(
     scheduler: str | None,
     status: bool,
     cores: int | None,
+    device: str,
 ) -> int:
     """Compute a sweep, or say what a store holds; returns the exit code."""
     if status:
@@ -51,7 +52,7 @@ def run(
     task = partial(
         sweep, request.mechanism, over, _named(measure), draws=draws, seed=seed,
         sequence=str(sequence), store=store, cores=cores, scheduler=scheduler,
-        time_per_point=time_per_point, **request.given,
+        time_per_point=time_per_point, device=str(device), **request.given,
     )  # fmt: skip
     data = swept.result(request, "sweep", "point", task)
     content = _content(data)

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from linkages.errors import LinkagesError
+from linkages.kernel.code.cache import kept
+from linkages.kernel.code.cuda import DeviceError
 from linkages.kernel.code.instructions import INTEGER, Instructions
 from linkages.kernel.code.llvm import Module, call_routine
 from linkages.kernel.code.statements import Routine
@@ -26,7 +27,7 @@ _TRIPLE = "nvptx64-nvidia-cuda"
 _REGISTER = "llvm.nvvm.read.ptx.sreg"
 
 
-class UnprintedError(LinkagesError):
+class UnprintedError(DeviceError):
     """A kernel calls functions that graphics processors have no code for.
 
     Parameters
@@ -134,6 +135,12 @@ def assemble_ptx(texts: Sequence[str], architecture: str = "sm_80") -> str:
     UnprintedError
         One calls a function of the C library.
     """
+    key = "\n".join([architecture, *map(str, _llvm().llvm_version_info), *texts])
+    content, _ = kept(key, ".ptx", lambda: _assembled(texts, architecture).encode())
+    return content.decode()
+
+
+def _assembled(texts: Sequence[str], architecture: str) -> str:
     llvm, module = _llvm(), link(texts)
     missing = [f.name for f in module.functions if f.is_declaration]
     missing = [name for name in missing if not name.startswith("llvm.")]

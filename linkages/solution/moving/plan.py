@@ -14,6 +14,7 @@ from linkages.kernel.code.compiled import CompiledKernel, Printed, bind_kernel
 from linkages.kernel.code.llvm import write_assembly
 from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.program import Program, write_functions_of, write_program
+from linkages.kernel.code.statements import Routine
 from linkages.kernel.derivatives import write_jacobian
 from linkages.kernel.graph.remembered import Remembered
 from linkages.kernel.graph.scalars import Scalar
@@ -270,6 +271,9 @@ class Plan:
                 keepalive=code,
             )
 
+        def routines() -> Sequence[Routine]:
+            return kernel_source(system.topology, layout).program.routines
+
         return Flow(
             clock=kernel.clock,
             rates=kernel.rates,
@@ -286,6 +290,7 @@ class Plan:
             linearise=linearise,
             switching=self._switching(system, parameters),
             wide=wide,
+            routines=routines,
         )
 
     def _switching(self, system: System, parameters: Floats) -> Switching | None:

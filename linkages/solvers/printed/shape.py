@@ -28,7 +28,8 @@ class Shape:
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
     many are lengths themselves, orthogonal or not (see `linkages.solvers.renormalisation`).
     `active` is that of `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is
-    their number.
+    their number. `linked` says whether the functions of the flow are called by their names, for
+    they become part of the same module, or by the addresses in the frame.
     """
 
     n: int
@@ -41,6 +42,7 @@ class Shape:
     tangents: tuple[int, int, int, bool] = _NONE
     active: tuple[int, ...] = ()
     events: int = 0
+    linked: bool = False
 
     @classmethod
     def of(
@@ -119,7 +121,14 @@ class StepMemory:
     @property
     def kernel(self) -> Called:
         """The functions of the flow."""
-        return Called(*(self[name] for name in Called._fields))
+        found = Called(*(self[name] for name in Called._fields))
+        if not self._shape.linked:
+            return found
+        self._code.declared |= {
+            "clock": f"{INTEGER} @clock({DOUBLE}, ptr, ptr)",
+            "rates": f"{INTEGER} @rates(ptr, ptr, ptr, ptr)",
+        }
+        return found._replace(clock="@clock", rates="@rates")
 
     def event(self, event: int) -> Called:
         """The functions of an event."""

@@ -62,9 +62,14 @@ def run(
 
 
 def _compute(
-    request: Request, axis: Axis, states: Sequence[dict[str, object]], start: str, **where: Any
+    request: Request,
+    axis: Axis,
+    states: Sequence[dict[str, object]],
+    start: str,
+    store: Path | None,
+    **where: Any,
 ) -> xr.Dataset:
-    """One sweep, or one in either direction put together; starts have names."""
+    """One sweep, or one in either direction put together; starts have names, and their stores."""
     from linkages.chaos.sweeps.bifurcation import bifurcation
 
     starts = ("forward", "backward") if start == BOTH else (str(start),)
@@ -72,7 +77,8 @@ def _compute(
     for one in starts:
         if parts and parts[-1].attrs["interrupted"]:
             break
-        given = {**request.given, "start": one, "initial": states, **where}
+        kept = store / one if store is not None and len(starts) > 1 else store
+        given = {**request.given, "start": one, "initial": states, "store": kept, **where}
         task = partial(bifurcation, request.mechanism, axis, **given)
         data = swept.result(request, axis.label, "value", task)
         parts.append(data.assign_coords(start=_names(one if len(starts) > 1 else "", states)))

@@ -375,3 +375,25 @@ def test_names_of_files_do_not_depend_on_the_platform(tmp_path):
     names = {str(Path(path).relative_to(tmp_path)) for path in tmp_path.rglob("*")}
     assert names >= {MANIFEST, "points.npy", CHUNKS, RESULT}
     assert np.load(tmp_path / "points.npy")[:, 0].tolist() == OVER[ROD].tolist()
+
+
+def test_ctrl_c_behind_the_last_point_keeps_all_of_them(tmp_path, monkeypatch):
+    """While the dataset is made, of which the first one imports libraries."""
+    from linkages.sweeps import sweep as module
+
+    made, plain = module._dataset, sweep(None)
+    pressed = []
+
+    def interrupted(*given):
+        pressed.append(True)
+        if len(pressed) == 1:
+            raise KeyboardInterrupt
+        return made(*given)
+
+    monkeypatch.setattr(module, "_dataset", interrupted)
+    with pytest.raises(Interrupted, match="interrupted after 60 of 60") as caught:
+        sweep(tmp_path)
+    kept = caught.value.kept["sweep"]
+    assert kept.attrs["interrupted"] == 1
+    assert kept.equals(plain)
+    assert status(tmp_path)["finished"]

@@ -26,7 +26,7 @@ from linkages.chaos.sweeps.continuation import (
 from linkages.chaos.sweeps.continued import Outcome, Point, continued
 from linkages.chaos.sweeps.diagram import Value, answer_of, diagram, value_fields
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
+from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
@@ -39,7 +39,7 @@ from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question
 from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
-from linkages.sweeps.engine import Watch, computed
+from linkages.sweeps.engine import Watch, computed, dataset_of
 from linkages.sweeps.pointwise import SIDE_BY_SIDE, end_when_stopping, refusal_code, stop_code
 from linkages.sweeps.running import Executor, per_period, stopping
 from linkages.sweeps.store import stored
@@ -321,7 +321,8 @@ def bifurcation(
             found = computed(question, executor=executor, store=place, watch=watch)
         else:
             found = continued(question, asked.start == "forward", executor, place, watch)
-        data = diagram(
+        made = partial(
+            diagram,
             system,
             found.arrays,
             shape,
@@ -329,9 +330,4 @@ def bifurcation(
             coordinates(mechanism, values, "value"),
             {**question.attributes, "interrupted": int(found.interrupted)},
         )
-        if place is not None and not found.interrupted:
-            place.finish(data)
-    if found.interrupted:
-        message = f"interrupted after {found.done} of {question.count} values"
-        raise Interrupted(message, kept={"bifurcation": data})
-    return data
+        return dataset_of(found, "bifurcation", "values", place, made)

@@ -212,13 +212,20 @@ class Differentiated:
                 counting=counting,
             )
             motion = march.advance(times)
-        if motion.cost["steps"] + motion.cost["rejected"] >= most < self._run.most_steps:
+            if motion.failure is not None and not motion.interrupted:
+                self._require_bounded(system, motion)
+        return motion
+
+    def _require_bounded(self, system: System, motion: Motion) -> None:
+        """Where the motion alone goes on, it is the derivatives that do not."""
+        times = np.array([0.0, self._run.end])
+        alone = compute_motion(system.affected(None), Settings(times=times, run=self._run))
+        if alone.failure is None:
             message = (
                 "derivatives grow without bound here, as by a number without which a change point "
                 "is none; ask for others, or for a shorter motion"
             )
             raise ComputationError(message, time=motion.stop_time)
-        return motion
 
     @property
     def factor(self) -> int:

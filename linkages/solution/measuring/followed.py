@@ -14,7 +14,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_accelerated, compiled_values
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.motion import Motion, Piece, Settings, Tangents, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
@@ -109,7 +109,7 @@ class Followed:
     def _interpolated(self, name: str, places: Floats) -> Floats:
         """From values at samples alone."""
         (values,) = self.sampled(name)
-        return _through(values, places, _smooth(self._series[name]))
+        return through(values, places, _smooth(self._series[name]))
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
@@ -119,7 +119,7 @@ class Followed:
             return values
         order = 1 if given[-1] >= given[0] else -1
         places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
-        return _through(values, places, _smooth(series))
+        return through(values, places, _smooth(series))
 
     @cached_property
     def _starts(self) -> list[tuple[int, Piece]]:
@@ -140,7 +140,7 @@ class Followed:
             interval = np.minimum((places[inside] - begin).astype(int), last - 1)
             if last < 1:
                 continue
-            kept = _unchanged(piece, interval)
+            kept = unchanged(piece, interval)
             inside, interval = inside[kept], interval[kept]
             if len(inside):
                 part = places[inside] - begin - interval
@@ -182,7 +182,7 @@ def _smooth(series: Series) -> bool:
     return series.variable in VARIABLES and VARIABLES[series.variable].smooth
 
 
-def _through(values: Floats, places: Floats, smooth: bool) -> Floats:
+def through(values: Floats, places: Floats, smooth: bool) -> Floats:
     """Values at places, by polynomials through five samples or linearly."""
     if not smooth or len(values) < len(_FIVE):
         return np.interp(places, np.arange(len(values)), values)
@@ -202,7 +202,7 @@ def evaluable(series: Series) -> bool:
     )
 
 
-def _unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
+def unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
     """Where no mode changes between a sample and the next."""
     found = np.ones(len(interval), dtype=bool)
     if piece.held is not None:
@@ -235,6 +235,9 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
     values = [row for end in ends for row in end]
     position = sum(w * row for w, row in zip(weights, values, strict=True))
     speed = sum(w * row for w, row in zip(rates, values, strict=True)) / step
+    own = slice(len(piece.system.topology.free), piece.system.layout.moved)
+    if own.start < own.stop:  # the integral of an internal state is not known
+        speed[own] = _cubic(part, *[(end[1][own] / step, end[2][own] / step) for end in ends])
     counted = {
         name: angle[interval] + part * (angle[interval + 1] - angle[interval])
         for name, angle in piece.counted.items()
@@ -245,8 +248,40 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         state=np.stack([position, speed]).reshape(2 * half, -1) if half else begun.state,
         counted=counted,
         work=None,
+        tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
     )
     return compiled_accelerated(moved)
+
+
+def _tangents(piece: Piece, interval: Whole, part: Floats, step: Floats) -> Tangents:
+    """Derivatives of an interpolated state: they are interpolated as it is."""
+    assert piece.tangents is not None
+    before, behind = (piece.tangents.part(at) for at in (interval, interval + 1))
+    free = len(piece.system.topology.free)
+    rows = [
+        row
+        for end in (before, behind)
+        for row in (end.state[:free], end.state[free : 2 * free] * step, end.rate[:free] * step**2)
+    ]
+    weights, rates = _quintic(part)
+    position = sum(w * row for w, row in zip(weights, rows, strict=True))
+    speed = sum(w * row for w, row in zip(rates, rows, strict=True)) / step
+    internal = _cubic(
+        part,
+        (before.state[2 * free :], before.rate[free:] * step),
+        (behind.state[2 * free :], behind.rate[free:] * step),
+    )
+    state = np.concatenate(
+        [np.stack([position, speed]).reshape(2 * free, *np.shape(rows[0])[1:]), internal]
+    )
+    return Tangents(state, before.rate, before.memories)
+
+
+def _cubic(s: Floats, begin: tuple[Floats, Floats], end: tuple[Floats, Floats]) -> Floats:
+    """A cubic polynomial at s with values and slopes at 0 and at 1."""
+    rise = s**2 * (3 - 2 * s)
+    early, late = s * (1 - s) ** 2, s**2 * (s - 1)
+    return (1 - rise) * begin[0] + rise * end[0] + early * begin[1] + late * end[1]
 
 
 def _quintic(s: Floats) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:

@@ -200,7 +200,7 @@ def _parts(text: str) -> _Written | None:
 
 
 def _said(text: str) -> tuple[str, float]:
-    """The distribution in parentheses: ``uniform``, ``normal``, ``normal, 2 sigma``, ``2 sigma``."""
+    """The distribution in parentheses: ``uniform``, ``normal, 2 sigma``, ``2 sigma``."""
     found = _SAID.fullmatch(text.strip())
     if found is None or not text.strip():
         raise NumberError(f"expected (uniform), (triangular) or (normal, 3 sigma), found ({text})")

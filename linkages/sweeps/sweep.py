@@ -39,6 +39,7 @@ def sweep(
     scheduler: str | None = None,
     executor: Executor | None = None,
     time_per_point: float | None = None,
+    nominal: Mechanism | None = None,
     watch: Watch | None = None,
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
@@ -70,6 +71,8 @@ def sweep(
         Where points are computed instead, as `linkages.bifurcation` takes it.
     time_per_point
         Seconds after which a point is given up.
+    nominal
+        Whose motion ``error(…)`` in measures is against; that of `mechanism` if not given.
     watch
         Called now and then with the progress.
     options
@@ -100,7 +103,8 @@ def sweep(
         executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
-    question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point)
+    question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
+    question.prepare()
     units = question.units()  # what is wrong everywhere shows here
     with stored(store, mechanism, question) as place:
         found = computed(question, executor=executor, store=place, watch=watch)

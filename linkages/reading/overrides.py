@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from linkages.errors import InputError, Problem
+from linkages.reading.columns import Column
 from linkages.reading.decoding import decode
 from linkages.reading.document import Document
 from linkages.reading.nodes import MAX_DEPTH, plain
@@ -172,7 +173,7 @@ def _raw(value: Any, depth: int) -> Any:
     """Return a Python value in the terms of a document; arrays become lists."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if value is None or isinstance(value, str | int | float):
+    if value is None or isinstance(value, str | int | float | Column):
         return value
     if depth > MAX_DEPTH:
         raise _RefusedError(f"the value is nested more than {MAX_DEPTH} deep")

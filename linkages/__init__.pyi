@@ -56,6 +56,7 @@ from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
+from linkages.design.tolerances.tolerance import tolerance as tolerance
 from linkages.sweeps.sweep import sweep as sweep
 
 __version__: str

@@ -207,7 +207,10 @@ def undisturbed(
     ends = np.cumsum([len(radicands), len(margins), len(rates), len(finite)])
     split = _Parameters(parameters[:, :, None])
     for part in _blocks(count, len(times)):
-        values = _evaluated(system, nodes, split.of(part), times[None])
+        found = _evaluated(system, nodes, split.of(part), times[None])
+        # motions that do not differ at all are evaluated as one
+        shape = len(nodes), len(range(count)[part]), len(times)
+        values = np.broadcast_to(found, shape)
         reach, margin, rate, other, asked = np.split(values, ends)
         for name, row in wanted.of(asked, times).items():
             rows[name][part] = row if times is samples else row[:, sampled]

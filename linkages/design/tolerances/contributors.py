@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -156,5 +155,3 @@ def distribution(zone: ToleranceZone) -> str:
             return f"uniform({zone.low!r}, {zone.high!r})"
         case _:
             return f"triangular({zone.low!r}, {zone.middle!r}, {zone.high!r})"
-
-

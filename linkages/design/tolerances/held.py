@@ -82,7 +82,9 @@ def holding(mechanism: Mechanism) -> Mechanism:
     return from_document(replace(definition, content=name | content | name))
 
 
-def _with_bar(content: Mapping[str, Any], clearance: Clearance | ContactClearance) -> dict[str, Any]:
+def _with_bar(
+    content: Mapping[str, Any], clearance: Clearance | ContactClearance
+) -> dict[str, Any]:
     name, joint, body = clearance.name, clearance.joint, clearance.bar
     end = f"{joint} {name}"
     bars = dict(content["bars"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ Whole = NDArray[np.int64]
 
 DIRECTIONS = 32
 """Directions of errors that are tried for the worst case, where several series err."""
+
+CANDIDATES = 512
+"""Corners that are compared: those where errors may add up to most."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,16 @@ class Corner:
     value: float
     offsets: Floats
     shifts: Floats
+
+    @property
+    def deviations(self) -> tuple[Floats, Floats]:
+        """Of numbers and pins."""
+        return self.offsets, self.shifts
+
+    @property
+    def moved(self) -> bool:
+        """Whether anything deviates there."""
+        return bool(np.any(self.offsets) or np.any(self.shifts))
 
 
 class LinearMeasure(ABC):
@@ -177,17 +191,18 @@ class ErrorMeasure(LinearMeasure):
         numbers, pins = len(made.zones), len(made.clearances)
         none = np.zeros((1, pins, 2))
         found = []
-        for k, deviation in enumerate(made.deviations):
+        deviations = made.deviations
+        for k, deviation in enumerate(deviations):
             if k < numbers:
                 offsets = np.zeros((2, numbers))
                 offsets[:, k] = deviation, -deviation
                 shifts = np.repeat(none, 2, axis=0)
             else:
-                angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-                offsets = np.zeros((DIRECTIONS, numbers))
-                shifts = np.zeros((DIRECTIONS, pins, 2))
-                ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-                shifts[:, k - numbers] = deviation * ways
+                pushed = self._mixed[1][:, k - numbers]
+                largest = np.argsort(np.hypot(*pushed.T))[-DIRECTIONS:]
+                offsets = np.zeros((len(largest), numbers))
+                shifts = np.zeros((len(largest), pins, 2))
+                shifts[:, k - numbers] = _pointing(pushed[largest, None], deviations[k, None])[:, 0]
             changes = self.predicted(offsets, shifts) - self.nominal
             found.append(np.abs(changes).max() / deviation)
         return np.array(found)
@@ -195,12 +210,11 @@ class ErrorMeasure(LinearMeasure):
     def worst(self) -> tuple[Corner, Corner]:
         """The best of the corners that are worst for a series, or a mixture, at a sample."""
         made, numbers = self.contributors, len(self.contributors.zones)
-        names = [*self._slopes]
-        weights = _weights(len(names))
-        slopes = np.array([self._slopes[name] for name in names])
-        pushes = np.array([self._pushes[name] for name in names])
-        mixed = np.einsum("wj,jsp->wsp", weights, slopes).reshape(-1, slopes.shape[-1])
-        pushed = np.einsum("wj,jsck->wsck", weights, pushes).reshape(-1, *pushes.shape[2:])
+        mixed, pushed = self._mixed
+        bound = np.abs(mixed) @ made.halves[:numbers]
+        bound += np.hypot(pushed[..., 0], pushed[..., 1]) @ made.halves[numbers:]
+        likely = np.argsort(bound)[-CANDIDATES:]
+        mixed, pushed = mixed[likely], pushed[likely]
         offsets = made.middles + np.sign(mixed) * made.halves[:numbers]
         shifts = _pointing(pushed, made.halves[numbers:])
         if not made.clearances:
@@ -213,6 +227,18 @@ class ErrorMeasure(LinearMeasure):
         low = Corner(float(values[least]), offsets[least], shifts[least])
         high = Corner(float(values[most]), offsets[most], shifts[most])
         return (low if low.value < best.value else best), high
+
+    @cached_property
+    def _mixed(self) -> tuple[Floats, Floats]:
+        """Derivatives of series and mixtures of them, at all samples one after the other."""
+        names = [*self._slopes]
+        weights = _weights(len(names))
+        slopes = np.array([self._slopes[name] for name in names])
+        pushes = np.array([self._pushes[name] for name in names])
+        count = len(weights) * slopes.shape[1]
+        mixed = np.einsum("wj,jsp->wsp", weights, slopes).reshape(count, slopes.shape[2])
+        pushed = np.einsum("wj,jsck->wsck", weights, pushes)
+        return mixed, pushed.reshape(count, *pushes.shape[2:])
 
 
 class _Deviating:

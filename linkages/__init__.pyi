@@ -39,6 +39,7 @@ from linkages.components.torsional_damper import JointDamper as JointDamper
 from linkages.components.torsional_spring import BarSpring as BarSpring
 from linkages.components.torsional_spring import SpringBetweenBars as SpringBetweenBars
 from linkages.components.weld import Weld as Weld
+from linkages.design.sensitivity.sensitivities import sensitivities as sensitivities
 from linkages.errors import ComputationError as ComputationError
 from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted

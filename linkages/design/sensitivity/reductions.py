@@ -192,16 +192,10 @@ class _Differentiation:
         return Varied(time, -moved / near.rate(place, 2)[0] * self._step(place))
 
     def _at_time(self, node: Node, time: Varied) -> Varied:
-        times, at = self._moved.time, float(time.value)
-        low, high = sorted((float(times[0]), float(times[-1])))
-        if not low <= at <= high:
-            raise ValueError(
-                f"measure {self._measure.text!r}: t = {at:g} s is outside of the motion, from "
-                f"{times[0]:g} s to {times[-1]:g} s"
-            )
-        order = 1 if times[-1] >= times[0] else -1
-        samples = np.arange(len(times))[::order].astype(float)
-        place = float(np.interp(at, times[::order], samples))
+        try:
+            place = float(self._moved.places(np.array([float(time.value)]))[0])
+        except ValueError as error:
+            raise ValueError(f"measure {self._measure.text!r}: {error}") from None
         found = self._at(node, place)
         if time.slopes is None:
             return found

@@ -40,6 +40,7 @@ from linkages.components.torsional_spring import BarSpring as BarSpring
 from linkages.components.torsional_spring import SpringBetweenBars as SpringBetweenBars
 from linkages.components.weld import Weld as Weld
 from linkages.design.sensitivity.sensitivities import sensitivities as sensitivities
+from linkages.design.tolerances.tolerance import tolerance as tolerance
 from linkages.errors import ComputationError as ComputationError
 from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted
@@ -57,7 +58,6 @@ from linkages.solution.opened import open as open  # noqa: A004
 from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
-from linkages.design.tolerances.tolerance import tolerance as tolerance
 from linkages.sweeps.sweep import sweep as sweep
 
 __version__: str

@@ -110,6 +110,7 @@ ANALYSES = {
     "lyapunov": "linkages.chaos.growth.lyapunov:lyapunov",
     "bifurcation": "linkages.chaos.sweeps.bifurcation:bifurcation",
     "map": "linkages.chaos.sweeps.maps:chaos_map",
+    "tolerance": "linkages.design.tolerances.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""
 

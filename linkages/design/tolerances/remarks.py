@@ -78,7 +78,9 @@ def _moments(number: dict[str, float], units: str, count: float) -> list[str]:
         )
     skewness, expected = number["skewness"], number["linear_skewness"]
     if abs(skewness - expected) > max(SIGNIFICANT * np.sqrt(6.0 / count), SKEWED):
-        found.append(f"the samples are skewed by {skewness:+.2f}, the linear ones by {expected:+.2f}")
+        found.append(
+            f"the samples are skewed by {skewness:+.2f}, the linear ones by {expected:+.2f}"
+        )
     return found
 
 

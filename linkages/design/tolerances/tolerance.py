@@ -84,8 +84,8 @@ def tolerance(
     (least and largest) and `corner` (what the measures really are there). Of the Monte Carlo:
     `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw, `mean`,
     `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
-    confidence interval: copies that cannot be assembled are not within. Its attribute `notes` says
-    where the linear analysis fails.
+    confidence interval: copies that cannot be assembled are not within. Its attribute `remarks`
+    says where the linear analysis fails.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def tolerance(
     if kept_to:
         data = data.assign(_yields(kept_to, bounds, drawn))
     data.attrs |= {"interrupted": int(interrupted), "draws": draws, "seed": seed}
-    data.attrs["notes"] = "\n".join(remarks(data, mechanism))
+    data.attrs["remarks"] = "\n".join(remarks(data, mechanism))
     if interrupted:
         done = int((drawn["outcome"] != Code.MISSING).sum())
         message = f"interrupted after {done} of {draws} draws"

@@ -34,10 +34,13 @@ def figure(data: xr.Dataset, name: str) -> Figure | None:
     if not np.isfinite(own["sample"]).any():
         return None
     result, (left, right) = panels(1, 2, 2.6)
+    for ax, (start, width) in ((left, (0.11, 0.38)), (right, (0.71, 0.26))):  # room for paths
+        box = ax.get_position()
+        ax.set_position((start, box.y0, width, box.height))
     distribution(left, own)
     contributors(right, own)
-    left.set_title(fitted(name, 3.0))
-    right.set_title(fitted(str(data.attrs.get("name", "")), 2.0))
+    left.set_title(fitted(name, 2.4))
+    right.set_title(fitted(str(data.attrs.get("name", "")), 1.6))
     return result
 
 
@@ -70,7 +73,7 @@ def contributors(ax: Axes, own: xr.Dataset) -> Axes:
     shares = own["share"].to_numpy()
     order = np.argsort(shares)[-MOST_BARS:]
     ax.barh(np.arange(len(order)), 100.0 * shares[order], color=PALETTE[0], height=0.7)
-    names = [fitted(str(path), 1.6, 7.0) for path in own["contributor"].to_numpy()[order]]
+    names = [fitted(str(path), 1.3, 7.0) for path in own["contributor"].to_numpy()[order]]
     ax.set_yticks(np.arange(len(order)), names, fontsize=7.0)
     ax.set_xlim(0.0, 100.0)
     ax.set_xlabel("share of the variance [%]")

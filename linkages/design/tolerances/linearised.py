@@ -68,6 +68,7 @@ def _with_gradients(
     given: Mapping[str, Any],
 ) -> dict[str, LinearMeasure]:
     texts = [each.text for each in measures.values()]
+    values = [single(each, motion) for each in measures.values()]
 
     def of(mechanism: Mechanism, paths: Sequence[str]) -> Floats:
         differentiated = Differentiated(mechanism, texts, paths, run=given)
@@ -76,8 +77,8 @@ def _with_gradients(
     slopes = _slopes(contributors, of, (len(texts),))
     pushes = _pushes(contributors, of, (len(texts),))
     return {
-        name: SmoothMeasure(contributors, single(each, motion), slopes[k], pushes[k])
-        for k, (name, each) in enumerate(measures.items())
+        name: SmoothMeasure(contributors, values[k], slopes[k], pushes[k])
+        for k, name in enumerate(measures)
     }
 
 

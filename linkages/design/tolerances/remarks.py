@@ -18,6 +18,9 @@ SIGNIFICANT = 3.0
 MATTERS = 0.05
 """Share of a standard deviation, or of the spread, from which on a difference is worth saying."""
 
+NOTHING = 1e-6
+"""Share of the spread below which a linear one is rounding."""
+
 SKEWED = 0.2
 """Difference of skewness from which on quantiles are misleading."""
 
@@ -70,7 +73,12 @@ def _moments(number: dict[str, float], units: str, count: float) -> list[str]:
             f"curvature shifts the mean by {shift:.2g} {units} ({shift / spread:+.0%} of the "
             "standard deviation) from the linear one"
         )
-    ratio = spread / number["linear_spread"] - 1.0 if number["linear_spread"] > 0.0 else np.inf
+    if number["linear_spread"] < NOTHING * spread:
+        return [
+            *found,
+            f"the linear analysis sees no effect; the samples vary by {spread:.3g} {units}",
+        ]
+    ratio = spread / number["linear_spread"] - 1.0
     if abs(ratio) > max(SIGNIFICANT / np.sqrt(2.0 * count), MATTERS):
         found.append(
             f"the standard deviation of the samples, {spread:.3g} {units}, differs from the linear "

@@ -212,6 +212,28 @@ def sweep(
 
 
 @computes(SimulationOptions)
+def sensitivity(
+    of: Annotated[
+        list[str],
+        typer.Option(
+            "--of",
+            metavar="MEASURE",
+            help="A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.",
+        ),
+    ],
+    to: Annotated[
+        list[str],
+        typer.Option(
+            "--to",
+            metavar="PATH",
+            help="A number of the definition, or a pattern such as 'bars.*'; repeatable.",
+        ),
+    ],
+) -> None:
+    """Say how measures change with numbers of the definition: exact derivatives, largest first."""
+
+
+@computes(SimulationOptions)
 def tolerance(
     of: Annotated[
         list[str],
@@ -271,5 +293,5 @@ def bench(
 
 COMMANDS = (
     simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
-    tolerance, chaos, bench,
+    sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

@@ -72,6 +72,8 @@ class Differentiated:
         The mechanism as the definition has it.
     units
         Of the measures, in SI.
+    series
+        Name → series that measures name.
     scales
         What derivatives are measured in within a motion, in SI, shape (P,).
 
@@ -105,7 +107,7 @@ class Differentiated:
         found = [measured_series(system, each) for each in self._measures]
         self.system = system
         self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
-        self._series = {name: series for each in found for name, series in each.items()}
+        self.series = {name: series for each in found for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
         """The measures at other numbers, and their derivatives there.
@@ -124,10 +126,13 @@ class Differentiated:
         ComputationError
             If its motion stops before its end, or a measure or a derivative is not finite.
         """
-        moved = self.moved(numbers, self._series, derivatives)
+        return self.reduced(self.moved(numbers, self.series, derivatives))
+
+    def reduced(self, moved: Moved) -> Evaluated:
+        """The measures of a motion, with their derivatives if it has any; raises as `at` does."""
         found = [differentiated(each, moved) for each in self._measures]
         values = np.array([each.value for each in found], dtype=float)
-        if not derivatives:
+        if not moved.count:
             return Evaluated(values, None)
         slopes = np.array([each.slopes for each in found], dtype=float)
         return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
@@ -167,7 +172,9 @@ class Differentiated:
         asked = self._numbers if derivatives else ()
         changing = effects(system, asked).scaled(self.scales[: len(asked)])
         counting = any(each.angle for each in series.values())
-        motion = self._motion(system.affected(changing if derivatives else None), counting)
+        if derivatives and system.layout.moved:
+            system = system.affected(changing)
+        motion = self._motion(system, counting)
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
@@ -184,7 +191,7 @@ class Differentiated:
     def _motion(self, system: System, counting: bool) -> Motion:
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         with np.errstate(over="ignore", invalid="ignore"):
-            if system.effects is None or not system.layout.moved:
+            if system.effects is None:
                 settings = Settings(times=times, run=self._run, counting=counting)
                 return compute_motion(system, settings)
             count, tolerance = len(system.effects), self._run.atol or self._run.rtol

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.units import unit_at
 from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.moved import Moved
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
@@ -68,8 +69,8 @@ def sensitivities(
     >>> import linkages
     >>> mechanism = linkages.load("slider-crank")
     >>> found = linkages.sensitivities(mechanism, "stroke(piston.position)", "bars.*.length")
-    >>> dict(zip(found.parameter.values.tolist(), found["stroke(piston.position)"].values.round(9)))
-    {'bars.crank.length': np.float64(2.0), 'bars.rod.length': np.float64(-0.0)}
+    >>> found["stroke(piston.position)"].sel(parameter="bars.crank.length").item()  # 2 r
+    2.0
     """
     import xarray as xr
 
@@ -79,19 +80,17 @@ def sensitivities(
         raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
     measures = [text for text in asked if _is_measure(text)]
     found = Differentiated(mechanism, measures, paths, run=dict(run))
-    variables: dict[str, Any] = {}
-    over_time = [text for text in asked if text not in measures]
-    coordinates: dict[str, Any] = {}
-    if over_time:
-        variables, coordinates = _over_time(found, over_time)
-    if measures:
-        evaluated = found.at(found.values)
-        assert evaluated.derivatives is not None
-        for text, value, row, unit in zip(
-            measures, evaluated.values, evaluated.derivatives, found.units, strict=True
-        ):
-            attrs = {"units": _per(unit), "long_name": f"derivative of {text}", "value": value}
-            variables[text] = ((PARAMETER,), row, attrs)
+    elements = {name: _elements(found.system, name) for name in asked if name not in measures}
+    series = {each.name: each for own in elements.values() for each in own}
+    moved = found.moved(found.values, {**found.series, **series})
+    variables, coordinates = _over_time(found, moved, elements)
+    evaluated = found.reduced(moved)
+    assert evaluated.derivatives is not None
+    for text, value, row, unit in zip(
+        measures, evaluated.values, evaluated.derivatives, found.units, strict=True
+    ):
+        attrs = {"units": _per(unit), "long_name": f"derivative of {text}", "value": value}
+        variables[text] = ((PARAMETER,), row, attrs)
     units = [unit_at(mechanism.definition, path) for path in found.paths]
     coordinates |= {
         PARAMETER: [*found.paths],
@@ -108,24 +107,21 @@ def _is_measure(text: str) -> bool:
 
 
 def _over_time(
-    found: Differentiated, names: Sequence[str]
+    found: Differentiated, moved: Moved, elements: Mapping[str, Sequence[Series]]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Variables of derivatives along the motion, and their coordinates."""
-    system = found.system
-    elements = {name: _elements(system, name) for name in names}
-    series = {each.name: each for own in elements.values() for each in own}
-    moved = found.moved(found.values, series)
-    slopes = dict(zip(series, moved.sampled([*series]), strict=True))
-    each = slice(None, None, found.factor)
-    coordinates: dict[str, Any] = {"time": ("time", moved.time[each], {"units": "s"})}
+    system, each = found.system, slice(None, None, found.factor)
     variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
     for name, own in elements.items():
         dims = VARIABLES[name].dims if name in VARIABLES else ()
         coordinates |= {dim: [*labels(system.model, dim)] for dim in dims}
-        rows = np.array([slopes[one.name][:, each] / found.scales[:, None] for one in own])
-        if not np.isfinite(rows).all():
-            time = moved.time[each][~np.isfinite(rows).all(axis=(0, 1))][0]
-            raise ComputationError(f"{name} has no finite derivative", time=float(time))
+        coordinates |= {"time": ("time", moved.time[each], {"units": "s"})}
+        rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
+        finite = np.isfinite(rows).all(axis=(0, 1))
+        if not finite.all():
+            time = float(coordinates["time"][1][~finite][0])
+            raise ComputationError(f"{name} has no finite derivative", time=time)
         shape = tuple(len(coordinates[dim]) for dim in dims)
         unit = " or ".join(dict.fromkeys(series_unit(system, one) for one in own))
         attrs = {"units": _per(unit), "long_name": f"derivative of {name.replace('_', ' ')}"}

@@ -273,7 +273,8 @@ def _keys(component: Component, steps: Path) -> Keys | str:
 
 def _entry(part: Any, key: str | int) -> Any:
     """What a key leads to: an entry of a list or a mapping, or an attribute."""
-    return part[key] if isinstance(part, tuple | Mapping) else getattr(part, str(key))
+    held: Any = part
+    return held[key] if isinstance(part, tuple | Mapping) else getattr(part, str(key))
 
 
 def _leaves(part: Any) -> Iterator[tuple[Path, Keys]]:

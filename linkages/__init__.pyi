@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from linkages.bridges.pmks import from_pmks as from_pmks
+from linkages.bridges.pylinkages import from_pylinkage as from_pylinkage
 from linkages.chaos.growth.lyapunov import lyapunov as lyapunov
 from linkages.chaos.sections.section import poincare as poincare
 from linkages.chaos.sweeps.bifurcation import bifurcation as bifurcation

@@ -62,7 +62,7 @@ class Draft:
         own[joint] = x + polar[0] * math.cos(direction), y + polar[0] * math.sin(direction)
 
     def weigh(self, mass_per_length: float) -> None:
-        """Give bodies the mass of uniform rods: a bar is one, a plate has them along its outline."""
+        """Give bodies the mass of uniform rods: bars are such, plates have them as outlines."""
         for name, points in self.bodies.items():
             self.weights[name] = _rods([*points.values()], mass_per_length)
 

@@ -4,8 +4,9 @@ All of a mechanism stands in the query of its link, in sections that end with a 
 
     flags . decimals . whole numbers . units . joints … . . links … . . forces … . . selection check
 
-Numbers are whole, to the base 64 of `DIGITS`, a zero before those that are negative, and thousandths
-where they are decimal. The last character is the length of what is before it, to the base 62.
+Numbers are whole, to the base 64 of `DIGITS`, a zero before those that are negative, and
+thousandths where they are decimal. The last character is the length of what is before it, to the
+base 62.
 
 References
 ----------
@@ -124,18 +125,18 @@ class _Decoded:
         sections = _sections(rest)
         self.flags = _number(settings)
         chosen = UNITS[min(_number(enums[:1] or "2"), len(UNITS) - 1)]
-        self.length, self.mass, self.inertia = (unit(text).convert(1.0) for text in chosen)
-        self.force = unit(FORCES[min(_number(enums[2:3] or "1"), 1)]).convert(1.0)
+        self.length, self.mass, self.inertia = (unit(text).convert for text in chosen)
+        self.force = unit(FORCES[min(_number(enums[2:3] or "1"), 1)]).convert
         self.rpm = float(_number(whole.split(",")[0]))
         steps = decimals.split(",")
-        self.linear = _decimal(steps[1]) * self.length if len(steps) > 1 else 0.0
+        self.linear = self.length(_decimal(steps[1])) if len(steps) > 1 else 0.0
         self.joints = {each.id: each for each in map(self._joint, sections[0])}
         self.links = [each for each in map(self._link, sections[1]) if each is not None]
         self.forces = sections[2]
 
     def _joint(self, record: str) -> _Joint:
         name, label, x, y, angle, *more = record[1:].split(",")
-        place = _decimal(x) * self.length, _decimal(y) * self.length
+        place = self.length(_decimal(x)), self.length(_decimal(y))
         slot = tuple(more[:3]) if len(more) >= 3 and all(more[:3]) else ()
         return _Joint(name, label, _number(record[:1]), place, _decimal(angle), slot)
 
@@ -144,10 +145,10 @@ class _Decoded:
             return None  # a part of a link that is listed itself
         name, label, mass, inertia, x, y, _, *rest = record[2:].split(",")
         joints = tuple(rest[: rest.index("")]) if "" in rest else tuple(rest)
-        centre = _decimal(x) * self.length, _decimal(y) * self.length
+        centre = self.length(_decimal(x)), self.length(_decimal(y))
         return _Link(
-            name, label, record[1:2] == "P", _decimal(mass) * self.mass,
-            _decimal(inertia) * self.inertia, centre, joints,
+            name, label, record[1:2] == "P", self.mass(_decimal(mass)),
+            self.inertia(_decimal(inertia)), centre, joints,
         )  # fmt: skip
 
     def draft(self, masses: bool) -> Draft:
@@ -270,9 +271,9 @@ class _Bodies:
         length, outwards = math.hypot(u - x, v - y), 1.0 if flags & 2 else -1.0
         if not length > 0.0:
             raise refused(NAME, f"force {label or name} has no direction")
-        factor = outwards * size * self._from.force / length
+        factor = outwards * self._from.force(size) / length
         body, _, angle = self._frames[link]
-        place = self._local(link, (x * self._from.length, y * self._from.length))
+        place = self._local(link, (self._from.length(x), self._from.length(y)))
         own = self._draft.bodies[body]
         point = next((joint for joint, at in own.items() if math.dist(at, place) < 1e-9), None)
         if point is None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkages.bridges.drafted import Draft, named, refused
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.spec.units import unit
+from linkages.spec.units import Unit, unit
 
 if TYPE_CHECKING:
     from pylinkage.simulation.linkage import Linkage
@@ -63,7 +63,7 @@ def from_pylinkage(
         raise ValueError(f"step must be seconds > 0, found {step!r}")
     if not mass_per_length >= 0.0:
         raise ValueError(f"mass_per_length must be kg/m >= 0, found {mass_per_length!r}")
-    reading = _Reading(linkage, unit(units).convert(1.0), step)
+    reading = _Reading(linkage, unit(units), step)
     draft = reading.draft
     if mass_per_length:
         draft.weigh(mass_per_length)
@@ -74,11 +74,11 @@ def from_pylinkage(
 class _Reading:
     """Component after component becomes joints, bars and sliders of a draft."""
 
-    def __init__(self, linkage: Linkage, scale: float, step: float) -> None:
+    def __init__(self, linkage: Linkage, units: Unit, step: float) -> None:
         import pylinkage
 
-        self._scale, self._step = scale, step
-        self.draft = Draft(named(str(linkage.name), "linkage", ()))
+        self._metres, self._step = units.convert, step
+        self.draft = Draft(named(_given(linkage), "linkage", ()))
         self._names: dict[int, str] = {}
         kinds = {
             pylinkage.Ground: self._ground,
@@ -97,7 +97,8 @@ class _Reading:
                     f"{component.name} is a {kind}, which a definition cannot express; expected "
                     f"one of {known}",
                 )
-            name = named(str(component.name), "joint", self._names.values())
+            given = _given(component)
+            name = named(given, f"J{len(self._names) + 1}", self._names.values())
             self._names[id(component)] = name
             read(component, name)
 
@@ -105,13 +106,13 @@ class _Reading:
         return self._names[id(getattr(anchor, "_parent", anchor))]
 
     def _place(self, component: Any) -> tuple[float, float]:
-        return component.x * self._scale, component.y * self._scale
+        return self._metres(component.x), self._metres(component.y)
 
     def _bar(self, first: str, second: str, length: float) -> str:
         if not length > 0.0:
             raise refused(SOURCE, f"the bar from {first} to {second} has length {length:g}")
         name = named(f"{first}-{second}", "bar", self.draft.bodies)
-        self.draft.bodies[name] = {first: (0.0, 0.0), second: (length * self._scale, 0.0)}
+        self.draft.bodies[name] = {first: (0.0, 0.0), second: (self._metres(length), 0.0)}
         return name
 
     def _ground(self, component: Any, name: str) -> None:
@@ -141,7 +142,7 @@ class _Reading:
                 f"{name} keeps its place to {first} and {second}, which are not on one bar: it is "
                 "on no rigid body",
             )
-        polar = component.distance * self._scale, component.angle
+        polar = self._metres(component.distance), component.angle
         self.draft.fix(body, name, first, second, polar)
 
     def _slider(self, component: Any, name: str) -> None:
@@ -163,3 +164,8 @@ class _Reading:
         block = named(f"slider {name}", "slider", [*self.draft.bodies, *self.draft.sliders])
         self.draft.sliders[block] = {"joint": name, **axis}
         self.draft.assembly[name] = self._place(component)
+
+
+def _given(part: Any) -> str:
+    """The name that somebody gave; where nobody did, pylinkage has the address in memory."""
+    return "" if str(part.name) == str(id(part)) else str(part.name)

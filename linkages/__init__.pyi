@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from linkages.bridges.pmks import from_pmks as from_pmks
+from linkages.bridges.pylinkages import from_pylinkage as from_pylinkage
 from linkages.chaos.growth.lyapunov import lyapunov as lyapunov
 from linkages.chaos.sections.section import poincare as poincare
 from linkages.chaos.sweeps.bifurcation import bifurcation as bifurcation
@@ -40,6 +42,7 @@ from linkages.components.torsional_spring import BarSpring as BarSpring
 from linkages.components.torsional_spring import SpringBetweenBars as SpringBetweenBars
 from linkages.components.weld import Weld as Weld
 from linkages.design.sensitivity.sensitivities import sensitivities as sensitivities
+from linkages.design.tolerances.tolerance import tolerance as tolerance
 from linkages.errors import ComputationError as ComputationError
 from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted

@@ -241,6 +241,45 @@ def sensitivity(
     """Say how measures change with numbers of the definition: exact derivatives, largest first."""
 
 
+@computes(SimulationOptions)
+def tolerance(
+    of: Annotated[
+        list[str],
+        typer.Option(
+            metavar="MEASURE",
+            help="A number of the motion, e.g. 'max(abs(error(piston.position)))', where error is "
+            "against the nominal mechanism; repeatable.",
+        ),
+    ],
+    limits: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LIMITS",
+            help="What a measure must keep to, e.g. 'stroke(piston.position) > 79.9 mm', for the "
+            "yield; repeatable.",
+        ),
+    ] = None,
+    draws: Annotated[
+        int, typer.Option(min=100, help="Copies of the mechanism that are drawn.")
+    ] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="Of the draws.")] = 0,
+    sequence: Annotated[
+        Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
+    ] = Drawing.RANDOM,
+    store: Store = None,
+    time_per_point: Annotated[
+        float | None,
+        typer.Option(metavar="<time>", help="Seconds after which a copy is given up."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
+    ] = None,
+    cores: Cores = None,
+) -> None:
+    """Say what tolerances and clearances do to measures: contributions, worst case, yield."""
+
+
 @computes(VerdictOptions)
 def chaos(
     periods: Annotated[
@@ -262,5 +301,5 @@ def bench(
 
 COMMANDS = (
     simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
-    sensitivity, chaos, bench,
+    sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,6 +22,30 @@ def new(
     from linkages.cli.verbs.new import run_new
 
     raise typer.Exit(run_new(name, template, force, json))
+
+
+def import_link(
+    link: Annotated[
+        str, typer.Argument(metavar="LINK", help="A share link of PMKS+; nothing is downloaded.")
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="FILE", help="The definition file to write.")
+    ] = Path("imported.yaml"),
+    masses: Annotated[bool, typer.Option(help="Take the masses that the link has.")] = True,
+    mass_per_length: Annotated[
+        float, typer.Option(min=0.0, help="Of all bars in kg/m instead; plates: their outline.")
+    ] = 0.0,
+    clearance: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT=SIZE", help="Give a joint a clearance, e.g. B=0.1mm."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file of that name.")] = False,
+    json: Json = False,
+) -> None:
+    """Write a definition file from a share link of PMKS+."""
+    from linkages.cli.verbs.imported import run_import
+
+    raise typer.Exit(run_import(link, out, masses, mass_per_length, clearance or (), force, json))
 
 
 def schema() -> None:

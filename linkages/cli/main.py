@@ -61,6 +61,7 @@ def _options(
 
 for command in (*analyses.COMMANDS, definitions.new, definitions.schema):
     app.command()(command)
+app.command("import")(definitions.import_link)
 app.command("list")(definitions.list_mechanisms)
 
 

@@ -17,6 +17,7 @@ from linkages.options.given import Option, options_in
 from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError
 from linkages.spec.quantities import Count, FieldType, Quantity
+from linkages.spec.tolerance_zones import has_tolerance
 
 Command = Callable[..., None]
 
@@ -172,6 +173,8 @@ def _reading(rule: FieldType) -> Callable[[Any], Any]:
     """Read a flag as the definition file is read: with arithmetic, and with a unit."""
 
     def read(text: Any) -> Any:
+        if has_tolerance(text):
+            raise typer.BadParameter(f"options have no tolerance, found {text!r}")
         try:
             return rule.read(text)
         except QuantityError as error:

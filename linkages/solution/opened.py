@@ -109,6 +109,7 @@ ANALYSES = {
     "bifurcation": "linkages.chaos.sweeps.asked:bifurcation_asked",
     "map": "linkages.chaos.sweeps.maps:chaos_map",
     "sweep": "linkages.sweeps.asked:sweep_asked",
+    "tolerance": "linkages.design.tolerances.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""
 

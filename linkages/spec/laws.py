@@ -15,6 +15,8 @@ from linkages.spec.dimensions import Bound, Dimension
 from linkages.spec.formulas import Constant, Formula, formula
 from linkages.spec.grammar import NumberError
 from linkages.spec.quantities import ARITHMETIC, LIMITS, FieldType
+from linkages.spec.tolerance_zones import has_tolerance, nominal_of, nominal_text, zone_of
+from linkages.spec.units import UnitError
 
 # A text with the time, a call or a quantity in it is a formula, whatever else is wrong with it.
 _FORMULA = re.compile(r"\bt\b|[^\W\d]\w*[ \t]*\(|[^\W\d]\w*[ \t]*\.[ \t]*[^\W\d]|['\"]")
@@ -59,10 +61,13 @@ class LawRule(FieldType):
         if isinstance(value, dict):
             return self._named(value)
         try:
-            return parse_quantity(value, self.dimension, self.bound)
+            nominal = nominal_of(value, self.dimension, self.bound)
+            return parse_quantity(nominal, self.dimension, self.bound)
         except QuantityError as fault:
             found = fault.found
         if not isinstance(value, str):
+            raise QuantityError(self.expected(), found)
+        if has_tolerance(value):
             raise QuantityError(self.expected(), found)
         try:
             read = formula(value, self.refused)
@@ -151,8 +156,9 @@ class PlaceRule(FieldType):
         if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
             return Constant(float(value))
         try:
-            read = formula(value).tree if isinstance(value, str) else None
-        except NumberError as why:
+            read = formula(nominal_text(value)).tree if isinstance(value, str) else None
+            zone_of(str(value))
+        except (NumberError, UnitError) as why:
             raise QuantityError(self.expected(), f"{shown(value)}: {why}") from None
         if not isinstance(read, Constant):
             raise QuantityError(self.expected(), shown(value))

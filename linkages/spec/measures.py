@@ -30,6 +30,9 @@ OVER_TIME = {
 AT = "at"
 """``at(t, x)`` is the value of a series at a time."""
 
+ERROR = "error"
+"""``error(x)`` is a series less what it is in the nominal motion at the same time."""
+
 _ELEMENT = r"(?:'[^']+'|\"[^\"]+\"|[^\W\d]\w*(?:\[\d+\])?)"
 _SERIES = re.compile(rf"{_ELEMENT}(?:\.{_ELEMENT})*\.[^\W\d]\w*(?: [^\W\d]\w*)*")
 
@@ -46,6 +49,12 @@ class Measure:
         """Names of the series that it depends on, each once."""
         nodes = Formula(self.text, self.tree).nodes()
         return tuple(dict.fromkeys(node.word for node in nodes if isinstance(node, Sensed)))
+
+    @property
+    def compares(self) -> bool:
+        """Whether it has errors in it, for which there must be a nominal motion."""
+        nodes = Formula(self.text, self.tree).nodes()
+        return any(isinstance(node, Call) and node.name == ERROR for node in nodes)
 
     def units(self, unit_of: Callable[[str], str]) -> str:
         """The unit that it is in, in SI; empty for a pure number.
@@ -129,7 +138,7 @@ class _Measures(FormulaTrees):
     @property
     def functions(self) -> Mapping[str, int | tuple[int, ...]]:
         """Functions of formulas, and reductions."""
-        over_time: dict[str, int | tuple[int, ...]] = {**formula_functions(), AT: 2}
+        over_time: dict[str, int | tuple[int, ...]] = {**formula_functions(), AT: 2, ERROR: 1}
         for name in OVER_TIME:
             both = name in formula_functions()
             over_time[name] = (1, 2) if both else 1
@@ -159,6 +168,8 @@ class _Measures(FormulaTrees):
 
     def operation(self, name: str, arguments: tuple[Node, ...], span: Span = (0, 0)) -> Node:
         """A call of a function or a reduction."""
+        if name == ERROR:
+            return self._error(arguments, span)
         if not reduces(name, len(arguments)):
             return super().operation(name, arguments, span)
         if name == AT and is_series(arguments[0]):
@@ -166,6 +177,14 @@ class _Measures(FormulaTrees):
         if not is_series(arguments[-1]):
             raise NumberError(f"{name!r} expects what changes with time, such as crank.effort")
         return Call(name, arguments, span=span)
+
+    @staticmethod
+    def _error(arguments: tuple[Node, ...], span: Span) -> Node:
+        if not is_series(arguments[0]):
+            raise NumberError("'error' expects what changes with time, such as piston.position")
+        if any(isinstance(n, Call) and n.name == ERROR for n in Formula("", arguments[0]).nodes()):
+            raise NumberError("an error of an error is the error itself; expected a series")
+        return Call(ERROR, arguments, span=span)
 
 
 def _sensed(node: Node) -> Iterator[str]:
@@ -177,7 +196,7 @@ def _one_series(node: Node) -> str | None:
     while isinstance(node, Call):
         if node.name.startswith("time_of"):
             return None
-        if not (node.name in ("abs", "neg") or reduces(node.name, len(node.arguments))):
+        if not (node.name in ("abs", "neg", ERROR) or reduces(node.name, len(node.arguments))):
             return None
         node = node.arguments[-1]
     return node.word if isinstance(node, Sensed) else None
@@ -195,6 +214,8 @@ class _Dimensions(Measuring):
             return found[1]
         if reduces(name, len(arguments)):
             return TIME if name.startswith("time_of") else found[0]
+        if name == ERROR:
+            return found[0]
         return super().called(name, found, arguments, span)
 
     def alike(

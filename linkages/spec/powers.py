@@ -8,6 +8,7 @@ from linkages.spec.arithmetic import leading_number
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
 from linkages.spec.quantities import ARITHMETIC, FieldType
+from linkages.spec.tolerance_zones import nominal_of, nominal_text
 from linkages.spec.units import UnitError, unit
 
 
@@ -25,7 +26,8 @@ class _Rule(FieldType):
         exponent = _written(value)
         dimension = _dimension(exponent or 1.5)
         try:
-            number = parse_quantity(value, dimension, Bound.POSITIVE)
+            nominal = nominal_of(value, dimension, Bound.POSITIVE)
+            number = parse_quantity(nominal, dimension, Bound.POSITIVE)
         except QuantityError as fault:
             raise QuantityError(self.expected(), fault.found) from None
         if exponent is None:
@@ -65,7 +67,7 @@ def _written(value: Any) -> float | None:
     if not isinstance(value, str):
         return None
     try:
-        _, text = leading_number(value.replace("−", "-").strip())
+        _, text = leading_number(nominal_text(value).replace("−", "-").strip())
         powers = dict(unit(text).exponents) if text else {}
     except (UnitError, ValueError):
         return None

@@ -11,6 +11,7 @@ from linkages.reading.wording import shown
 from linkages.spec import dimensions
 from linkages.spec.conversion import QuantityError, parse_quantity
 from linkages.spec.dimensions import Bound, Dimension
+from linkages.spec.tolerance_zones import has_tolerance, nominal_of
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -32,6 +33,7 @@ LIMITS: dict[Bound, dict[str, Any]] = {
     Bound.NON_NEGATIVE: {"minimum": 0},
 }
 """Limits of numbers as a JSON schema has them."""
+ONLY_NUMBERS = "only quantities have tolerances"
 _NAME_RULE = f"a name (letters, digits, _, inner spaces and hyphens; at most {_LONGEST_NAME})"
 
 
@@ -83,8 +85,9 @@ class Quantity(FieldType):
     bound: Bound = Bound.NONE
 
     def read(self, value: Any) -> float:
-        """Return the number in SI."""
-        return parse_quantity(value, self.dimension, self.bound)
+        """Return the number in SI; the nominal one where the text states a tolerance."""
+        nominal = nominal_of(value, self.dimension, self.bound)
+        return parse_quantity(nominal, self.dimension, self.bound)
 
     def expected(self) -> str:
         """Return for example ``"a length > 0 (metres, or with a unit)"``."""
@@ -106,7 +109,8 @@ class Count(FieldType):
         try:
             number = parse_quantity(value, dimensions.NUMBER)
         except QuantityError as error:
-            raise QuantityError(self.expected(), error.found) from None
+            counted = f"{shown(value)}: {ONLY_NUMBERS}" if has_tolerance(value) else error.found
+            raise QuantityError(self.expected(), counted) from None
         if number < self.least or number != int(number):
             raise QuantityError(self.expected(), shown(value))
         return int(number)
@@ -128,6 +132,8 @@ class NameRule(FieldType):
         """Return the name."""
         if not isinstance(value, str) or len(value) > _LONGEST_NAME:
             raise QuantityError(self.expected(), shown(value))
+        if has_tolerance(value):
+            raise QuantityError(self.expected(), f"{shown(value)}: {ONLY_NUMBERS}")
         if not re.fullmatch(_NAME, value):
             raise QuantityError(self.expected(), shown(value))
         return value

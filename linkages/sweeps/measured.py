@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Along, Varying
@@ -67,6 +68,8 @@ class MeasureQuestion(Question):
         Options of the simulation that are given.
     seconds
         How long a point may take; None for any time.
+    nominal
+        Whose motion errors are against; that which is varied if not given.
     """
 
     varying: Varying
@@ -74,6 +77,7 @@ class MeasureQuestion(Question):
     measures: Mapping[str, Measure]
     given: Mapping[str, Any]
     seconds: float | None = None
+    nominal: Mechanism | None = None
 
     @property
     def count(self) -> int:
@@ -116,6 +120,7 @@ class MeasureQuestion(Question):
             "measures": {name: each.text for name, each in self.measures.items()},
             "options": {name: value for name, value in self.given.items() if value is not None},
             "seconds per point": self.seconds,
+            **({} if self.nominal is None else {"nominal": self.nominal.to_yaml()}),
             **self.points.described,
         }
 
@@ -136,6 +141,10 @@ class MeasureQuestion(Question):
         for each in self.measures.values():
             measure_unit(system, each, measured_series(system, each))
         return system
+
+    def prepare(self) -> None:
+        """Compute what all points need; raises what is wrong with it."""
+        _ = self.first, self._reference
 
     @cached_property
     def _series(self) -> dict[str, Series]:
@@ -193,7 +202,8 @@ class MeasureQuestion(Question):
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
-        values = {name: reduced(each, motions) for name, each in self.measures.items()}
+        reference = self._reference
+        values = {name: reduced(each, motions, reference) for name, each in self.measures.items()}
         found = {}
         for row, place in enumerate(places):
             numbers = {name: float(each.values[row]) for name, each in values.items()}
@@ -266,8 +276,31 @@ class MeasureQuestion(Question):
                     waiting.setdefault(wanted, {})[place] = system
         return found
 
+    @cached_property
+    def _reference(self) -> Followed | None:
+        """The motion that errors are against.
+
+        Raises
+        ------
+        ComputationError
+            If it stops.
+        """
+        if not any(each.compares for each in self.measures.values()):
+            return None
+        system = System(self.nominal or self.varying.mechanism)
+        for each in self.measures.values():
+            measured_series(system, each)
+        motion, data = self._moved(system)
+        if motion.failure is not None:
+            raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
+        return Followed(system, motion, self._series, data)
+
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
+        return self._answer(system, *self._moved(system))
+
+    def _moved(self, system: System) -> tuple[Motion, xr.Dataset | None]:
+        """The motion of one mechanism by itself, and outputs that need more than one time."""
         mechanism, watch = system.mechanism, self._watch()
         if self._whole:
             solution = simulate(mechanism, outputs=self._whole, watch=watch, **self.given)
@@ -281,7 +314,7 @@ class MeasureQuestion(Question):
                 motion, data = compute_motion(system, settings), None
         if motion.failure is None:
             motion = resolved_motion(system, motion, settings)
-        return self._answer(system, motion, data)
+        return motion, data
 
     def _answer(self, system: System, motion: Motion, data: xr.Dataset | None) -> Answer:
         if motion.interrupted:
@@ -293,7 +326,7 @@ class MeasureQuestion(Question):
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:
-                numbers[name] = single(each, source)
+                numbers[name] = single(each, source, self._reference)
             except ComputationError as error:
                 reasons.append(str(error))
         code = Code.UNDEFINED if reasons else Code.COMPUTED

@@ -41,6 +41,7 @@ def sweep(
     device: str = "cpu",
     executor: Executor | None = None,
     time_per_point: float | None = None,
+    nominal: Mechanism | None = None,
     watch: Watch | None = None,
     **options: Unpack[SimulationKeywords],
 ) -> xr.Dataset:
@@ -74,6 +75,8 @@ def sweep(
         Where points are computed instead, as `linkages.bifurcation` takes it.
     time_per_point
         Seconds after which a point is given up.
+    nominal
+        Whose motion ``error(…)`` in measures is against; that of `mechanism` if not given.
     watch
         Called now and then with the progress.
     options
@@ -106,7 +109,8 @@ def sweep(
         executor = Threads(cores) if scheduler is None else Cluster(scheduler)
     measures = _measures(measure)
     given = {name: value for name, value in options.items() if value is not None}
-    question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point)
+    question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
+    question.prepare()
     units = question.units()  # what is wrong everywhere shows here
     with (
         placed(question, device, executor) as where,

@@ -12,10 +12,11 @@ from linkages.components.mechanisms.consistency import Declared, findings
 from linkages.components.mechanisms.registry import SECTIONS, Known
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
-from linkages.reading.wording import nearest
+from linkages.reading.wording import nearest, shown
 from linkages.spec.conversion import QuantityError
 from linkages.spec.quantities import NameRule
 from linkages.spec.table_files import with_tables
+from linkages.spec.tolerance_zones import has_tolerance
 from linkages.spec.validation import validated
 
 
@@ -94,6 +95,10 @@ class _Gathered:
         name = self.document.content.get("name")
         if name is not None and (not isinstance(name, str) or not name.isprintable()):
             self.add(("name",), "expected one line of text")
+        options = self.document.content.get("simulate")
+        for key, value in (options if isinstance(options, dict) else {}).items():
+            if has_tolerance(value):
+                self.add(("simulate", key), f"options have no tolerance, found {shown(value)}")
 
     def add(self, path: Path, message: str) -> None:
         self.problems.append(self.document.problem(path, message))

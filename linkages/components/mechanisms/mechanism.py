@@ -32,10 +32,11 @@ from linkages.components.torsional_damper import ClearanceDamper
 from linkages.errors import InputError, Problem
 from linkages.reading.document import Document
 from linkages.reading.overrides import apply
-from linkages.reading.paths import split
+from linkages.reading.paths import dotted, split
 from linkages.reading.replacing import replaced
 from linkages.reading.wording import suggestion
 from linkages.reading.writing import as_yaml
+from linkages.spec.tolerance_zones import ToleranceZone, zones_in
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -168,6 +169,15 @@ class Mechanism(Contributions):
     def clearances(self) -> tuple[Clearance | ContactClearance, ...]:
         """Joints with clearance."""
         return tuple(c for c in self.components if isinstance(c, Clearance | ContactClearance))
+
+    @cached_property
+    def tolerances(self) -> dict[str, ToleranceZone]:
+        """Dotted path → tolerance zone of every number of the definition that states one.
+
+        Numbers are their nominal values everywhere else; tolerances do not count when mechanisms
+        are compared.
+        """
+        return {dotted(path): zone for path, zone in zones_in(self.definition.content).items()}
 
     @cached_property
     def simulation(self) -> SimulationDefaults:

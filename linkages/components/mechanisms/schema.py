@@ -31,7 +31,8 @@ def definition_schema() -> Schema:
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": TITLE,
-        "description": "Numbers are in SI; or text: arithmetic with pi, or a number with a unit.",
+        "description": "Numbers are in SI; or text: arithmetic with pi, or a number with a unit, "
+        "perhaps with a tolerance (140 ± 0.05 mm, 140 +0.1/-0.05 mm).",
         "type": "object",
         "properties": {"name": name, **sections},
         "additionalProperties": False,

@@ -11,6 +11,7 @@ from linkages.reading.document import Document
 from linkages.reading.paths import Path
 from linkages.spec.annotations import written_fields
 from linkages.spec.formulas import Constant, Formula
+from linkages.spec.tolerance_zones import zone_of
 
 
 def document_of(
@@ -40,7 +41,8 @@ def document_of(
             kept.add(component.path)
             _enter(content, component.path, base.value(component.path))
         else:
-            _enter(content, component.path, entry_of(component))
+            entry = _with_tolerances(entry_of(component), base.value(component.path))
+            _enter(content, component.path, entry)
 
     def stays(path: Path) -> bool:
         return any(path[: len(component)] == component for component in kept)
@@ -60,6 +62,16 @@ def _enter(content: dict[str, Any], path: Path, entry: Any) -> None:
         content.setdefault(str(section), []).append(entry)
     else:
         content.setdefault(str(section), {})[rest[0]] = entry
+
+
+def _with_tolerances(entry: Any, before: Any) -> Any:
+    """An entry in which numbers that have not changed keep their tolerances."""
+    if isinstance(entry, dict) and isinstance(before, dict):
+        return {key: _with_tolerances(value, before.get(key)) for key, value in entry.items()}
+    if isinstance(entry, list) and isinstance(before, list) and len(entry) == len(before):
+        return [_with_tolerances(*pair) for pair in zip(entry, before, strict=True)]
+    zone = zone_of(before) if isinstance(before, str) else None
+    return entry if zone is None or zone.nominal != entry else before
 
 
 def entry_of(component: Component) -> Any:

@@ -58,9 +58,9 @@ def measure(solution: Solution, text: str) -> float:
     return single(found, Followed(solution.system, motion, series, solution.data))
 
 
-def single(found: Measure, source: Source) -> float:
+def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
     """A measure of the one motion of a source; raises ComputationError as `measure` does."""
-    value = reduced(found, source)
+    value = reduced(found, source, nominal)
     if value.divided[0]:
         raise ComputationError(f"measure {found.text!r} divides by zero", time=None)
     number = float(value.values[0])

@@ -80,23 +80,36 @@ class Reduced:
     divided: NDArray[np.bool_]
 
 
-def reduced(measure: Measure, source: Source) -> Reduced:
+def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> Reduced:
     """A measure of every motion of a source.
+
+    Parameters
+    ----------
+    measure, source
+        What is asked, and of what.
+    nominal
+        The one motion that errors are against.
 
     Raises
     ------
     ValueError
-        If it asks for a time that the samples do not reach.
+        If it asks for a time that the samples do not reach, or for errors without a nominal motion.
     """
-    evaluation = _Evaluation(measure, source)
+    if measure.compares and nominal is None:
+        raise ValueError(
+            f"measure {measure.text!r}: there is no other motion to compare with; errors are those "
+            "of sweeps and tolerances, against the mechanism as it is defined"
+        )
+    evaluation = _Evaluation(measure, source, nominal)
     with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
         values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
     return Reduced(np.where(np.isfinite(values), values, np.nan), evaluation.divided)
 
 
 class _Evaluation:
-    def __init__(self, measure: Measure, source: Source) -> None:
+    def __init__(self, measure: Measure, source: Source, nominal: Source | None = None) -> None:
         self.measure, self.source = measure, source
+        self._nominal = None if nominal is None else _Evaluation(measure, nominal)
         self.divided = np.zeros(source.count, dtype=bool)
         self._samples = _Place()
         self._found: dict[Node, Floats] = {}
@@ -132,10 +145,25 @@ class _Evaluation:
                 return self._time(at)
             case Sensed(name):
                 return self._taken(name, at)
+            case Call("error", (inner,)):
+                return self.series(inner, at) - self._reference(inner, at)
             case Call(name, arguments):
                 return self._applied(name, [self.series(a, at) for a in arguments], at)
             case _:
                 raise AssertionError("constants are no series")
+
+    def _reference(self, node: Node, at: _Place) -> Floats:
+        """The same of the nominal motion, at the same times."""
+        other = self._nominal
+        assert other is not None
+        own, times = self.source.time, other.source.time
+        if at.places is None:
+            if np.array_equal(own, times):
+                return other.series(node, other._samples)
+            places = _places(times, own)
+            return other.series(node, _Place(np.zeros(len(own), dtype=int), places))[None]
+        wanted = np.interp(at.places, np.arange(len(own)), own)
+        return other.series(node, _Place(np.zeros(len(wanted), dtype=int), _places(times, wanted)))
 
     def _time(self, at: _Place) -> Floats:
         time = self.source.time
@@ -199,8 +227,7 @@ class _Evaluation:
                 f"measure {self.measure.text!r}: t = {time:g} s is outside of the motion, from "
                 f"{times[0]:g} s to {times[-1]:g} s"
             )
-        order = 1 if times[-1] >= times[0] else -1
-        return np.interp(time, times[::order], np.arange(len(times))[::order].astype(float))
+        return _places(times, np.array(time))
 
     def _at(self, node: Node, place: Floats) -> Floats:
         which = np.arange(self.source.count)
@@ -235,6 +262,12 @@ class _Evaluation:
         # a sum that does not depend on how many motions are side by side
         whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
         return whole / (self.source.time[-1] - self.source.time[0])
+
+
+def _places(times: Floats, wanted: Floats) -> Floats:
+    """Places of some times among samples."""
+    order = 1 if times[-1] >= times[0] else -1
+    return np.interp(wanted, times[::order], np.arange(len(times))[::order].astype(float))
 
 
 def _apply(name: str, *operands: Any) -> Any:

@@ -15,6 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.reading.document import Document
 from linkages.reading.paths import dotted
 from linkages.spec.arithmetic import NumberError, leading_number
+from linkages.spec.tolerance_zones import nominal_text
 
 TURN = 2 * math.pi
 """Larger angles count whole turns, or degrees."""
@@ -84,7 +85,7 @@ def _plain(raw: Any) -> float | None:
     if not isinstance(raw, str) or "pi" in raw or "π" in raw:
         return None
     try:
-        number, unit = leading_number(raw.replace("−", "-").strip())
+        number, unit = leading_number(nominal_text(raw).replace("−", "-").strip())
     except (NumberError, OverflowError):
         return None
     return None if unit else number

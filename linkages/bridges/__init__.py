@@ -1,0 +1,1 @@
+"""Linkages of other programs as definitions of this one."""

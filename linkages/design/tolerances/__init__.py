@@ -1,0 +1,1 @@
+"""Which tolerance matters: contributions, worst case, root of the sum of squares, Monte Carlo."""

@@ -1,0 +1,298 @@
+"""Measures as linear functions of small deviations: contributions, worst case, variance."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.design.tolerances.contributors import Contributors
+from linkages.solution.measuring.reduced import Source, reduced
+from linkages.spec.measures import Measure
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+DIRECTIONS = 32
+"""Directions of errors that are tried for the worst case, where several series err."""
+
+CANDIDATES = 512
+"""Corners that are compared: those where errors may add up to most."""
+
+
+@dataclass(frozen=True)
+class Corner:
+    """The worst that a linear measure can be.
+
+    Parameters
+    ----------
+    value
+        Of the measure.
+    offsets, shifts
+        Deviations of the numbers, (numbers,), and displacements of the pins, (clearances, 2).
+    """
+
+    value: float
+    offsets: Floats
+    shifts: Floats
+
+    @property
+    def deviations(self) -> tuple[Floats, Floats]:
+        """Of numbers and pins."""
+        return self.offsets, self.shifts
+
+    @property
+    def moved(self) -> bool:
+        """Whether anything deviates there."""
+        return bool(np.any(self.offsets) or np.any(self.shifts))
+
+
+class LinearMeasure(ABC):
+    """A measure for small deviations.
+
+    Parameters
+    ----------
+    contributors
+        What varies.
+    """
+
+    def __init__(self, contributors: Contributors) -> None:
+        self.contributors = contributors
+
+    @abstractmethod
+    def predicted(self, offsets: Floats, shifts: Floats) -> Floats:
+        """The measure for deviations of shapes (n, numbers) and (n, clearances, 2), shape (n,)."""
+
+    @abstractmethod
+    def sensitivities(self) -> Floats:
+        """Change of the measure per unit of each contributor, shape (contributors,)."""
+
+    @abstractmethod
+    def worst(self) -> tuple[Corner, Corner]:
+        """Where it is least and largest."""
+
+    @property
+    def nominal(self) -> float:
+        """The measure without deviations."""
+        numbers, pins = len(self.contributors.zones), len(self.contributors.clearances)
+        return float(self.predicted(np.zeros((1, numbers)), np.zeros((1, pins, 2)))[0])
+
+    @property
+    def contributions(self) -> Floats:
+        """Largest change that each contributor makes by itself, shape (contributors,)."""
+        return np.abs(self.sensitivities()) * self.contributors.halves
+
+    @property
+    def effects(self) -> Floats:
+        """Change by one standard deviation of each contributor, shape (contributors,)."""
+        return np.abs(self.sensitivities()) * self.contributors.deviations
+
+    @property
+    def shares(self) -> Floats:
+        """Share of each contributor in the variance, shape (contributors,)."""
+        squares = self.effects**2
+        whole = squares.sum()
+        return squares / whole if whole > 0.0 else np.zeros_like(squares)
+
+    @property
+    def deviation(self) -> float:
+        """Root of the sum of the squares of the effects."""
+        return float(np.sqrt(np.sum(self.effects**2)))
+
+
+class SmoothMeasure(LinearMeasure):
+    """A measure with a gradient.
+
+    Parameters
+    ----------
+    contributors
+        What varies.
+    value
+        Nominal.
+    slopes
+        By the numbers, shape (numbers,).
+    pushes
+        By displacements of the pins, shape (clearances, 2).
+    """
+
+    def __init__(
+        self, contributors: Contributors, value: float, slopes: Floats, pushes: Floats
+    ) -> None:
+        super().__init__(contributors)
+        self._value, self._slopes, self._pushes = value, slopes, pushes
+
+    def predicted(self, offsets: Floats, shifts: Floats) -> Floats:
+        """The measure for deviations."""
+        pushed = np.einsum("nck,ck->n", shifts, self._pushes)
+        return np.asarray(self._value + offsets @ self._slopes + pushed)
+
+    def sensitivities(self) -> Floats:
+        """The gradient; of pins the length of theirs."""
+        return np.concatenate([self._slopes, np.hypot(*self._pushes.T)])
+
+    def worst(self) -> tuple[Corner, Corner]:
+        """Corners along the signs of the gradient."""
+        return self._corner(-1.0), self._corner(1.0)
+
+    def _corner(self, sign: float) -> Corner:
+        made = self.contributors
+        offsets = made.middles + sign * np.sign(self._slopes) * made.halves[: len(self._slopes)]
+        shifts = sign * _pointing(self._pushes[None], made.halves[len(self._slopes) :])[0]
+        value = float(self.predicted(offsets[None], shifts[None])[0])
+        return Corner(value, offsets, shifts)
+
+
+class ErrorMeasure(LinearMeasure):
+    """A measure of errors: it has a corner at no error, but the series in it have gradients.
+
+    Parameters
+    ----------
+    contributors
+        What varies.
+    measure
+        What is measured.
+    nominal
+        The nominal motion.
+    slopes, pushes
+        Series → its derivatives at the samples of that, by the numbers, shape (samples, numbers),
+        and by displacements of the pins, shape (samples, clearances, 2).
+    """
+
+    def __init__(
+        self,
+        contributors: Contributors,
+        measure: Measure,
+        nominal: Source,
+        slopes: Mapping[str, Floats],
+        pushes: Mapping[str, Floats],
+    ) -> None:
+        super().__init__(contributors)
+        self._measure, self._motion = measure, nominal
+        self._slopes, self._pushes = slopes, pushes
+
+    def predicted(self, offsets: Floats, shifts: Floats) -> Floats:
+        """The measure for deviations."""
+        parts = []
+        for start in range(0, len(offsets), 1024):
+            part = slice(start, start + 1024)
+            source = _Deviating(
+                self._motion, self._slopes, self._pushes, offsets[part], shifts[part]
+            )
+            parts.append(reduced(self._measure, source, self._motion).values)
+        return np.concatenate(parts)
+
+    def sensitivities(self) -> Floats:
+        """By one standard deviation of each contributor alone; of pins in the worst direction."""
+        made = self.contributors
+        numbers, pins = len(made.zones), len(made.clearances)
+        none = np.zeros((1, pins, 2))
+        found = []
+        deviations = made.deviations
+        for k, deviation in enumerate(deviations):
+            if k < numbers:
+                offsets = np.zeros((2, numbers))
+                offsets[:, k] = deviation, -deviation
+                shifts = np.repeat(none, 2, axis=0)
+            else:
+                pushed = self._mixed[1][:, k - numbers]
+                largest = np.argsort(np.hypot(*pushed.T))[-DIRECTIONS:]
+                offsets = np.zeros((len(largest), numbers))
+                shifts = np.zeros((len(largest), pins, 2))
+                shifts[:, k - numbers] = _pointing(pushed[largest, None], deviations[k, None])[:, 0]
+            changes = self.predicted(offsets, shifts) - self.nominal
+            found.append(np.abs(changes).max() / deviation)
+        return np.array(found)
+
+    def worst(self) -> tuple[Corner, Corner]:
+        """The best of the corners that are worst for a series, or a mixture, at a sample."""
+        made, numbers = self.contributors, len(self.contributors.zones)
+        mixed, pushed = self._mixed
+        bound = np.abs(mixed) @ made.halves[:numbers]
+        bound += np.hypot(pushed[..., 0], pushed[..., 1]) @ made.halves[numbers:]
+        likely = np.argsort(bound)[-CANDIDATES:]
+        mixed, pushed = mixed[likely], pushed[likely]
+        offsets = made.middles + np.sign(mixed) * made.halves[:numbers]
+        shifts = _pointing(pushed, made.halves[numbers:])
+        if not made.clearances:
+            offsets = np.unique(offsets, axis=0)
+            shifts = np.zeros((len(offsets), 0, 2))
+        values = self.predicted(offsets, shifts)
+        least, most = int(np.nanargmin(values)), int(np.nanargmax(values))
+        still = np.zeros(numbers), np.zeros_like(shifts[0])
+        best = Corner(self.nominal, *still)
+        low = Corner(float(values[least]), offsets[least], shifts[least])
+        high = Corner(float(values[most]), offsets[most], shifts[most])
+        return (low if low.value < best.value else best), high
+
+    @cached_property
+    def _mixed(self) -> tuple[Floats, Floats]:
+        """Derivatives of series and mixtures of them, at all samples one after the other."""
+        names = [*self._slopes]
+        weights = _weights(len(names))
+        slopes = np.array([self._slopes[name] for name in names])
+        pushes = np.array([self._pushes[name] for name in names])
+        count = len(weights) * slopes.shape[1]
+        mixed = np.einsum("wj,jsp->wsp", weights, slopes).reshape(count, slopes.shape[2])
+        pushed = np.einsum("wj,jsck->wsck", weights, pushes)
+        return mixed, pushed.reshape(count, *pushes.shape[2:])
+
+
+class _Deviating:
+    """Motions that deviate a little from a nominal one: a source of measures."""
+
+    def __init__(
+        self,
+        motion: Source,
+        slopes: Mapping[str, Floats],
+        pushes: Mapping[str, Floats],
+        offsets: Floats,
+        shifts: Floats,
+    ) -> None:
+        self._motion, self._offsets, self._shifts = motion, offsets, shifts
+        self._slopes, self._pushes = slopes, pushes
+        self.count, self.time = len(offsets), motion.time
+
+    def sampled(self, series: str) -> Floats:
+        """A series at the samples."""
+        moved = self._offsets @ self._slopes[series].T
+        moved = moved + np.einsum("nck,sck->ns", self._shifts, self._pushes[series])
+        return np.asarray(self._motion.sampled(series) + moved)
+
+    def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
+        """Series anywhere in some of the motions."""
+        base = self._motion.between(series, np.zeros(len(which), dtype=int), places)
+        first = np.clip(np.rint(places).astype(int) - 1, 0, len(self.time) - 3)
+        part = places - first
+        weights = (part - 1) * (part - 2) / 2, part * (2 - part), part * (part - 1) / 2
+        found = []
+        for name, values in zip(series, base, strict=True):
+            moved = np.zeros(len(which))
+            for k, weight in enumerate(weights):
+                slopes, pushes = self._slopes[name][first + k], self._pushes[name][first + k]
+                moved += weight * np.einsum("np,np->n", self._offsets[which], slopes)
+                moved += weight * np.einsum("nck,nck->n", self._shifts[which], pushes)
+            found.append(values + moved)
+        return found
+
+
+def _pointing(pushes: Floats, sizes: Floats) -> Floats:
+    """Displacements of some sizes along vectors, shape (…, clearances, 2)."""
+    length = np.hypot(pushes[..., 0], pushes[..., 1])[..., None]
+    ways = np.divide(pushes, length, out=np.zeros_like(pushes), where=length > 0.0)
+    ways[..., 0] += (length == 0.0)[..., 0]
+    return ways * sizes[:, None]
+
+
+def _weights(count: int) -> Floats:
+    """Directions in which errors of several series add up, shape (directions, series)."""
+    if count == 1:
+        return np.array([[1.0], [-1.0]])
+    if count == 2:
+        angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+        return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    drawn = np.random.default_rng(0).standard_normal((DIRECTIONS * count, count))
+    return np.concatenate([drawn, np.eye(count), -np.eye(count)])

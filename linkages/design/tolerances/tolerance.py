@@ -1,0 +1,281 @@
+"""What tolerances do to measures: linearly, in the worst case, and by Monte Carlo."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.tolerances.contributors import Contributors, contributors_of
+from linkages.design.tolerances.limits import MeasureLimits, read_limits, share_within
+from linkages.design.tolerances.linear import LinearMeasure
+from linkages.design.tolerances.linearised import linearised
+from linkages.design.tolerances.remarks import remarks
+from linkages.errors import Interrupted
+from linkages.kernel.system import System
+from linkages.options.run import SimulationKeywords, SimulationOptions
+from linkages.options.signature import takes
+from linkages.solution.measuring.measure import measure_unit, measured_series
+from linkages.spec.measures import Measure, read_measure
+from linkages.sweeps.answers import Code
+from linkages.sweeps.engine import Watch
+from linkages.sweeps.running import Executor
+from linkages.sweeps.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+SAMPLES = 10_000
+"""Copies of the mechanism that are drawn, if nothing is said."""
+
+FEWEST = 100
+"""Fewer copies say nothing of a distribution."""
+
+ALL = "all limits"
+
+
+@takes(SimulationOptions)
+def tolerance(
+    mechanism: Mechanism,
+    of: str | Sequence[str] | Mapping[str, str],
+    *,
+    limits: str | Sequence[str] = (),
+    draws: int = SAMPLES,
+    seed: int = 0,
+    sequence: str = "random",
+    store: str | Path | None = None,
+    cores: int | None = None,
+    scheduler: str | None = None,
+    executor: Executor | None = None,
+    time_per_point: float | None = None,
+    watch: Watch | None = None,
+    **options: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """What the tolerances and clearances of a mechanism do to measures of its motion.
+
+    Parameters
+    ----------
+    mechanism
+        Some of its numbers have a tolerance, or it has clearances. The pins of these rest against
+        their holes, each in a direction that is drawn and stays during a motion.
+    of
+        Measures: one, several, or name → measure. ``error(x)`` in them is x less what it is in the
+        nominal mechanism at the same time.
+    limits
+        Such as ``"stroke(piston.position) > 79.9 mm"``, for the yield.
+    draws
+        How many copies of the mechanism are drawn.
+    seed, sequence, store, cores, scheduler, executor, time_per_point, watch
+        As `linkages.sweep` takes them.
+    options
+        As `SimulationOptions` describes them.
+
+    Returns
+    -------
+    Dataset with the dimensions `measure`, `contributor` and `draw`, in SI. Of the linear analysis,
+    from exact derivatives: `sensitivity`, `contribution` (at the limit of each zone), `share` of
+    the variance, `linear_mean`, `linear_deviation` (root of the sum of squares), `worst`
+    (least and largest) and `corner` (what the measures really are there). Of the Monte Carlo:
+    `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw, `mean`,
+    `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
+    confidence interval: copies that cannot be assembled are not within. Its attribute `remarks`
+    says where the linear analysis fails.
+
+    Raises
+    ------
+    InputError, ValueError, TypeError
+        For what makes no sense, or if nothing varies.
+    ComputationError
+        If the nominal motion stops, or a measure has no derivative.
+    Interrupted
+        After Ctrl-C; ``kept["tolerance"]`` has what there is.
+    """
+    if not draws >= FEWEST:
+        raise ValueError(f"expected at least {FEWEST} draws, found {draws}")
+    kept_to = [read_limits(text) for text in ([limits] if isinstance(limits, str) else limits)]
+    measures = _measures(of, kept_to)
+    contributors = contributors_of(mechanism)
+    units = _units(contributors.nominal, measures)
+    bounds = [each.numbers(units[_key(each.measure)]) for each in kept_to]
+    given = {name: value for name, value in options.items() if value is not None}
+    linear = linearised(contributors, measures, given)
+    texts = {name: each.text for name, each in measures.items()}
+    corners = _at_corners(contributors, linear, texts, options)
+    where: dict[str, Any] = {"cores": cores, "scheduler": scheduler, "executor": executor}
+    interrupted = False
+    try:
+        drawn = sweep(
+            contributors.varied, contributors.distributions, texts, draws=draws,
+            seed=seed, sequence=sequence, store=store, nominal=contributors.nominal,
+            time_per_point=time_per_point, watch=watch, **where, **options,
+        )  # fmt: skip
+    except Interrupted as stop:
+        if not stop.kept:
+            raise
+        drawn, interrupted = cast("xr.Dataset", stop.kept["sweep"]), True
+    data = _dataset(contributors, linear, drawn, corners, units)
+    if kept_to:
+        data = data.assign(_yields(kept_to, bounds, drawn))
+    data.attrs |= {"interrupted": int(interrupted), "draws": draws, "seed": seed}
+    data.attrs["remarks"] = "\n".join(remarks(data, mechanism))
+    if interrupted:
+        done = int((drawn["outcome"] != Code.MISSING).sum())
+        message = f"interrupted after {done} of {draws} draws"
+        raise Interrupted(message, kept={"tolerance": data})
+    return data
+
+
+def _key(text: str) -> str:
+    """What a measure without a name is called, as sweeps do."""
+    return text.strip().replace("/", "÷")
+
+
+def _measures(
+    of: str | Sequence[str] | Mapping[str, str], limits: Sequence[MeasureLimits]
+) -> dict[str, Measure]:
+    named = (
+        of
+        if isinstance(of, Mapping)
+        else {_key(t): t for t in ([of] if isinstance(of, str) else of)}
+    )
+    found = {name: read_measure(text) for name, text in named.items()}
+    for each in limits:
+        found.setdefault(_key(each.measure), read_measure(each.measure))
+    if not found:
+        raise ValueError("nothing is asked for; expected a measure such as stroke(piston.position)")
+    return found
+
+
+def _units(mechanism: Mechanism, measures: Mapping[str, Measure]) -> dict[str, str]:
+    system = System(mechanism)
+    return {
+        name: measure_unit(system, each, measured_series(system, each))
+        for name, each in measures.items()
+    }
+
+
+def _at_corners(
+    contributors: Contributors,
+    linear: Mapping[str, LinearMeasure],
+    texts: Mapping[str, str],
+    options: Mapping[str, Any],
+) -> dict[str, list[tuple[float, float, str]]]:
+    """Name → what the measure is linearly and really at its two worst corners, and why not."""
+    worst = {name: each.worst() for name, each in linear.items()}
+    asked = [(n, side) for n, pair in worst.items() for side in (0, 1) if pair[side].moved]
+    points = [contributors.overrides(*worst[name][side].deviations) for name, side in asked]
+    found = {n: [(corner.value, corner.value, "") for corner in pair] for n, pair in worst.items()}
+    if not points:
+        return found
+    paths = tuple(points[0])
+    rows = [[point[path] for path in paths] for point in (*points, points[-1])]  # two at least
+    over: dict[Any, Any] = {paths: rows} if len(paths) > 1 else {paths[0]: [r[0] for r in rows]}
+    data = sweep(contributors.varied, over, texts, nominal=contributors.nominal, **options)
+    for k, (name, side) in enumerate(asked):
+        real, reason = float(data[name][k]), str(data["reason"].to_numpy()[k])
+        found[name][side] = (worst[name][side].value, real, reason)
+    return found
+
+
+def _dataset(
+    contributors: Contributors,
+    linear: Mapping[str, LinearMeasure],
+    drawn: xr.Dataset,
+    corners: Mapping[str, Sequence[tuple[float, float, str]]],
+    units: Mapping[str, str],
+) -> xr.Dataset:
+    import xarray as xr
+
+    names = [*linear]
+    samples = np.array([drawn[name].to_numpy() for name in names])
+    values = {path: drawn[path].to_numpy() for path in contributors.distributions}
+    offsets, shifts = contributors.drawn(values)
+    predicted = np.array([each.predicted(offsets, shifts) for each in linear.values()])
+    made = [*linear.values()]
+    by_contributor = ("measure", "contributor")
+    moments = np.array([_moments(row) for row in samples]).T
+    expected = np.array(
+        [_moments(row[np.isfinite(real)]) for row, real in zip(predicted, samples, strict=True)]
+    ).T
+    sides = ("measure", "side")
+    variables: dict[str, Any] = {
+        "nominal": ("measure", [each.nominal for each in made]),
+        "sensitivity": (by_contributor, np.array([each.sensitivities() for each in made])),
+        "contribution": (by_contributor, np.array([each.contributions for each in made])),
+        "share": (by_contributor, np.array([each.shares for each in made])),
+        "linear_deviation": ("measure", [each.deviation for each in made]),
+        "worst": (sides, np.array([[side[0] for side in corners[n]] for n in names])),
+        "corner": (sides, np.array([[side[1] for side in corners[n]] for n in names])),
+        "corner_reason": (sides, np.array([[side[2] for side in corners[n]] for n in names])),
+        "sample": (("measure", "draw"), samples),
+        "linear_sample": (("measure", "draw"), predicted),
+        "mean": ("measure", moments[0]),
+        "deviation": ("measure", moments[1]),
+        "skewness": ("measure", moments[2]),
+        "error_of_mean": ("measure", moments[1] / np.sqrt(np.maximum(moments[3], 1.0))),
+        "computed": ("measure", moments[3].astype(int)),
+        "linear_mean": ("measure", expected[0]),
+        "linear_spread": ("measure", expected[1]),
+        "linear_skewness": ("measure", expected[2]),
+        "outcome": drawn["outcome"].drop_vars([*values]),
+        "reason": drawn["reason"].drop_vars([*values]),
+        "stop_time": drawn["stop_time"].drop_vars([*values]),
+        "evaluations": drawn["evaluations"].drop_vars([*values]),
+        "half_width": ("contributor", contributors.halves),
+        "standard_deviation": ("contributor", contributors.deviations),
+    }
+    coordinates = {
+        "measure": names,
+        "contributor": contributors.names,
+        "side": ["least", "largest"],
+        "units": ("measure", [units[name] for name in names]),
+        "contributor_units": ("contributor", contributors.units),
+        "draw": drawn["draw"].to_numpy(),
+        **{path: drawn[path].variable for path in values},
+    }
+    about = {"name": contributors.mechanism.name, "source": contributors.mechanism.source}
+    return xr.Dataset(variables, coordinates, about)
+
+
+def _moments(values: Floats) -> tuple[float, float, float, int]:
+    """Mean, standard deviation, skewness, and how many values there are."""
+    values = values[np.isfinite(values)]
+    count = len(values)
+    if count < 2:
+        return (float(values.mean()) if count else np.nan), np.nan, np.nan, count
+    mean, deviation = float(values.mean()), float(values.std(ddof=1))
+    third = float(np.mean((values - mean) ** 3))
+    return mean, deviation, third / deviation**3 if deviation > 0.0 else 0.0, count
+
+
+def _yields(
+    limits: Sequence[MeasureLimits], bounds: Sequence[tuple[float, float]], drawn: xr.Dataset
+) -> dict[str, Any]:
+    """The share of copies within each limit, and within all, with its interval."""
+    computed = drawn["outcome"].to_numpy() != Code.MISSING
+    kept = []
+    for each, (low, high) in zip(limits, bounds, strict=True):
+        values = drawn[_key(each.measure)].to_numpy()
+        kept.append((values >= low) & (values <= high))
+    names = [each.text for each in limits]
+    if len(limits) > 1:
+        kept.append(np.all(kept, axis=0))
+        names.append(ALL)
+    whole = int(computed.sum())
+    rows = [share_within(int((each & computed).sum()), whole) for each in kept]
+    low, high = np.array([*bounds, *([(np.nan, np.nan)] * (len(names) - len(bounds)))]).T
+    measured = [_key(each.measure) for each in limits] + [""] * (len(names) - len(limits))
+    return {
+        "within": (("limit", "bound"), np.array(rows)),
+        "limit_low": ("limit", low),
+        "limit_high": ("limit", high),
+        "limit": names,
+        "limited": ("limit", measured),
+        "bound": ["share", "low", "high"],
+    }

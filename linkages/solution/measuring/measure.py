@@ -79,10 +79,19 @@ def measured_series(system: System, found: Measure) -> dict[str, Series]:
     """
     known = system_series(system)
     known |= {name.replace(" ", "_"): series for name, series in known.items()}
+    known = _alone(known) | known
     try:
         return {name: find_series(known, name) for name in found.series}
     except ValueError as error:
         raise ValueError(f"measure {found.text!r}: {error}") from None
+
+
+def _alone(known: dict[str, Series]) -> dict[str, Series]:
+    """Outputs of which there is one element, by the name of the output: the transmission angle."""
+    elements: dict[str, set[str]] = {}
+    for series in known.values():
+        elements.setdefault(series.variable, set()).add(series.name)
+    return {s.variable: s for s in known.values() if len(elements[s.variable]) == 1}
 
 
 def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:

@@ -267,6 +267,7 @@ class System:
         acceleration: Floats | None = None,
         flipped: Mapping[int, NDArray[np.bool_]] | None = None,
         held: Floats | None = None,
+        further: Mapping[str, Floats] | None = None,
     ) -> Floats:
         """Values of nodes of the model, shape (nodes, times).
 
@@ -286,6 +287,8 @@ class System:
         held
             Modes, then memories, shape (m, times); if not given, those of the initial state, or
             what follows from another one.
+        further
+            Other inputs of the nodes, with times as their second axis.
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
@@ -298,7 +301,7 @@ class System:
             count = len(self.model.switches.switches)
             inputs |= {"mode": found[:count], "memory": found[count:]}
             inputs["mode"] = self._unstuck(inputs)
-        values = evaluator(**inputs)
+        values = evaluator(**inputs, **(further or {}))
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
             row[:] = value

@@ -104,7 +104,7 @@ class Followed:
     def _interpolated(self, name: str, places: Floats) -> Floats:
         """From values at samples alone."""
         (values,) = self.sampled(name)
-        return _through(values, places, _smooth(self._series[name]))
+        return through(values, places, _smooth(self._series[name]))
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
@@ -114,7 +114,7 @@ class Followed:
             return values
         order = 1 if given[-1] >= given[0] else -1
         places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
-        return _through(values, places, _smooth(series))
+        return through(values, places, _smooth(series))
 
     @cached_property
     def _starts(self) -> list[tuple[int, Piece]]:
@@ -135,7 +135,7 @@ class Followed:
             interval = np.minimum((places[inside] - begin).astype(int), last - 1)
             if last < 1:
                 continue
-            kept = _unchanged(piece, interval)
+            kept = unchanged(piece, interval)
             inside, interval = inside[kept], interval[kept]
             if len(inside):
                 part = places[inside] - begin - interval
@@ -177,7 +177,7 @@ def _smooth(series: Series) -> bool:
     return series.variable in VARIABLES and VARIABLES[series.variable].smooth
 
 
-def _through(values: Floats, places: Floats, smooth: bool) -> Floats:
+def through(values: Floats, places: Floats, smooth: bool) -> Floats:
     """Values at places, by polynomials through five samples or linearly."""
     if not smooth or len(values) < len(_FIVE):
         return np.interp(places, np.arange(len(values)), values)
@@ -197,7 +197,7 @@ def evaluable(series: Series) -> bool:
     )
 
 
-def _unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
+def unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
     """Where no mode changes between a sample and the next."""
     found = np.ones(len(interval), dtype=bool)
     if piece.held is not None:

@@ -1,0 +1,1 @@
+"""How outputs and measures change with numbers of a definition: exact derivatives."""

@@ -1,0 +1,142 @@
+"""Measures of a mechanism as functions of numbers of its definition, with exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.sensitivity.derived import Derivatives
+from linkages.design.sensitivity.moved import Moved
+from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
+from linkages.design.sensitivity.reductions import differentiated
+from linkages.errors import ComputationError
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.run import SimulationOptions
+from linkages.solution.measuring.measure import measure_unit, measured_series
+from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.options import options_of
+from linkages.solution.simulate import require_inertia
+from linkages.spec.measures import read_measure
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """Measures at some numbers.
+
+    Parameters
+    ----------
+    values
+        In SI, shape (M,).
+    derivatives
+        SI per SI, shape (M, P); None if they were not asked for.
+    """
+
+    values: Floats
+    derivatives: Floats | None
+
+
+class Differentiated:
+    """Measures of a mechanism as functions of numbers of its definition, with their derivatives.
+
+    Parameters
+    ----------
+    mechanism
+        What is varied.
+    measures
+        Texts such as ``"max(abs(crank.effort))"``, as `linkages.measure` takes them.
+    paths
+        Dotted paths of numbers, or patterns such as ``bars.*``.
+    run
+        Options of the simulation, as `linkages.simulate` takes them; those that the definition
+        does not say either have their defaults.
+
+    Attributes
+    ----------
+    paths
+        Of all numbers, without patterns.
+    values
+        The numbers as the definition has them, in SI, shape (P,).
+    units
+        Of the measures, in SI.
+
+    Raises
+    ------
+    InputError
+        If a path leads to no number, or the mechanism cannot be assembled.
+    ValueError
+        If a text is no measure of the mechanism.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        measures: Sequence[str],
+        paths: Sequence[str],
+        *,
+        run: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._numbers = numbers_of(mechanism, paths)
+        self.paths = tuple(number.path for number in self._numbers)
+        self.mechanism = mechanism.keeping(self.paths)
+        self.values: Floats = np.array([value_of(mechanism, one) for one in self._numbers])
+        self._measures = [read_measure(text) for text in measures]
+        self._run = options_of(SimulationOptions, mechanism, run or {})
+        self._derivatives = Derivatives()
+        self._varying = Varying(self.mechanism)
+        system = self._varying.at({})
+        found = [measured_series(system, each) for each in self._measures]
+        self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
+        self._series = {name: series for each in found for name, series in each.items()}
+
+    def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
+        """The measures at other numbers, and their derivatives there.
+
+        Parameters
+        ----------
+        numbers
+            In SI, shape (P,).
+        derivatives
+            Whether they are asked for.
+
+        Raises
+        ------
+        InputError
+            If the mechanism cannot be read or assembled with them.
+        ComputationError
+            If its motion stops before its end, or a measure or a derivative is not finite.
+        """
+        system = self._system(np.asarray(numbers, dtype=float))
+        require_inertia(system)
+        motion = self._motion(system)
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+        feeds = effects(system, self._numbers if derivatives else ())
+        moved = Moved(system, motion, self._series, feeds, self._derivatives)
+        found = [differentiated(each, moved) for each in self._measures]
+        values = np.array([each.value for each in found], dtype=float)
+        if not derivatives:
+            return Evaluated(values, None)
+        return Evaluated(values, np.array([each.slopes for each in found], dtype=float))
+
+    def _system(self, numbers: Floats) -> System:
+        if numbers.shape != self.values.shape:
+            raise ValueError(f"expected {len(self.values)} numbers, found shape {numbers.shape}")
+        changed = numbers != self.values  # what is as it was need not be read again
+        pairs = zip(self.paths, numbers.tolist(), changed, strict=True)
+        return self._varying.at({path: number for path, number, new in pairs if new})
+
+    def _motion(self, system: System) -> Motion:
+        times = np.linspace(0.0, self._run.end, self._run.samples)
+        counting = any(each.angle for each in self._series.values())
+        with np.errstate(over="ignore", invalid="ignore"):
+            return compute_motion(system, Settings(times=times, run=self._run, counting=counting))

@@ -1,0 +1,333 @@
+"""Numbers of a definition, and how parameters of a kernel and the initial state follow from them.
+
+What a component makes of its numbers (a centre of mass, an inertia, the pressed area of a piston)
+is Python: it is carried out once more with dual numbers in their places.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.component import Component, Term
+from linkages.components.contributed.functions import Table
+from linkages.components.contributed.measures import JointFriction, Load
+from linkages.components.contributed.terms import Initial, Parameter, Path
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.registry import SECTIONS
+from linkages.components.mechanisms.reread import owner
+from linkages.design.sensitivity.duals import Dual
+from linkages.errors import InputError
+from linkages.kernel.system import System
+from linkages.reading.paths import dotted, split
+from linkages.reading.wording import nearest
+from linkages.spec.annotations import infos_of
+from linkages.spec.formulas import Constant, Formula
+
+Floats = NDArray[np.float64]
+Keys = tuple[str | int, ...]
+"""Attributes and indices that lead from a component to one of its numbers."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of a definition.
+
+    Parameters
+    ----------
+    path
+        Dotted, as it was asked for.
+    component, keys
+        Place among the components, and where it stands within that one.
+    """
+
+    path: str
+    component: int
+    keys: Keys
+
+
+@dataclass(frozen=True, eq=False)
+class Effects:
+    """What changes with numbers of a definition.
+
+    Parameters
+    ----------
+    parameters
+        For each number the paths of the parameters that it feeds.
+    slopes
+        Derivatives of those, in the same order, one number after the other.
+    state
+        Derivatives of the initial coordinates and their rates, shape (2m, P).
+    """
+
+    parameters: tuple[tuple[Path, ...], ...]
+    slopes: Floats
+    state: Floats
+
+    @property
+    def slots(self) -> list[tuple[int, Path]]:
+        """Number and path of each of the slopes."""
+        return [(k, path) for k, paths in enumerate(self.parameters) for path in paths]
+
+
+def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]:
+    """The numbers that paths and patterns of paths name, each once.
+
+    Parameters
+    ----------
+    mechanism
+        Its definition has them.
+    paths
+        Dotted, such as ``bars.crank.length``; or patterns such as ``bars.*`` for all that are
+        written in the definition and have an effect.
+
+    Raises
+    ------
+    InputError
+        For every path that leads to no number, and pattern that fits none.
+    """
+    found: dict[tuple[int, Keys], Number] = {}
+    problems: list[tuple[Path, str]] = []
+    known = [] if all("*" not in path and "?" not in path for path in paths) else written(mechanism)
+    for path in paths:
+        if "*" in path or "?" in path:
+            fitting = [number for number in known if fnmatchcase(number.path, path)]
+            if not fitting:
+                problems.append(((path,), _no_match(mechanism)))
+        else:
+            named = _named(mechanism, path)
+            fitting = [] if isinstance(named, str) else [named]
+            if isinstance(named, str):
+                problems.append((split(path) or (path,), named))
+        for number in fitting:
+            found.setdefault((number.component, number.keys), number)
+    if problems:
+        raise mechanism.error(problems)
+    if not found:
+        raise InputError(mechanism.source, [mechanism.problem((), "no numbers are asked for")])
+    return tuple(found.values())
+
+
+def written(mechanism: Mechanism) -> list[Number]:
+    """All numbers that the definition writes and that have an effect."""
+    found = []
+    for place, component in enumerate(mechanism.components):
+        own = [
+            Number(dotted((*component.path, *steps)), place, keys)
+            for steps, keys in _leaves(component)
+            if mechanism.definition.value((*component.path, *steps)) is not None
+        ]
+        found += [number for number in own if _has_effect(mechanism, number)]
+    return found
+
+
+def value_of(mechanism: Mechanism, number: Number) -> float:
+    """A number as the definition has it, in SI."""
+    part: Any = mechanism.components[number.component]
+    for key in number.keys:
+        part = getattr(part, key) if isinstance(key, str) else part[key]
+    return float(part)
+
+
+def effects(system: System, numbers: Sequence[Number]) -> Effects:
+    """What changes with numbers, of a system whose numbers they are.
+
+    Raises
+    ------
+    InputError
+        If a component cannot be differentiated.
+    """
+    layout, mechanism = system.layout, system.mechanism
+    half = len(layout.coordinates)
+    rows = {name: row for row, name in enumerate(layout.coordinates)}
+    state = np.zeros((2 * half, len(numbers)))
+    fed: list[dict[Path, float]] = [{} for _ in numbers]
+    for place in sorted({number.component for number in numbers}):
+        own = {k: number for k, number in enumerate(numbers) if number.component == place}
+        terms = _dual_terms(mechanism, place, own)
+        for path, value in _moved(terms):
+            if path in system.model.inputs.parameters:
+                for k, slope in value.slopes.items():
+                    fed[k][path] = slope
+        for name, value, rate in _initial(terms):
+            for row, entry in ((rows.get(name), value), (rows.get(name, 0) + half, rate)):
+                if name in rows and row is not None and isinstance(entry, Dual):
+                    for k, slope in entry.slopes.items():
+                        state[row, k] = slope
+    slopes = np.array([slope for each in fed for slope in each.values()], dtype=float)
+    return Effects(tuple(tuple(each) for each in fed), slopes, state)
+
+
+def _moved(item: Any) -> Iterator[tuple[Path, Dual]]:
+    """Path and value of the parameters in a term that change."""
+    match item:
+        case Parameter(path, Dual() as value):
+            yield path, value
+        case tuple():
+            for part in item:
+                yield from _moved(part)
+        case Mapping():
+            for part in item.values():
+                yield from _moved(part)
+        case _ if is_dataclass(item) and not isinstance(item, type):
+            for field in fields(item):
+                yield from _moved(getattr(item, field.name))
+
+
+def _initial(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
+    """Coordinates with their initial values and rates; internal states are rates."""
+    for term in terms:
+        if isinstance(term, Initial):
+            yield term.body, term.position, term.speed
+        elif isinstance(term, Load | JointFriction):
+            for state in term.states:
+                yield state.name, 0.0, state.initial
+
+
+def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) -> tuple[Term, ...]:
+    """What a component contributes, with derivatives along some of its numbers."""
+    component: Any = mechanism.components[place]
+    for k, number in numbers.items():
+        component = _replaced(component, number.keys, k)
+    try:
+        terms = mechanism.terms_of(component)
+        if any(_tabulated(term) for term in terms):
+            raise TypeError("the coefficients of a table")
+    except TypeError as error:
+        first = next(iter(numbers.values()))
+        message = f"no derivative is known of what follows from this number ({error})"
+        raise mechanism.error([(split(first.path) or (), message)]) from None
+    return terms
+
+
+def _tabulated(item: Any) -> bool:
+    """Whether dual numbers stand in a table."""
+    match item:
+        case Table(_, places, values):
+            return any(isinstance(number, Dual) for number in (*places, *values))
+        case tuple():
+            return any(map(_tabulated, item))
+        case Mapping():
+            return any(map(_tabulated, item.values()))
+        case _ if is_dataclass(item) and not isinstance(item, type):
+            return any(_tabulated(getattr(item, field.name)) for field in fields(item))
+    return False
+
+
+def _replaced(part: Any, keys: Keys, direction: int) -> Any:
+    """A component with a dual number in the place of one of its numbers."""
+    if not keys:
+        if isinstance(part, Dual):
+            return Dual(part.value, {**part.slopes, direction: 1.0})
+        return Dual(float(part), {direction: 1.0})
+    key, *rest = keys
+    if isinstance(key, int):
+        inner = _replaced(part[key], tuple(rest), direction)
+        return (*part[:key], inner, *part[key + 1 :])
+    changed = copy.copy(part)
+    # components are frozen and checked; what stands for a number passes by both
+    object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), direction))
+    return changed
+
+
+def _has_effect(mechanism: Mechanism, number: Number) -> bool:
+    try:
+        terms = _dual_terms(mechanism, number.component, {0: number})
+    except InputError:
+        return False
+    initial = (value for _, *pair in _initial(terms) for value in pair)
+    return any(_moved(terms)) or any(isinstance(value, Dual) for value in initial)
+
+
+def _named(mechanism: Mechanism, path: str) -> Number | str:
+    """The number at a path, or what is wrong with the path."""
+    found = owner(mechanism, path)
+    if found is None:
+        return "found no number there" + _nearest(path, mechanism)
+    place, steps = found
+    component = mechanism.components[place]
+    keys = _keys(component, steps[len(component.path) :])
+    if isinstance(keys, str):
+        return keys + (_nearest(path, mechanism) if keys.startswith("found no") else "")
+    number = Number(path, place, keys)
+    _dual_terms(mechanism, place, {0: number})
+    if not _has_effect(mechanism, number):
+        return "this number does not enter the equations, so nothing changes with it"
+    return number
+
+
+def _keys(component: Component, steps: Path) -> Keys | str:
+    """Attributes and indices along steps to a number, or what is wrong with them."""
+    part: Any = component
+    keys: list[str | int] = []
+    for step in steps:
+        names = _names(part)
+        if step not in names and part is component and (field := _field(component)):
+            keys.append(field)
+            part, names = getattr(part, field), _names(getattr(part, field))
+        index = int(step) if isinstance(part, tuple) and str(step).isdecimal() else step
+        key = index if isinstance(part, tuple) else names.get(str(step))
+        if isinstance(part, tuple) and (not isinstance(index, int) or index >= len(part)):
+            return "found no number there"
+        if key is None:
+            return "found no number there"
+        keys.append(key)
+        part = part[key] if isinstance(key, int) else getattr(part, key)
+    if part is component and (field := _field(component)):
+        keys.append(field)
+        part = getattr(part, field)
+    if isinstance(part, Constant):
+        keys.append("value")
+        part = part.value
+    if part is None:
+        return "the definition does not give this number, and it follows from others; give it"
+    if isinstance(part, Formula):
+        return "found a formula; give its number a name in 'parameters', and ask for that"
+    return tuple(keys) if isinstance(part, float) else "found no number there"
+
+
+def _leaves(part: Any) -> Iterator[tuple[Path, Keys]]:
+    """Steps and keys of all numbers of a component."""
+    if isinstance(part, Constant):
+        yield (), ("value",)
+    elif isinstance(part, float):
+        yield (), ()
+    elif isinstance(part, tuple):
+        for index, entry in enumerate(part):
+            for steps, keys in _leaves(entry):
+                yield (index, *steps), (index, *keys)
+    elif not isinstance(part, Formula):
+        field = _field(part) if isinstance(part, Component) else None
+        for alias, name in _names(part).items():
+            for steps, keys in _leaves(getattr(part, name)):
+                yield (steps if name == field else (alias, *steps)), (name, *keys)
+
+
+def _names(part: Any) -> dict[str, str]:
+    """Keys of a definition → attributes."""
+    infos = infos_of(type(part))
+    attributes = getattr(type(part), "__pydantic_fields__", {})
+    return dict(zip(infos, attributes, strict=True))
+
+
+def _field(component: Component) -> str | None:
+    """The attribute that takes an entry which is not a mapping of keys."""
+    section = SECTIONS.get(component.section)
+    return None if section is None else section.field
+
+
+def _nearest(path: str, mechanism: Mechanism) -> str:
+    near = nearest(path, [number.path for number in written(mechanism)])
+    return f"; did you mean {near!r}?" if near is not None else ""
+
+
+def _no_match(mechanism: Mechanism) -> str:
+    first = next((number.path for number in written(mechanism)), None)
+    example = "" if first is None else f"; there are such as {first!r}"
+    return f"no number of the definition fits this pattern{example}"

@@ -1,0 +1,109 @@
+"""Derivatives of measures by numbers of a definition, against closed forms and differences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import linkages
+from linkages.components.mechanisms.reread import reread
+from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.numbers import effects, numbers_of, value_of, written
+from linkages.errors import ComputationError, InputError
+from linkages.kernel.numbers.parameters import definition_numbers
+from linkages.kernel.system import System
+
+
+def test_stroke_and_speed_of_a_slider_crank_have_the_derivatives_of_their_closed_forms():
+    """In line: the stroke is 2r, and at crank angle 0 the acceleration −ω²r(1 + r/l)."""
+    mechanism = linkages.load("slider-crank")
+    paths = ["bars.crank.length", "bars.rod.length", "drives.crank.speed"]
+    found = Differentiated(
+        mechanism, ["stroke(piston.position)", "at(0, piston.acceleration)"], paths
+    )
+    r, l, w = found.values  # noqa: E741
+    evaluated = found.at(found.values)
+    assert evaluated.derivatives is not None
+    # round-off of positions of size l, divided by nothing
+    np.testing.assert_allclose(evaluated.derivatives[0], [2.0, 0.0, 0.0], atol=1e-12)
+    closed = [-(w**2) * (1 + 2 * r / l), w**2 * r**2 / l**2, -2 * w * r * (1 + r / l)]
+    np.testing.assert_allclose(evaluated.derivatives[1], closed, rtol=1e-12)
+
+
+def test_time_of_an_extreme_moves_as_implicit_differentiation_says():
+    """A rocker's extreme comes at one angle of the crank: earlier by dφ/ω for each start angle."""
+    mechanism = linkages.load("four-bar")
+    found = Differentiated(mechanism, ["time_of_max(rocker.angle)"], ["drives.crank.angle"])
+    speed = next(d for d in numbers_of(mechanism, ["drives.crank.speed"]))
+    expected = -1.0 / value_of(mechanism, speed)
+    # the conditioning of second derivatives of a polynomial of degree 24
+    assert found.at(found.values).derivatives == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["andrews", "four-bar", "slider-crank-contact", "toggle-press"])
+def test_parameters_follow_from_numbers_as_definitions_read_again_say(name):
+    """Sums and products of the numbers: central differences of step 1e-4 are exact to 1e-11."""
+    mechanism = linkages.load(name)
+    numbers = written(mechanism)
+    system = System(mechanism.keeping([number.path for number in numbers]))
+    found = effects(system, numbers)
+    slopes = iter(found.slopes)
+    for number, fed in zip(numbers, found.parameters, strict=True):
+        value = value_of(mechanism, number)
+        step = 1e-4 * (abs(value) or 1.0)
+        ends = []
+        for moved in (value + step, value - step):
+            component = mechanism.components[number.component]
+            where = (*component.path, *_steps(number.path, component.path))
+            read = reread(mechanism, component, {where: moved})
+            assert read is not None
+            place = {number.component: (read, mechanism.terms_of(read))}
+            ends.append(definition_numbers(mechanism.exchanging(place)))
+        changes = {
+            path: (ends[0][path] - ends[1][path]) / (2 * step)
+            for path in ends[0].keys() & ends[1].keys()
+            if ends[0][path] != ends[1][path] and path != ("nearest",)
+        }
+        own = dict(zip(fed, [next(slopes) for _ in fed], strict=True))
+        assert changes.keys() <= own.keys()
+        for path, slope in own.items():
+            assert slope == pytest.approx(changes.get(path, 0.0), rel=1e-7, abs=1e-9)
+
+
+def _steps(path: str, component: tuple[str | int, ...]) -> tuple[str | int, ...]:
+    from linkages.reading.paths import split
+
+    return (split(path) or ())[len(component) :]
+
+
+def test_a_mechanism_that_cannot_be_assembled_is_refused_with_the_reason():
+    mechanism = linkages.load("four-bar")
+    found = Differentiated(mechanism, ["max(rocker.angle)"], ["bars.rocker.length"])
+    with pytest.raises((InputError, ComputationError), match="rocker"):
+        found.at(np.array([1e-3]))
+
+
+def test_paths_that_lead_to_no_number_are_listed_with_the_nearest_one():
+    with pytest.raises(InputError) as refusal:
+        Differentiated(
+            linkages.load("four-bar"),
+            ["max(rocker.angle)"],
+            ["bars.rocker.lenght", "assembly.B", "wheels.*"],
+        )
+    text = str(refusal.value)
+    assert "did you mean 'bars.rocker.length'?" in text
+    assert "assembly.B: found no number there" in text
+    assert "fits this pattern" in text
+
+
+def test_a_number_that_is_zero_stays_and_has_a_derivative():
+    """Gravity across a balanced direction: the mean effort of a full turn does not change."""
+    mechanism = linkages.load("four-bar")
+    found = Differentiated(
+        mechanism, ["max(crank.effort)"], ["joints.O2[1]"], run={"samples": 201}
+    ).at(np.zeros(1))
+    assert found.derivatives is not None
+    assert math.isfinite(found.derivatives[0, 0])
+    assert found.derivatives[0, 0] != 0.0

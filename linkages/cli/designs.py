@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -58,4 +59,27 @@ def optimise(
     """Find the numbers that make a measure least or greatest; write optimised.yaml and figures."""
 
 
-COMMANDS = (optimise,)
+@computes(SimulationOptions)
+def fit(
+    to: Annotated[
+        Path,
+        typer.Option(
+            metavar="CSV",
+            help="Measurements: columns 'time (s)', 'crank.angle (deg)' and the like.",
+        ),
+    ],
+    vary: Ranges,
+    sigma: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="OUTPUT=VALUE",
+            help="Standard deviation of an output, e.g. 'crank.angle=0.5 deg'; repeatable.",
+        ),
+    ] = None,
+    starts: Annotated[int, typer.Option(min=1, help="Fits from as many points.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Of these points.")] = 0,
+) -> None:
+    """Find the numbers with which the motion goes as it was measured, and how well they are known."""
+
+
+COMMANDS = (optimise, fit)

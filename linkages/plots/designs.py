@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from linkages.plots.style import GREY, PALETTE, fitted, legend_above, panels, styled
+from linkages.plots import style
+from linkages.plots.style import GREY, PALETTE, legend_above, panels, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,7 +18,7 @@ MOST_PANELS = 8
 
 
 def _labelled(name: str, units: str, inches: float) -> str:
-    return fitted(f"{name} [{units}]" if units else name, inches)
+    return style.fitted(f"{name} [{units}]" if units else name, inches)
 
 
 @styled
@@ -29,7 +30,7 @@ def convergence(data: xr.Dataset) -> Figure:
     data
         Of what `linkages.optimise` returns.
     """
-    figure, (ax,) = panels(1, 1, 3.2)
+    figure, (ax,) = panels(1, 1, 3.2, top=0.45)
     run = np.arange(1, data.sizes["run"] + 1)
     holds = data["history_violation"].to_numpy() == 0.0
     values, best = data["history_value"].to_numpy(), data["history"].to_numpy()
@@ -66,6 +67,38 @@ def curves(data: xr.Dataset) -> Figure:
         name, units = str(data["series"][place].item()), str(data["series_units"][place].item())
         ax.set_ylabel(_labelled(name, units, 3.2 if count == 1 else 1.9))
         ax.margins(x=0)
+    axes[-1].set_xlabel("time [s]")
+    axes[0].legend(**legend_above(str(data.attrs["name"])), ncols=2)
+    return figure
+
+
+@styled
+def fitted(data: xr.Dataset) -> Figure:
+    """Measurements with the fitted motion, and residuals below, of each output.
+
+    Parameters
+    ----------
+    data
+        Of what `linkages.fit` returns.
+    """
+    count = min(data.sizes["series"], MOST_PANELS // 2)
+    figure, axes = panels(2 * count, 1, 1.7, top=0.4)
+    time = data["time"].to_numpy()
+    for place in range(count):
+        above, below = axes[2 * place : 2 * place + 2]
+        measured, computed, residual = (
+            data[name].to_numpy()[place] for name in ("measured", "computed", "residual")
+        )
+        known = np.isfinite(measured)
+        above.plot(time[known], measured[known], ".", color=GREY, markersize=3, label="measured")
+        above.plot(time[known], computed[known], color=PALETTE[0], label="fit")
+        name, units = str(data["series"][place].item()), str(data["series_units"][place].item())
+        above.set_ylabel(_labelled(name, units, 1.7))
+        below.axhline(0.0, color=PALETTE[0], linewidth=0.8)
+        below.plot(time[known], residual[known], ".", color=GREY, markersize=3)
+        below.set_ylabel("residual / sigma" if data.attrs["sigma_known"] else f"residual [{units}]")
+        for ax in (above, below):
+            ax.set_xlim(time[0], time[-1])
     axes[-1].set_xlabel("time [s]")
     axes[0].legend(**legend_above(str(data.attrs["name"])), ncols=2)
     return figure

@@ -43,6 +43,7 @@ from linkages.design.fitting.fit import Fitted as Fitted
 from linkages.design.fitting.fit import fit as fit
 from linkages.design.optimising.optimise import optimise as optimise
 from linkages.design.optimising.optimum import Optimum as Optimum
+from linkages.design.sensitivity.sensitivities import sensitivities as sensitivities
 from linkages.errors import ComputationError as ComputationError
 from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted

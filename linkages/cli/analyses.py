@@ -211,6 +211,28 @@ def sweep(
     """Take measures of the motion at many values, alone, as a grid or drawn at random."""
 
 
+@computes(SimulationOptions)
+def sensitivity(
+    of: Annotated[
+        list[str],
+        typer.Option(
+            "--of",
+            metavar="MEASURE",
+            help="A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable.",
+        ),
+    ],
+    to: Annotated[
+        list[str],
+        typer.Option(
+            "--to",
+            metavar="PATH",
+            help="A number of the definition, or a pattern such as 'bars.*'; repeatable.",
+        ),
+    ],
+) -> None:
+    """Say how measures change with numbers of the definition: exact derivatives, largest first."""
+
+
 @computes(VerdictOptions)
 def chaos(
     periods: Annotated[
@@ -231,6 +253,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep, chaos,
-    bench,
+    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
+    sensitivity, chaos, bench,
 )  # fmt: skip

@@ -79,7 +79,7 @@ def fit(
     starts: Annotated[int, typer.Option(min=1, help="Fits from as many points.")] = 1,
     seed: Annotated[int, typer.Option(min=0, help="Of these points.")] = 0,
 ) -> None:
-    """Find the numbers with which the motion goes as it was measured, and how well they are known."""
+    """Find the numbers with which the motion goes as was measured, with their standard errors."""
 
 
 COMMANDS = (optimise, fit)

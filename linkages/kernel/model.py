@@ -9,6 +9,7 @@ from functools import cached_property
 from linkages.components.contributed.functions import Internal, Measured
 from linkages.components.contributed.measures import Load, Measure
 from linkages.components.contributed.state_laws import NOTHING
+from linkages.components.contributed.terms import Path
 from linkages.kernel.closure.motion import Accelerations, Rates
 from linkages.kernel.closure.positions import Positions
 from linkages.kernel.forces.across import GapNodes
@@ -51,13 +52,15 @@ class Model:
         The analysed mechanism.
     more
         Number of further integrated coordinates: integrals, tangents, what an event watches.
+    further
+        Paths of further parameters.
     """
 
-    def __init__(self, topology: Topology, more: int = 0) -> None:
+    def __init__(self, topology: Topology, more: int = 0, further: Sequence[Path] = ()) -> None:
         self.topology = topology
         self.mechanism = topology.mechanism
         self.graph = ScalarGraph()
-        paths = [*definition_numbers(self.mechanism), *chosen_paths(topology)]
+        paths = [*definition_numbers(self.mechanism), *chosen_paths(topology), *further]
         self.inputs = Inputs(self.graph, len(topology.coordinates) + more, paths)
         self.positions = Positions(topology, self.inputs)
         self.switches = Switches(self)

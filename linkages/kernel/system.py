@@ -18,6 +18,7 @@ from linkages.kernel.assembly.hints import SeveralPlacesError, assemble
 from linkages.kernel.assembly.modes import Assembly, Place, all_modes, assembled
 from linkages.kernel.assembly.redundancy import require_consistent
 from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.structure import Structure, structure_of, topology_of
@@ -58,6 +59,7 @@ class System:
         self.mechanism = choose_free(mechanism)
         self.time = time
         self.held: Floats | None = None
+        self.effects: Effects | None = None
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
         )
@@ -94,8 +96,12 @@ class System:
 
     @cached_property
     def parameters(self) -> Floats:
-        """The parameter array of the equations, in this way of assembly, shape (p,)."""
-        return assembled(self.model.inputs, self.numbers, self.assembly)
+        """The parameter array of the equations, in this way of assembly, shape (p,).
+
+        Slopes follow, where effects of numbers are asked for.
+        """
+        found = assembled(self.model.inputs, self.numbers, self.assembly)
+        return found if self.effects is None else np.append(found, self.effects.slopes)
 
     @cached_property
     def margin_scale(self) -> Floats:
@@ -105,6 +111,10 @@ class System:
     def turned(self, state: Floats, turns: Mapping[int, float]) -> System:
         """The same with other whole turns: in the state, and of torsional springs."""
         return self._with(state=state, assembly=replace(self.assembly, turns=dict(turns)))
+
+    def affected(self, effects: Effects | None) -> System:
+        """The same whose motions carry along how they change with numbers of the definition."""
+        return self if effects is None else self._with(effects=effects)
 
     def with_internal(self, values: Mapping[str, float]) -> System:
         """The same with values of internal states by their names; others are left out."""

@@ -33,15 +33,16 @@ def variations(model: Model, layout: Layout) -> list[Scalar]:
 
 
 def tangent_directions(model: Model, layout: Layout) -> list[Mapping[int, Scalar]]:
-    """For each tangent the rates of inputs along it: of all of the state, and of memories."""
+    """For each tangent the rates of inputs along it: of the state, memories, and what is fed."""
     inputs, n = model.inputs, len(layout.free)
     memories = range(len(model.switches.memories))
     directions: list[Mapping[int, Scalar]] = []
+    fed = inputs.fed(layout.fed) or [{}] * layout.tangents
     for column, places in enumerate(layout.tangent_rows[n:].T.tolist()):
         rows = [place - layout.size for place in places]
         moved = {inputs.coordinate(i): inputs.coordinate(row) for i, row in enumerate(rows[:n])}
         moved |= {inputs.rate(i): inputs.rate(row) for i, row in enumerate(rows)}
         first = column * len(memories)
         moved |= {inputs.memory(r): inputs.memory_tangent(first + r) for r in memories}
-        directions.append({node.index: rate for node, rate in moved.items()})
+        directions.append({node.index: rate for node, rate in moved.items()} | fed[column])
     return directions

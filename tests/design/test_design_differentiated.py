@@ -50,7 +50,7 @@ def test_parameters_follow_from_numbers_as_definitions_read_again_say(name):
     system = System(mechanism.keeping([number.path for number in numbers]))
     found = effects(system, numbers)
     slopes = iter(found.slopes)
-    for number, fed in zip(numbers, found.parameters, strict=True):
+    for number, fed in zip(numbers, found.fed, strict=True):
         value = value_of(mechanism, number)
         step = 1e-4 * (abs(value) or 1.0)
         ends = []

@@ -24,8 +24,15 @@ simulate: {end: 1, samples: 201}
 """
 
 
-@pytest.mark.parametrize("measure", ["rms(crank.effort)", EFFORT, "range(crank.effort)"])
-@pytest.mark.parametrize("search", ["local", "global"])
+@pytest.mark.parametrize(
+    ("search", "measure"),
+    [
+        ("local", "rms(crank.effort)"),
+        ("local", EFFORT),
+        ("local", "range(crank.effort)"),
+        ("global", EFFORT),
+    ],
+)
 def test_a_crank_is_balanced_by_the_moment_of_its_weight(measure, search):
     """Effort is (a − b W) cos θ + K sin θ, whatever is taken of it least at W = a/b = 6 kg."""
     crank = linkages.loads(BALANCED)
@@ -73,7 +80,7 @@ def test_the_counterweight_of_the_beam_pump_is_that_of_virtual_work():
     mass = float(found.data.number[1, 0])
     rows = [0.999 * mass, mass, 1.001 * mass]
     swept = linkages.sweep(pump, {"counterweights.weight.mass": rows}, EFFORT)[EFFORT]
-    assert int(swept.argmin()) == 1
+    assert int(np.argmin(swept.to_numpy())) == 1
     assert float(swept[1]) == pytest.approx(float(found.data.value[1]), rel=1e-12)
     assert found.mechanism == linkages.loads(found.text)
 
@@ -91,8 +98,14 @@ CRANK = {"bars.crank.length": ("10 mm", "60 mm")}
 LONGEST = 0.14 * math.sin(math.radians(15))  # the rod leans by asin(r/l) at most
 
 
-@pytest.mark.parametrize("limit", ["min(transmission_angle) > 75 deg", "75 deg ≤ min(transmission_angle)",
-                                   "min(transmission_angle) = 75 deg"])  # fmt: skip
+@pytest.mark.parametrize(
+    "limit",
+    [
+        "min(transmission_angle) > 75 deg",
+        "75 deg ≤ min(transmission_angle)",
+        "min(transmission_angle) = 75 deg",
+    ],
+)
 def test_a_constraint_is_active_where_the_closed_form_says(limit):
     engine = linkages.load("slider-crank")
     found = linkages.optimise(engine, CRANK, maximise="stroke(piston.position)", subject_to=limit)
@@ -106,7 +119,7 @@ def test_what_cannot_be_assembled_is_a_constraint_to_every_search():
     """The rod turns the faster the shorter it is; below the crank's length it does not turn."""
     engine = linkages.load("slider-crank")
     rod = {"bars.rod.length": ("20 mm", "150 mm")}
-    goal = {"maximise": "max(abs(rod.speed))"}
+    goal = {"maximise": "max(abs(rod.speed))", "end": 0.04, "samples": 101}
     found = linkages.optimise(engine, rod, **goal, search="global", seed=1)
     near = linkages.optimise(engine, rod, **goal)
     assert found.data.attrs["runs_missing"] > 0
@@ -143,17 +156,15 @@ def test_ctrl_c_keeps_the_best_so_far():
 def test_the_file_keeps_its_comments_and_says_what_was_optimised(tmp_path):
     path = tmp_path / "crank.yaml"
     path.write_text(BALANCED, encoding="utf-8")
-    found = linkages.optimise(
-        linkages.load(path), {"counterweights.weight.mass": (1, 5)}, minimise=EFFORT
-    )
+    vary = {"counterweights.weight.mass": (1, 5)}
+    found = linkages.optimise(linkages.load(path), vary, minimise=EFFORT)
     assert "# centre in the middle" in found.text
-    assert "mass: 5.0 kg, distance: 50 mm" in found.text.replace("mass: 5 kg", "mass: 5.0 kg")
+    assert "mass: 5 kg, distance: 50 mm" in found.text
+    assert linkages.loads(found.text).components == found.mechanism.components
     assert found.text.startswith(f"# linkages optimise: minimise {EFFORT}: ")
     set_besides = linkages.load(path, set={"bars.crank.mass": 2})
-    other = linkages.optimise(
-        set_besides, {"counterweights.weight.mass": (1, 5)}, minimise=EFFORT
-    )
-    assert linkages.loads(other.text) == other.mechanism
+    other = linkages.optimise(set_besides, vary, minimise=EFFORT)
+    assert linkages.loads(other.text).components == other.mechanism.components
     assert float(other.data.number[1, 0]) == pytest.approx(4.0, rel=1e-7)
 
 
@@ -182,7 +193,7 @@ def refusal(**asked):
     ("asked", "words"),
     [
         ({"vary": ["bars.rod.length=20mm:30mm"]}, "no feasible start"),
-        ({"vary": CRANK, "subject_to": "min(transmission_angle) > 89 deg"}, "at best"),
+        ({"vary": CRANK, "samples": 51, "subject_to": "min(transmission_angle) > 89 deg"}, "best"),
         ({"vary": ["bars.rid.length=20mm:30mm"]}, "found no number there"),
         ({"vary": ["bars.rod.length=30mm:20mm"]}, "from a value to a larger one"),
         ({"vary": ["bars.rod.length=30kg:40kg"]}, "expected bounds in m"),

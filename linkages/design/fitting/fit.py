@@ -128,8 +128,10 @@ def fit(
 
 
 def _starts(ranges: Ranges, first: Floats, count: int, seed: int) -> list[Floats]:
-    others = probabilities(ranges.paths, count - 1, seed, "sobol") if count > 1 else []
-    return [ranges.places(first), *np.array(others).T]
+    others = np.zeros((0, len(first)))
+    if count > 1:
+        others = np.array(probabilities(ranges.paths, count - 1, seed, "sobol")).T
+    return [ranges.places(first), *others]
 
 
 def _fitted(residuals: Residuals, places: Floats) -> None:

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.fitting.measured import Measured
 from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.reductions import inner, series_along
 from linkages.design.varied.ranges import Ranges
 from linkages.errors import ComputationError, InputError
+from linkages.spec.measures import read_measure
 
 Floats = NDArray[np.float64]
 
@@ -42,15 +44,12 @@ class Residuals:
         watch: Callable[[int, float], None] | None,
     ) -> None:
         self._ranges, self._watch = ranges, watch
-        there = [np.isfinite(column.values) for column in measured.columns]
-        texts = [
-            f"at({time!r} s, {column.series})"
-            for column, known in zip(measured.columns, there, strict=True)
-            for time in measured.time[known].tolist()
-        ]
-        pairs = [*zip(measured.columns, there, strict=True)]
-        self._values = np.concatenate([column.values[known] for column, known in pairs])
-        self.sigma = np.concatenate([column.sigma[known] for column, known in pairs])
+        self._time = measured.time
+        self._there = np.array([np.isfinite(column.values) for column in measured.columns])
+        self._values = np.array([column.values for column in measured.columns])[self._there]
+        self.sigma = np.array([column.sigma for column in measured.columns])[self._there]
+        self._measures = [read_measure(f"final({column.series})") for column in measured.columns]
+        texts = [each.text for each in self._measures]
         self._own = Differentiated(mechanism, texts, ranges.paths, run=given)
         self._known: dict[bytes, tuple[Floats, Floats] | None] = {}
         self.squares: list[float] = []
@@ -71,21 +70,23 @@ class Residuals:
 
     def _computed(self, places: Floats) -> tuple[Floats, Floats] | None:
         try:
-            found = self._own.at(self._ranges.numbers(places))
+            moved = self._own.moved(self._ranges.numbers(places), self._own.series)
         except (ComputationError, InputError) as error:
             self.reasons.append(str(error))
             self.squares.append(np.nan)
             return None
-        assert found.derivatives is not None
-        values = (found.values - self._values) / self.sigma
+        at = moved.places(self._time)
+        found = [series_along(each, inner(each), moved, at) for each in self._measures]
+        values = np.array([each.value for each in found])[self._there]
+        values = (values - self._values) / self.sigma
         squares = float(values @ values)
         if self.best is None or squares < np.nanmin(self.squares):
             self.best = places.copy()
         self.squares.append(squares)
         if self._watch is not None:
             self._watch(len(self.squares), float(np.nanmin(self.squares)))
-        slopes = found.derivatives * self._ranges.width / self.sigma[:, None]
-        return values, slopes
+        slopes = np.array([each.slopes for each in found]).transpose(0, 2, 1)[self._there]
+        return values, slopes * self._ranges.width / self._own.scales / self.sigma[:, None]
 
     def values(self, places: Floats) -> Floats:
         """Residuals; larger than all others where there are none, so that steps become shorter."""

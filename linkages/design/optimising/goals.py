@@ -1,10 +1,9 @@
 """What is sought and what must hold, as texts; and as sums of peaks and of other measures.
 
-A peak, ``max(x)`` or ``min(x)``, has corners where another maximum of x takes the lead. Where less of it
-is better, it is replaced by a number s of its own under conditions x(t) ≤ s at all maxima, which are smooth
-(the epigraph of a minimax problem; J. Nocedal and S. J. Wright, *Numerical Optimization*, 2nd ed., 2006,
-section 17.2). That holds for sums of multiples of peaks, and for constraints. Any other measure is taken as
-it is.
+A peak, ``max(x)`` or ``min(x)``, has corners where another maximum of x takes the lead. Where less
+of it is better, it is replaced by a number s of its own under conditions x(t) ≤ s at all maxima,
+which are smooth (the epigraph of a minimax problem). That holds for sums of multiples of peaks, and
+for constraints. Any other measure is taken as it is.
 """
 
 from __future__ import annotations

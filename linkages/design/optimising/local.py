@@ -1,46 +1,44 @@
-"""The nearest optimum by exact derivatives; peaks by the epigraph, exchanging where they are."""
+"""The nearest optimum by exact derivatives, with all peaks held down that may come to lead.
+
+The largest value of a series is replaced by a number s of its own, and by the conditions that the
+peaks are at most s. Peaks move with the numbers: the motion is cut into windows, between the peaks
+as they are at first, and the largest value within each is one condition. Together they are exact,
+and each is smooth as long as one peak leads within its window (the reduction of semi-infinite
+problems; R. Hettich and K. O. Kortanek, SIAM Review 35 (1993) 380–429). Then the motion is cut
+anew, until nothing is gained.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.design.optimising.goals import Peak, Plain, Sum
-from linkages.design.optimising.located import Located
-from linkages.design.optimising.problem import Measured, Problem
+from linkages.design.optimising.motions import Found, Linear, Motions
+from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import Record
-from linkages.errors import ComputationError, InputError
 
 Floats = NDArray[np.float64]
 
-EVENLY = 32
-"""Times at which series are held down besides their maxima: others may come to lead."""
+MOST_WINDOWS = 32
+"""Of a series: its highest peaks have one each."""
 
-MOST_ROUNDS = 20
-"""Exchanges of the times of maxima; they settle as quickly as those of Remez's algorithm do."""
+MOST_ROUNDS = 10
+"""How often the motion is cut into windows."""
 
-SETTLED = 1e-10
-"""Part of its size by which a series may exceed the bound on its maxima."""
+GAINED = 1e-9
+"""Part of the goal below which a round has gained nothing."""
 
-_TOLERANCE = 1e-13
-_ITERATIONS = 200
+_TOLERANCE = 1e-15
+_ITERATIONS = 100
 _STEEP = 1e3
 
 
-class _Linear(NamedTuple):
-    """Values and derivatives by all variables: places, then bounds on peaks."""
-
-    values: Floats
-    derivatives: Floats
-
-
-@dataclass(eq=False)
 class Local:
-    """A search from one start.
+    """A search from one start after the other.
 
     Parameters
     ----------
@@ -48,97 +46,66 @@ class Local:
         What is sought, and where motions are recorded.
     """
 
-    problem: Problem
-    record: Record
-    times: dict[tuple[str, float], list[float]] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.goal = self.problem.goal.sum
-        self.limits = [each.sum for each in self.problem.constraints]
-        self.peaks = _peaks([self.goal, *self.limits])
+    def __init__(self, problem: Problem, record: Record) -> None:
+        self.problem, self.record = problem, record
+        self.sums = [problem.goal.sum, *(each.sum for each in problem.constraints)]
+        parts = [part for each in self.sums for part in each.parts]
+        peaks = [(p.series, p.sign) for p in parts if isinstance(p, Peak)]
+        self.peaks = list(dict.fromkeys(peaks))
+        plain = [part.measure for part in parts if isinstance(part, Plain)]
+        self.motions = Motions(problem, record, plain, [series for series, _ in self.peaks])
 
     def from_(self, places: Floats) -> None:
         """Search from some places; what is found is in the record."""
-        located = Located(self.problem, self.peaks)
-        even = np.linspace(0.0, self.problem.run.end, EVENLY + 1).tolist()
-        self.times = {peak: list(even) for peak in self.peaks}
-        try:
-            tops = located.at(places)
-        except (ComputationError, InputError) as error:
-            self.record.add(self.problem.refused(places, error))
-            return
-        for _ in range(MOST_ROUNDS):
-            for peak, found in tops.items():
-                self.times[peak] = sorted({*self.times[peak], *found.time.tolist()})
-            bounds = np.array([found.value.max() for found in tops.values()])
-            reached = _Smooth(self, places, bounds).minimised()
-            if reached is None:
+        for _ in range(MOST_ROUNDS if self.peaks else 1):
+            found = self.motions.at(places)
+            if found is None:
                 return
-            places, bounds = reached
+            before = found.measures.values
+            places = _Round(self, places, found).minimised()
+            after = self.motions.at(places)
+            assert after is not None
             self.record.settle(places)
-            if not self.peaks:
-                return
-            tops = located.at(places)
-            over = np.array([found.value.max() for found in tops.values()]) - bounds
-            sizes = np.array([np.abs(found.value).max() for found in tops.values()])
-            if (over <= SETTLED * sizes).all():
+            rows = [self.motions.row[text] for text in self.problem.texts]
+            change = np.abs(after.measures.values - before)[rows]
+            if (change <= GAINED * np.abs(before[rows])).all():
                 return
 
 
-def _peaks(sums: Sequence[Sum]) -> list[tuple[str, float]]:
-    """Series and signs of all peaks, each once."""
-    parts = [part for each in sums for part in each.parts]
-    return list(dict.fromkeys((p.series, p.sign) for p in parts if isinstance(p, Peak)))
+class _Round:
+    """The smooth problem of one set of windows, in places and bounds on peaks."""
 
-
-class _Smooth:
-    """The smooth problem with peaks at given times, in places and bounds that are about one."""
-
-    def __init__(self, search: Local, places: Floats, bounds: Floats) -> None:
+    def __init__(self, search: Local, places: Floats, found: Found) -> None:
         self.search, self.count = search, len(places)
-        times = {
-            peak: [(f"at({t!r} s, {peak[0]})", peak[1]) for t in search.times[peak]]
-            for peak in search.peaks
-        }
-        self.held = [
-            (row, text, sign) for row, p in enumerate(search.peaks) for text, sign in times[p]
-        ]
-        plain = [
-            part.measure
-            for each in (search.goal, *search.limits)
-            for part in each.parts
-            if isinstance(part, Plain)
-        ]
-        texts = [*plain, *(text for _, text, _ in self.held)]
-        self.measured = Measured(search.problem, search.record, texts)
-        self.sizes = np.maximum(np.abs(bounds), np.finfo(float).tiny)
+        tops = [search.motions.peaks(found, *peak) for peak in search.peaks]
+        self.edges = [_edges(top.place, top.value) for top in tops]
+        bounds = np.array([top.value.max() for top in tops])
+        self.sizes = np.where(bounds == 0.0, 1.0, np.abs(bounds))
         self.start = np.concatenate([places, bounds / self.sizes])
-        self.last: Floats | None = None
+        self.known: dict[bytes, Linear | None] = {}
+        self.last = self.start
         self.worst = 0.0
-        self.scales: Floats | None = None
+        self.scales = np.ones(1)
 
-    def minimised(self) -> tuple[Floats, Floats] | None:
-        """Places and bounds at the optimum; None if the start cannot be computed."""
-        from scipy import optimize
+    def minimised(self) -> Floats:
+        """Places of the optimum."""
+        from scipy.optimize import minimize
 
-        first = self._all(self.start)
-        if first is None:
-            return None
-        sizes = np.abs(first.derivatives).max(axis=1)
+        first = self._computed(self.start)
+        sizes = np.abs(first.slopes).max(axis=1)
         self.scales = np.where(sizes > 0.0, sizes, 1.0)
-        found = optimize.minimize(
-            self._value, self.start, jac=self._slope, method="SLSQP", bounds=self._box(),
+        box = [(0.0, 1.0)] * self.count + [(None, None)] * len(self.sizes)
+        found = minimize(
+            self._value, self.start, jac=self._slope, method="SLSQP", bounds=box,
             constraints=self._conditions(), options={"ftol": _TOLERANCE, "maxiter": _ITERATIONS},
         )  # fmt: skip
-        return np.clip(found.x[: self.count], 0.0, 1.0), found.x[self.count :] * self.sizes
-
-    def _box(self) -> list[tuple[float | None, float | None]]:
-        return [(0.0, 1.0)] * self.count + [(None, None)] * len(self.sizes)
+        z = found.x if self._all(found.x) is not None else self.last
+        return np.clip(z[: self.count], 0.0, 1.0)
 
     def _conditions(self) -> list[dict[str, Any]]:
         """Constraints as SLSQP takes them: not below zero, or zero."""
         own = [each.equal for each in self.search.problem.constraints]
-        equal = np.array([*own, *(False for _ in self.held)], dtype=bool)
+        equal = np.array([*own, *(False for edges in self.edges for _ in edges[1:])], dtype=bool)
         return [
             {
                 "type": kind,
@@ -154,63 +121,74 @@ class _Smooth:
         if found is None:
             # worse than all that can be computed, so that steps become shorter
             return self.worst + _STEEP
-        value = float(found.values[0]) / self._scale[0]
+        value = float(found.values[0]) / self.scales[0]
         self.worst = max(self.worst, value)
         return value
 
     def _slope(self, z: Floats) -> Floats:
-        found = self._computed(z)
-        return found.derivatives[0] / self._scale[0]
+        return self._computed(z).slopes[0] / self.scales[0]
 
     def _limits(self, z: Floats) -> Floats:
-        return self._computed(z).values[1:] / self._scale[1:]
+        return self._computed(z).values[1:] / self.scales[1:]
 
     def _limit_slopes(self, z: Floats) -> Floats:
-        return self._computed(z).derivatives[1:] / self._scale[1:, None]
+        return self._computed(z).slopes[1:] / self.scales[1:, None]
 
-    @property
-    def _scale(self) -> Floats:
-        assert self.scales is not None
-        return self.scales
-
-    def _computed(self, z: Floats) -> _Linear:
+    def _computed(self, z: Floats) -> Linear:
         """All values, or those of the last place that has some."""
-        found = self._all(z)
-        if found is None:
-            assert self.last is not None
-            found = self._all(self.last)
+        found = self._all(z) or self._all(self.last)
         assert found is not None
         return found
 
-    def _all(self, z: Floats) -> _Linear | None:
+    def _all(self, z: Floats) -> Linear | None:
         """Goal, constraints and what is held down, none of which shall be above zero."""
-        found = self.measured.at(np.clip(z[: self.count], 0.0, 1.0))
+        found = self.search.motions.at(np.clip(z[: self.count], 0.0, 1.0))
         if found is None:
             return None
-        values, slopes = found
-        bounds = z[self.count :] * self.sizes
-        sums = [self.search.goal, *self.search.limits]
-        rows = [self._sum(each, values, slopes, bounds) for each in sums]
-        for peak, text, sign in self.held:
-            row = self.measured.row[text]
-            below = np.zeros(len(self.sizes))
-            below[peak] = -self.sizes[peak]
-            slope = np.concatenate([sign * slopes[row], below])
-            rows.append((sign * values[row] - bounds[peak], slope))
+        if z.tobytes() not in self.known:
+            self.known = {z.tobytes(): self._linear(found, z[self.count :] * self.sizes)}
         self.last = np.array(z)
-        return _Linear(np.array([value for value, _ in rows]), np.array([s for _, s in rows]))
+        return self.known[z.tobytes()]
 
-    def _sum(
-        self, wanted: Sum, values: Floats, slopes: Floats, bounds: Floats
-    ) -> tuple[float, Floats]:
+    def _linear(self, found: Found, bounds: Floats) -> Linear:
+        rows = [self._sum(each, found.measures, bounds) for each in self.search.sums]
+        values = [np.array([value for value, _ in rows])]
+        slopes = [np.array([slope for _, slope in rows])]
+        for index, peak in enumerate(self.search.peaks):
+            tops = self.search.motions.peaks(found, *peak)
+            at = _led(self.edges[index], tops.place, tops.value)
+            held = self.search.motions.along(found, *peak, at)
+            below = np.zeros((len(at), len(self.sizes)))
+            below[:, index] = -self.sizes[index]
+            values.append(held.values - bounds[index])
+            slopes.append(np.hstack([held.slopes, below]))
+        return Linear(np.concatenate(values), np.concatenate(slopes))
+
+    def _sum(self, wanted: Sum, measures: Linear, bounds: Floats) -> tuple[float, Floats]:
         total, slope = wanted.constant, np.zeros(self.count + len(self.sizes))
         for part in wanted.parts:
             if isinstance(part, Plain):
-                row = self.measured.row[part.measure]
-                total += part.factor * values[row]
-                slope[: self.count] += part.factor * slopes[row]
+                row = self.search.motions.row[part.measure]
+                total += part.factor * measures.values[row]
+                slope[: self.count] += part.factor * measures.slopes[row]
             else:
                 place = self.search.peaks.index((part.series, part.sign))
                 total += part.factor * bounds[place]
                 slope[self.count + place] += part.factor * self.sizes[place]
         return float(total), slope
+
+
+def _edges(places: Floats, values: Floats) -> Floats:
+    """Where windows begin and end: half way between the highest peaks."""
+    chosen = np.sort(places[np.argsort(-values, kind="stable")[:MOST_WINDOWS]])
+    return np.concatenate([[-np.inf], 0.5 * (chosen[1:] + chosen[:-1]), [np.inf]])
+
+
+def _led(edges: Floats, places: Floats, values: Floats) -> Floats:
+    """The highest peak within each window; that of all where there is none."""
+    whole = places[np.argmax(values)]
+    found = []
+    for low, high in pairwise(edges.tolist()):
+        inside = (places >= low) & (places < high)
+        found.append(places[inside][np.argmax(values[inside])] if inside.any() else whole)
+    return np.array(found)

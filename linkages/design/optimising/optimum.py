@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.optimising.goals import reduced_series
-from linkages.design.optimising.located import Located
+from linkages.design.optimising.motions import Motions
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import HOLDS, Record, Tried
 from linkages.design.varied.rewritten import rewritten
@@ -64,11 +64,11 @@ def optimum_of(problem: Problem, record: Record, about: dict[str, Any]) -> Optim
         each.path: each.written(float(number))
         for each, number in zip(problem.ranges.each, numbers, strict=True)
     }
-    mechanism, text = rewritten(problem.mechanism, values, _remarks(problem, record, best))
+    mechanism, text = rewritten(problem.mechanism, values, _remarks(problem, best))
     return Optimum(mechanism=mechanism, text=text, data=_dataset(problem, record, best, about))
 
 
-def _remarks(problem: Problem, record: Record, best: Tried) -> list[str]:
+def _remarks(problem: Problem, best: Tried) -> list[str]:
     """What was optimised, and what came of it."""
     unit = units(problem)[problem.goal.measure.text]
     found = [f"linkages optimise: {problem.goal.text}: {best.value:.8g} {unit}".rstrip()]
@@ -164,19 +164,18 @@ def _curves(problem: Problem, both: tuple[Tried, Tried]) -> dict[str, Any]:
     """What goal and constraints reduce, over time, at the start and at the optimum."""
     measures = [problem.goal.measure, *(each.measured for each in problem.constraints)]
     texts = list(dict.fromkeys(text for each in measures for text in reduced_series(each)))
-    located = Located(problem, [(text, 1.0) for text in texts])
+    motions = Motions(problem, Record(problem.goal, problem.constraints), (), texts)
     time = np.linspace(0.0, problem.run.end, problem.run.samples)
     curves = np.full((2, len(texts), len(time)), np.nan)
     for row, one in enumerate(both):
         try:
-            times, found = located.curves(one.places)
+            times, found = motions.curves(one.places)
         except LinkagesError:
             continue
         curves[row] = [np.interp(time, times, found[text]) for text in texts]
-    units = located.units()
     return {
         "curve": (("state", "series", "time"), curves),
         "series": ("series", texts),
-        "series_units": ("series", [units[text] for text in texts]),
+        "series_units": ("series", [motions.units[text] for text in texts]),
         "time": ("time", time, {"units": "s"}),
     }

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.optimising.goals import Constraint, Goal
-from linkages.design.optimising.record import Record, Tried
+from linkages.design.optimising.record import Tried
 from linkages.design.sensitivity.differentiated import Differentiated
 from linkages.design.varied.ranges import Ranges
-from linkages.errors import ComputationError, InputError, LinkagesError
+from linkages.errors import ComputationError, LinkagesError
 from linkages.options.run import SimulationOptions
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Code
@@ -61,7 +61,7 @@ class Problem:
     @cached_property
     def start(self) -> Floats:
         """The numbers of the definition in SI."""
-        own = Differentiated(self.mechanism, self.texts, self.ranges.paths, run=self.given)
+        own = Differentiated(self.mechanism, [], self.ranges.paths, run=self.given)
         return np.array(own.values, dtype=float)
 
     def tried(self, places: Floats, values: Floats) -> Tried:
@@ -95,42 +95,3 @@ class Problem:
                 return INVALID
             case _:
                 return NOT_ASSEMBLED
-
-
-class Measured:
-    """Some measures with their derivatives by places; every motion is recorded.
-
-    Parameters
-    ----------
-    problem, record
-        Whose they are.
-    more
-        Measures beside those that tell how good a point is.
-    """
-
-    def __init__(self, problem: Problem, record: Record, more: Sequence[str]) -> None:
-        self._problem, self._record = problem, record
-        texts = list(dict.fromkeys([*problem.texts, *more]))
-        self.row: Mapping[str, int] = {text: row for row, text in enumerate(texts)}
-        paths = problem.ranges.paths
-        self._own = Differentiated(problem.mechanism, texts, paths, run=problem.given)
-        self._known: dict[bytes, tuple[Floats, Floats] | None] = {}
-
-    def at(self, places: Floats) -> tuple[Floats, Floats] | None:
-        """Values, shape (measures,), and derivatives, (measures, paths); None if there are none."""
-        key = places.tobytes()
-        if key not in self._known:
-            self._known[key] = self._computed(places)
-        return self._known[key]
-
-    def _computed(self, places: Floats) -> tuple[Floats, Floats] | None:
-        problem, ranges = self._problem, self._problem.ranges
-        try:
-            found = self._own.at(ranges.numbers(places))
-        except (ComputationError, InputError) as error:
-            self._record.add(problem.refused(places, error))
-            return None
-        rows = [self.row[text] for text in problem.texts]
-        self._record.add(problem.tried(places, found.values[rows]))
-        assert found.derivatives is not None
-        return found.values, found.derivatives * ranges.width

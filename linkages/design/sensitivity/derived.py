@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.components.contributed.terms import Path
-from linkages.design.sensitivity.numbers import Effects
 from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.model import Model
+from linkages.kernel.numbers.effects import Effects, Fed
+from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.motion import Piece
 from linkages.solution.values.series import TIME, Series
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 class Derivatives:
-    """Series and their derivatives along numbers, evaluated in pieces of motions.
+    """Series and their derivatives by numbers, evaluated in pieces of motions.
 
     Nodes of derivatives are made once for the equations that they are of.
     """
@@ -38,12 +38,11 @@ class Derivatives:
         ValueError
             For a series that has no derivative.
         """
-        model, count = piece.system.model, len(effects.parameters)
+        model, times = piece.system.model, len(piece.time)
         nodes = [_node(each, model) for each in series]
-        key = (model, *(node.index for node in nodes), effects.parameters)
+        key = (model, *(node.index for node in nodes), effects.fed)
         if key not in self._known:
-            along = directions(model, effects.parameters)
-            self._known[key] = derivative_along(nodes, along)
+            self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
         slopes = [slope for row in self._known[key] for slope in row]
         found = piece.system.evaluate(
             [*nodes, *slopes],
@@ -52,30 +51,49 @@ class Derivatives:
             piece.acceleration,
             flipped=piece.flipped,
             held=piece.held,
-            further={"slope": effects.slopes[:, None]},
+            further=_further(piece, effects),
         )
         values = found[: len(series)]
-        slopes_found = found[len(series) :].reshape(len(series), count, len(piece.time))
+        changes = found[len(series) :].reshape(len(series), len(effects), times)
         for row, each in enumerate(series):
             if _without_sign(each):
-                slopes_found[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
+                changes[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
                 values[row] = np.abs(values[row])
-        return values, slopes_found
+        return values, changes
 
 
-def directions(model: Model, parameters: Sequence[Sequence[Path]]) -> list[Mapping[int, Scalar]]:
-    """Rates of the inputs of a model along numbers: of the parameters that each of them feeds."""
-    found: list[Mapping[int, Scalar]] = []
-    slot = 0
-    for paths in parameters:
-        moved = {}
-        for path in paths:
-            place = model.inputs.parameters[path]
-            node = model.graph.input("p", place, Level.PARAMETERS)
-            moved[node.index] = model.graph.input("slope", slot, Level.PARAMETERS)
-            slot += 1
-        found.append(moved)
+def _further(piece: Piece, effects: Effects) -> dict[str, Floats]:
+    """Inputs that stand for directions."""
+    found = {"slope": effects.slopes[:, None]}
+    if piece.tangents is not None:
+        times = len(piece.time)
+        found["tangent"] = piece.tangents.state.reshape(-1, times)
+        found["memory_tangent"] = piece.tangents.memories.reshape(-1, times)
     return found
+
+
+def _directions(model: Model, fed: Fed) -> list[Mapping[int, Scalar]]:
+    """Rates of the inputs of a model by numbers: of parameters, of the state and what follows."""
+    inputs, layout = model.inputs, Layout.of(model.topology)
+    found: list[dict[int, Scalar]] = inputs.fed(fed)
+    if not layout.moved:
+        return [*found]
+    changes = model.changes
+    memories, count = len(model.switches.memories), len(layout.free)
+    for k, moved in enumerate(found):
+        rows = [
+            model.graph.input("tangent", row * len(found) + k, Level.STATE)
+            for row in range(layout.directions)
+        ]
+        moved |= {inputs.coordinate(i).index: rows[i] for i in range(count)}
+        moved |= {inputs.rate(i).index: rows[count + i] for i in range(layout.moved)}
+        moved |= {
+            inputs.memory(r).index: inputs.memory_tangent(k * memories + r) for r in range(memories)
+        }
+    for i, row in enumerate(derivative_along(changes[:count], found)):
+        for moved, rate in zip(found, row, strict=True):
+            moved[inputs.acceleration(i).index] = rate
+    return [*found]
 
 
 def _node(series: Series, model: Model) -> Scalar:

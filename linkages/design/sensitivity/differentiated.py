@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,13 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.measure import measure_unit, measured_series
+from linkages.solution.measuring.followed import denser, factor_of
+from linkages.solution.measuring.measure import known_series, measure_unit, measured_series
+from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
+from linkages.solution.values.series import Series
 from linkages.spec.measures import read_measure
 
 Floats = NDArray[np.float64]
@@ -64,8 +68,14 @@ class Differentiated:
         Of all numbers, without patterns.
     values
         The numbers as the definition has them, in SI, shape (P,).
+    system
+        The mechanism as the definition has it.
     units
         Of the measures, in SI.
+    series
+        Name → series that measures name.
+    scales
+        What derivatives are measured in within a motion, in SI, shape (P,).
 
     Raises
     ------
@@ -87,14 +97,17 @@ class Differentiated:
         self.paths = tuple(number.path for number in self._numbers)
         self.mechanism = mechanism.keeping(self.paths)
         self.values: Floats = np.array([value_of(mechanism, one) for one in self._numbers])
+        # what tangents are measured in: then they are as large as what they change
+        self.scales = np.where(self.values == 0.0, 1.0, np.abs(self.values))
         self._measures = [read_measure(text) for text in measures]
         self._run = options_of(SimulationOptions, mechanism, run or {})
         self._derivatives = Derivatives()
         self._varying = Varying(self.mechanism)
         system = self._varying.at({})
         found = [measured_series(system, each) for each in self._measures]
+        self.system = system
         self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
-        self._series = {name: series for each in found for name, series in each.items()}
+        self.series = {name: series for each in found for name, series in each.items()}
 
     def at(self, numbers: Floats, derivatives: bool = True) -> Evaluated:
         """The measures at other numbers, and their derivatives there.
@@ -113,20 +126,60 @@ class Differentiated:
         ComputationError
             If its motion stops before its end, or a measure or a derivative is not finite.
         """
+        return self.reduced(self.moved(numbers, self.series, derivatives))
+
+    def reduced(self, moved: Moved) -> Evaluated:
+        """The measures of a motion, with their derivatives if it has any; raises as `at` does."""
+        found = [differentiated(each, moved) for each in self._measures]
+        values = np.array([each.value for each in found], dtype=float)
+        if not moved.count:
+            return Evaluated(values, None)
+        slopes = np.array([each.slopes for each in found], dtype=float)
+        return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
+
+    def along(
+        self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
+    ) -> Evaluated:
+        """Series of outputs at times of the motion, and their derivatives there.
+
+        Parameters
+        ----------
+        numbers, derivatives
+            As `at` takes them, and what it raises.
+        series
+            Names such as ``crank.effort``, as measures have them.
+        times
+            Between zero and the end of the motion, in seconds, shape (T,).
+
+        Returns
+        -------
+        Values of shape (series, T), derivatives of shape (series, P, T).
+        """
+        found = known_series(self.system, series)
+        moved = self.moved(numbers, found, derivatives)
+        places = moved.places(np.asarray(times, dtype=float))
+        values = np.array(moved.values(series, places))
+        if not derivatives:
+            return Evaluated(values, None)
+        return Evaluated(values, np.array(moved.slopes(series, places)) / self.scales[:, None])
+
+    def moved(
+        self, numbers: Floats, series: Mapping[str, Series], derivatives: bool = True
+    ) -> Moved:
+        """The motion with other numbers; its derivatives are by numbers in `scales`."""
         system = self._system(np.asarray(numbers, dtype=float))
         require_inertia(system)
-        motion = self._motion(system)
+        asked = self._numbers if derivatives else ()
+        changing = effects(system, asked).scaled(self.scales[: len(asked)])
+        counting = any(each.angle for each in series.values())
+        if derivatives and system.layout.moved:
+            system = system.affected(changing)
+        motion = self._motion(system, counting)
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             raise ComputationError(motion.failure, time=motion.stop_time)
-        feeds = effects(system, self._numbers if derivatives else ())
-        moved = Moved(system, motion, self._series, feeds, self._derivatives)
-        found = [differentiated(each, moved) for each in self._measures]
-        values = np.array([each.value for each in found], dtype=float)
-        if not derivatives:
-            return Evaluated(values, None)
-        return Evaluated(values, np.array([each.slopes for each in found], dtype=float))
+        return Moved(system, motion, series, changing, self._derivatives)
 
     def _system(self, numbers: Floats) -> System:
         if numbers.shape != self.values.shape:
@@ -135,8 +188,24 @@ class Differentiated:
         pairs = zip(self.paths, numbers.tolist(), changed, strict=True)
         return self._varying.at({path: number for path, number, new in pairs if new})
 
-    def _motion(self, system: System) -> Motion:
-        times = np.linspace(0.0, self._run.end, self._run.samples)
-        counting = any(each.angle for each in self._series.values())
+    def _motion(self, system: System, counting: bool) -> Motion:
+        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         with np.errstate(over="ignore", invalid="ignore"):
-            return compute_motion(system, Settings(times=times, run=self._run, counting=counting))
+            if system.effects is None:
+                settings = Settings(times=times, run=self._run, counting=counting)
+                return compute_motion(system, settings)
+            count, tolerance = len(system.effects), self._run.atol or self._run.rtol
+            march = March(
+                system, self._run, tangents=count, tangent_atol=tolerance, counting=counting
+            )
+            return march.advance(times)
+
+    @cached_property
+    def factor(self) -> int:
+        """How many times as close samples must be, for the numbers of the definition."""
+        system = self.system
+        if not system.layout.moved:
+            return 1
+        times = np.linspace(0.0, self._run.end, self._run.samples)
+        motion = compute_motion(system, Settings(times=times, run=self._run))
+        return factor_of(motion, self._run.samples)

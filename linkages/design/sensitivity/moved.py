@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.design.sensitivity.derived import Derivatives
-from linkages.design.sensitivity.numbers import Effects
+from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.followed import Followed, between, through, unchanged
@@ -46,7 +46,24 @@ class Moved:
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
         self.time = self._followed.time
-        self.count = len(effects.parameters)
+        self.count = len(effects)
+
+    def places(self, times: Floats) -> Floats:
+        """Where times are, in samples from the first one.
+
+        Raises
+        ------
+        ValueError
+            For a time outside of the motion.
+        """
+        own = self.time
+        low, high = sorted((float(own[0]), float(own[-1])))
+        outside = times[(times < low) | (times > high)]
+        if len(outside):
+            span = f"from {own[0]:g} s to {own[-1]:g} s"
+            raise ValueError(f"t = {outside[0]:g} s is outside of the motion, {span}")
+        order = 1 if own[-1] >= own[0] else -1
+        return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""
@@ -82,25 +99,32 @@ class Moved:
         if left.any():
             for row, name in enumerate(names):
                 smooth = name == TIME or VARIABLES[self._series[name].variable].smooth
-                for k, slopes in enumerate(self._at_samples(name)):
+                for k, slopes in enumerate(self.sampled([name])[0]):
                     found[row, k, left] = through(slopes, places[left], smooth)
         return list(found)
 
-    def _at_samples(self, name: str) -> Floats:
-        """Derivatives of a series at all samples, shape (P, samples)."""
-        if name not in self._sampled:
-            parts = [self._of_piece(piece, self._series[name]) for piece in self._motion.pieces]
-            self._sampled[name] = np.concatenate(parts, axis=1)
-        return self._sampled[name]
+    def sampled(self, names: Sequence[str]) -> Floats:
+        """Derivatives of series at all samples, shape (series, P, samples)."""
+        new = [name for name in names if name not in self._sampled]
+        if new:
+            series = [self._series[name] for name in new]
+            parts = [self._of_piece(piece, series) for piece in self._motion.pieces]
+            found = np.concatenate(parts, axis=2)
+            self._sampled.update(zip(new, found, strict=True))
+        return np.array([self._sampled[name] for name in names])
 
-    def _of_piece(self, piece: Piece, series: Series) -> Floats:
+    def _of_piece(self, piece: Piece, series: Sequence[Series]) -> Floats:
+        """Derivatives at the wanted samples of a piece, as values are computed there."""
         if piece.samples is None:
-            return self._derivatives.evaluated(piece, [series], self._effects)[1][0]
-        variable = None if series.variable == TIME else VARIABLES[series.variable]
-        if variable is not None and variable.unbounded:
-            return self._derivatives.evaluated(piece.direct(), [series], self._effects)[1][0]
-        (values,), (slopes,) = self._derivatives.evaluated(piece, [series], self._effects)
-        if variable is not None and variable.reciprocal:  # as values are: 1/u is interpolated
-            wanted = 1.0 / piece.interpolated(1.0 / values)
-            return wanted**2 * piece.interpolated(slopes / values**2)
-        return piece.interpolated(slopes)
+            return self._derivatives.evaluated(piece, series, self._effects)[1]
+        values, slopes = self._derivatives.evaluated(piece, series, self._effects)
+        _, direct = self._derivatives.evaluated(piece.direct(), series, self._effects)
+        found = piece.interpolated(slopes)
+        for row, each in enumerate(series):
+            variable = None if each.variable == TIME else VARIABLES[each.variable]
+            if variable is not None and variable.unbounded:
+                found[row] = direct[row]
+            elif variable is not None and variable.reciprocal:  # 1/u is interpolated
+                wanted = 1.0 / piece.interpolated(1.0 / values[row])
+                found[row] = wanted**2 * piece.interpolated(slopes[row] / values[row] ** 2)
+        return found

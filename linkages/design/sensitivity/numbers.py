@@ -13,7 +13,6 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
@@ -24,13 +23,13 @@ from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.mechanisms.reread import owner
 from linkages.design.sensitivity.duals import Dual
 from linkages.errors import InputError
+from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted, split
 from linkages.reading.wording import nearest
 from linkages.spec.annotations import infos_of
 from linkages.spec.formulas import Constant, Formula
 
-Floats = NDArray[np.float64]
 Keys = tuple[str | int, ...]
 """Attributes and indices that lead from a component to one of its numbers."""
 
@@ -50,30 +49,6 @@ class Number:
     path: str
     component: int
     keys: Keys
-
-
-@dataclass(frozen=True, eq=False)
-class Effects:
-    """What changes with numbers of a definition.
-
-    Parameters
-    ----------
-    parameters
-        For each number the paths of the parameters that it feeds.
-    slopes
-        Derivatives of those, in the same order, one number after the other.
-    state
-        Derivatives of the initial coordinates and their rates, shape (2m, P).
-    """
-
-    parameters: tuple[tuple[Path, ...], ...]
-    slopes: Floats
-    state: Floats
-
-    @property
-    def slots(self) -> list[tuple[int, Path]]:
-        """Number and path of each of the slopes."""
-        return [(k, path) for k, paths in enumerate(self.parameters) for path in paths]
 
 
 def numbers_of(mechanism: Mechanism, paths: Sequence[str]) -> tuple[Number, ...]:

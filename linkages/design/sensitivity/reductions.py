@@ -64,6 +64,42 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
     return Varied(np.array(value), slopes)
 
 
+def inner(measure: Measure) -> Node:
+    """What changes with time in a measure that reduces one series."""
+    assert isinstance(measure.tree, Call)
+    return measure.tree.arguments[-1]
+
+
+def series_along(
+    measure: Measure, node: Node, moved: Moved, places: Floats | None = None
+) -> Varied:
+    """A series that a measure consists of, before it is reduced.
+
+    Parameters
+    ----------
+    measure, node
+        The measure, and the part of its tree that changes with time.
+    moved
+        The motion.
+    places
+        In samples from the first one; all samples, and no derivatives, if not given.
+
+    Returns
+    -------
+    Values of shape (places,), derivatives of shape (P, places).
+    """
+    with np.errstate(all="ignore"):
+        found = _Differentiation(measure, moved).series(node, places, places is not None)
+    count = len(moved.time) if places is None else len(places)
+    values = np.broadcast_to(found.value, (count,))
+    slopes = (
+        None
+        if places is None
+        else np.broadcast_to(_filled(found, moved.count), (moved.count, count))
+    )
+    return Varied(values, slopes)
+
+
 def _filled(found: Varied, count: int) -> Floats:
     nothing = np.zeros((count, *np.shape(found.value)))
     return nothing if found.slopes is None else nothing + found.slopes
@@ -192,16 +228,10 @@ class _Differentiation:
         return Varied(time, -moved / near.rate(place, 2)[0] * self._step(place))
 
     def _at_time(self, node: Node, time: Varied) -> Varied:
-        times, at = self._moved.time, float(time.value)
-        low, high = sorted((float(times[0]), float(times[-1])))
-        if not low <= at <= high:
-            raise ValueError(
-                f"measure {self._measure.text!r}: t = {at:g} s is outside of the motion, from "
-                f"{times[0]:g} s to {times[-1]:g} s"
-            )
-        order = 1 if times[-1] >= times[0] else -1
-        samples = np.arange(len(times))[::order].astype(float)
-        place = float(np.interp(at, times[::order], samples))
+        try:
+            place = float(self._moved.places(np.array([float(time.value)]))[0])
+        except ValueError as error:
+            raise ValueError(f"measure {self._measure.text!r}: {error}") from None
         found = self._at(node, place)
         if time.slopes is None:
             return found

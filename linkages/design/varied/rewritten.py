@@ -38,7 +38,7 @@ def rewritten(
     if text is not None:
         text = head + text
         try:
-            if loads(text) == changed:
+            if loads(text).components == changed.components:
                 return changed, text
         except InputError:
             pass  # names files that stand elsewhere

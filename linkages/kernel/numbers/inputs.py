@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from linkages.components.contributed.terms import Parameter, Path
 from linkages.kernel.graph.scalars import Level, Scalar, ScalarGraph
 from linkages.kernel.graph.vectors import Vector
+from linkages.kernel.numbers.effects import Fed, slots
 from linkages.kernel.numbers.parameters import NEAREST
 
 _KEYS = frozenset(
@@ -75,6 +76,19 @@ class Inputs:
     def turns(self, load: int) -> Scalar:
         """The multiple of 2π by which the difference of a spring's angles is too large at t = 0."""
         return self._placed(("turns", load))
+
+    def slope(self, slot: int) -> Scalar:
+        """Derivative of a parameter by a number of the definition, see `Effects.slopes`."""
+        if ("slope", slot) in self.parameters:
+            return self._placed(("slope", slot))
+        return self.graph.input("slope", slot, Level.PARAMETERS)
+
+    def fed(self, paths: Fed) -> list[dict[int, Scalar]]:
+        """For each number of a definition the rates of the parameters that it feeds."""
+        found: list[dict[int, Scalar]] = [{} for _ in paths]
+        for slot, (number, path) in enumerate(slots(paths)):
+            found[number][self._placed(path).index] = self.slope(slot)
+        return found
 
     @property
     def nearest(self) -> Scalar:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.components.contributed.terms import Path
+from linkages.kernel.numbers.effects import Fed, slots
 from linkages.topology.topology import Topology
 
 Floats = NDArray[np.float64]
@@ -43,6 +44,8 @@ class Layout:
         Whether the work of drives and loads is integrated as well.
     tangents
         Number of solutions of the variational equations.
+    fed
+        Parameters that each tangent moves as well: those that a number of the definition feeds.
     parameters
         Path of each entry of the parameter array.
     modes, memories
@@ -56,6 +59,7 @@ class Layout:
     counted: tuple[str, ...] = ()
     work: bool = False
     tangents: int = 0
+    fed: Fed = ()
     parameters: tuple[Path, ...] = ()
     modes: tuple[str, ...] = ()
     memories: tuple[str, ...] = ()
@@ -162,6 +166,17 @@ class Layout:
         """What is held in this layout, from its names, shape (h,)."""
         modes = [named[name] for name in self.modes]
         return np.concatenate([*modes, np.array([named[name] for name in self.memories]).T.ravel()])
+
+    @property
+    def slopes(self) -> tuple[Path, ...]:
+        """Paths of the slopes, which stand behind the other parameters."""
+        return tuple(("slope", slot) for slot, _ in enumerate(slots(self.fed)))
+
+    def tangents_of(self, states: Floats) -> Floats:
+        """Derivatives of the initial coordinates and rates as tangents, shape (x, P)."""
+        half = len(self.coordinates)
+        rows = [*range(len(self.free)), *range(half, half + self.moved)]
+        return np.asarray(states[rows])
 
     @property
     def work_row(self) -> int | None:

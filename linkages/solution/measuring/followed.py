@@ -14,7 +14,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.crossings import accelerated
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.motion import Motion, Piece, Settings, Tangents, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
@@ -240,8 +240,40 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         state=np.stack([position, speed]).reshape(2 * half, -1) if half else begun.state,
         counted=counted,
         work=None,
+        tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
     )
     return accelerated(moved)
+
+
+def _tangents(piece: Piece, interval: Whole, part: Floats, step: Floats) -> Tangents:
+    """Derivatives of an interpolated state: they are interpolated as it is."""
+    assert piece.tangents is not None
+    before, behind = (piece.tangents.part(at) for at in (interval, interval + 1))
+    free = len(piece.system.topology.free)
+    rows = [
+        row
+        for end in (before, behind)
+        for row in (end.state[:free], end.state[free : 2 * free] * step, end.rate[:free] * step**2)
+    ]
+    weights, rates = _quintic(part)
+    position = sum(w * row for w, row in zip(weights, rows, strict=True))
+    speed = sum(w * row for w, row in zip(rates, rows, strict=True)) / step
+    internal = _cubic(
+        part,
+        (before.state[2 * free :], before.rate[free:] * step),
+        (behind.state[2 * free :], behind.rate[free:] * step),
+    )
+    state = np.concatenate(
+        [np.stack([position, speed]).reshape(2 * free, *np.shape(rows[0])[1:]), internal]
+    )
+    return Tangents(state, before.rate, before.memories)
+
+
+def _cubic(s: Floats, begin: tuple[Floats, Floats], end: tuple[Floats, Floats]) -> Floats:
+    """A cubic polynomial at s with values and slopes at 0 and at 1."""
+    rise = s**2 * (3 - 2 * s)
+    early, late = s * (1 - s) ** 2, s**2 * (s - 1)
+    return (1 - rise) * begin[0] + rise * end[0] + early * begin[1] + late * end[1]
 
 
 def _quintic(s: Floats) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:

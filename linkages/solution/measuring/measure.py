@@ -77,13 +77,18 @@ def measured_series(system: System, found: Measure) -> dict[str, Series]:
     ValueError
         For a name that is no output of the mechanism, with the nearest one.
     """
+    try:
+        return known_series(system, found.series)
+    except ValueError as error:
+        raise ValueError(f"measure {found.text!r}: {error}") from None
+
+
+def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
+    """Name → series of a mechanism; raises ValueError for a name that is none of them."""
     known = system_series(system)
     known |= {name.replace(" ", "_"): series for name, series in known.items()}
     known = _alone(known) | known
-    try:
-        return {name: find_series(known, name) for name in found.series}
-    except ValueError as error:
-        raise ValueError(f"measure {found.text!r}: {error}") from None
+    return {name: find_series(known, name) for name in names}
 
 
 def _alone(known: dict[str, Series]) -> dict[str, Series]:
@@ -103,7 +108,7 @@ def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> s
         If quantities in it do not go together.
     """
     try:
-        return found.units(lambda name: _unit(system, series[name]))
+        return found.units(lambda name: series_unit(system, series[name]))
     except NumberError as error:
         raise ValueError(f"measure {found.text!r}: {error.message}{error.hint}") from None
 
@@ -147,7 +152,8 @@ def needed_outputs(system: System, measures: Iterable[Measure]) -> list[str]:
     return [name for name in dict.fromkeys(found) if name != TIME]
 
 
-def _unit(system: System, series: Series) -> str:
+def series_unit(system: System, series: Series) -> str:
+    """The unit of a series, in SI."""
     if series.variable == TIME:
         return "s"
     variable = VARIABLES[series.variable]

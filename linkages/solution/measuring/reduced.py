@@ -94,33 +94,6 @@ def reduced(measure: Measure, source: Source) -> Reduced:
     return Reduced(np.where(np.isfinite(values), values, np.nan), evaluation.divided)
 
 
-def series_values(
-    measure: Measure,
-    node: Node,
-    source: Source,
-    which: Whole | None = None,
-    places: Floats | None = None,
-) -> Floats:
-    """A series that a measure consists of, before it is reduced.
-
-    Parameters
-    ----------
-    measure, node
-        The measure, and the part of its tree that changes with time.
-    source
-        What is measured.
-    which, places
-        Motions and places in them, as `Source.between` takes them; all samples if not given.
-
-    Returns
-    -------
-    Shape (motions, samples), or (places,).
-    """
-    found = _Evaluation(measure, source).series(node, _Place(which, places))
-    shape = (source.count, len(source.time)) if which is None else which.shape
-    return np.broadcast_to(found, shape)
-
-
 class _Evaluation:
     def __init__(self, measure: Measure, source: Source) -> None:
         self.measure, self.source = measure, source

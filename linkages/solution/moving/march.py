@@ -19,7 +19,7 @@ from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.determined import is_determined
 from linkages.solution.moving.guards import Guard, Watched
-from linkages.solution.moving.motion import Changed, Motion, Piece, Settings, Watch
+from linkages.solution.moving.motion import Changed, Motion, Piece, Settings, Tangents, Watch
 from linkages.solution.moving.passage import Crossing, Passage
 from linkages.solution.moving.plan import Plan
 from linkages.solution.moving.renormalising import Renormalised
@@ -29,6 +29,7 @@ from linkages.solution.moving.switching import (
     movable,
     passes,
     tangent_map,
+    tangent_shift,
 )
 from linkages.solution.moving.tolerances import TANGENT_ATOL, absolute_tolerances
 from linkages.solution.remarks.stops import COULD_PASS, FOUND_NONE, failure_text, passed_text
@@ -68,7 +69,8 @@ class March:
     work
         Whether to integrate the work of drives and loads as well.
     tangents
-        Number of solutions of the variational equations that are carried along.
+        Number of solutions of the variational equations that are carried along. Those of a system
+        that has effects of numbers are the derivatives of the motion by them.
     tangent_atol
         Their absolute tolerance.
     counting
@@ -99,7 +101,10 @@ class March:
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
-        self._enter(system, {}, np.eye(system.layout.directions)[:, :tangents], {})
+        started = np.eye(system.layout.directions)[:, :tangents]
+        if system.effects is not None:
+            started = system.layout.tangents_of(system.effects.state)
+        self._enter(system, {}, started, {})
 
     def _enter(
         self,
@@ -163,8 +168,9 @@ class March:
         """The same in other free coordinates and their rates, shape (x, k)."""
         if free == self.layout.free:
             return self.tangents
-        into = tangent_map(self.system, free, self.time, self.state, self.flipped)
-        return into @ self.tangents
+        where = self.system, free, self.time, self.state, self.flipped
+        found = tangent_map(*where) @ self.tangents
+        return found if self.system.effects is None else found + tangent_shift(*where)
 
     def __copy__(self) -> March:
         """Another one in the same state, which goes its own way from there."""
@@ -359,8 +365,10 @@ class March:
         """Keep the samples of an integration, and what was crossed."""
         rows = trajectory.turns, trajectory.angles, trajectory.held
         samples = self._piece(trajectory.time, trajectory.state, *rows)
-        acceleration = trajectory.acceleration.T[: len(self._turns)]
-        self._pieces.append(replace(samples, acceleration=acceleration))
+        rates = trajectory.acceleration.T
+        tangents = self._tangents(trajectory.state.T, rates, trajectory.held.T)
+        acceleration = rates[: len(self._turns)]
+        self._pieces.append(replace(samples, acceleration=acceleration, tangents=tangents))
         self._taken += len(trajectory.time)
         if self._renormalised is not None:
             self._renormalised.add(trajectory, self.layout)
@@ -390,6 +398,16 @@ class March:
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
             held=held.T[: self.layout.remembered],
         )
+
+    def _tangents(self, states: Floats, rates: Floats, held: Floats) -> Tangents | None:
+        """How samples change with numbers, if that is asked for."""
+        layout = self.layout
+        if not layout.fed:
+            return None
+        rows = layout.tangent_rows
+        shape = layout.tangents, len(layout.memories), states.shape[-1]
+        memories = held[layout.remembered :].reshape(shape)
+        return Tangents(states[rows], rates[rows[len(layout.free) :] - layout.size], memories)
 
     def _counted(self, rows: Floats) -> dict[str, Floats]:
         """Dependent bodies with their angles, shape (d, …), if their turns are counted."""
@@ -436,7 +454,8 @@ class March:
             f"{_exchange_words(movable(old), movable(better))}, which is better conditioned there"
         )
         tangents = self.tangents_of(better.topology.free) if self.layout.tangents else self.tangents
-        self._enter(better, self._present_angles(), tangents, self.held)
+        entered = better.affected(old.effects)
+        self._enter(entered, self._present_angles(), tangents, self.held)
         self._least = self._thresholds()
         return True
 
@@ -521,6 +540,7 @@ class March:
         return replace(
             piece,
             acceleration=passage.acceleration[:count],
+            tangents=self._tangents(passage.state, passage.acceleration, held.T),
             flipped={b: where for b, where in enumerate(modes) if where.any()},
             samples=times[inside],
             crossing=passage.crossing,

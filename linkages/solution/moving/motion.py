@@ -49,6 +49,34 @@ class Settings:
     events: tuple[Guard, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Tangents:
+    """How the samples of a motion change with each of P numbers of the definition.
+
+    Parameters
+    ----------
+    state
+        Free coordinates, rates and internal states, shape (x, P, samples).
+    rate
+        Second derivatives of the free coordinates and rates of internal states, (n, P, samples).
+    memories
+        What is remembered, shape (P, memories, samples).
+    """
+
+    state: Floats
+    rate: Floats
+    memories: Floats
+
+    def part(self, part: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Tangents:
+        """Those of some of the samples."""
+        return Tangents(self.state[..., part], self.rate[..., part], self.memories[..., part])
+
+    def interpolated(self, piece: Piece) -> Tangents:
+        """Those of the wanted times of a piece."""
+        state, rate = piece.interpolated(self.state), piece.interpolated(self.rate)
+        return Tangents(state, rate, np.repeat(self.memories[..., :1], len(piece.wanted), axis=-1))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
     """Part of a motion with the same integrated coordinates.
@@ -79,6 +107,8 @@ class Piece:
         be computed with large round-off (near a change point).
     crossing
         Time of that change point.
+    tangents
+        How all of this changes with numbers of the definition, if that was asked for.
     """
 
     system: System
@@ -92,6 +122,7 @@ class Piece:
     held: Floats | None = None
     samples: Floats | None = None
     crossing: float = 0.0
+    tangents: Tangents | None = None
 
     @property
     def wanted(self) -> Floats:
@@ -111,6 +142,7 @@ class Piece:
             flipped={block: where[part] for block, where in self.flipped.items()},
             held=None if self.held is None else self.held[:, part],
             samples=None,
+            tangents=None if self.tangents is None else self.tangents.part(part),
         )
 
     def direct(self) -> Piece:
@@ -133,6 +165,7 @@ class Piece:
             flipped={**modes, **kept},
             held=None if self.held is None else np.repeat(self.held[:, :1], len(beyond), axis=1),
             samples=None,
+            tangents=None if self.tangents is None else self.tangents.interpolated(self),
         )
 
     def interpolated(self, rows: Floats) -> Floats:

@@ -76,7 +76,7 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
         tangent are n more coordinates, which obey the equations linearised in the free ones.
     """
     layout = Layout.of(topology) if layout is None else layout
-    model = Model(topology, layout.more)
+    model = Model(topology, layout.more, layout.slopes)
     moving = model.integrated_accelerations(model.changes)
     accelerations = [*moving, model.power] if layout.work else moving
     accelerations = [*accelerations, *variations(model, layout)]
@@ -163,11 +163,12 @@ class Plan:
         if sensitive:
             of = (of.mechanism if isinstance(of, System) else of).keeping(sensitive)
         system = of if isinstance(of, System) else System(of)
-        key = (system.structure.key, work, tangents, counting)
+        fed = () if system.effects is None else system.effects.fed
+        key = (system.structure.key, work, tangents, counting, fed)
 
         def made() -> Plan:
             topology = system.topology
-            layout = Layout.of(topology, work, tangents, counting)
+            layout = replace(Layout.of(topology, work, tangents, counting), fed=fed)
             source = kernel_source(topology, layout)
             switches = source.model.switches
             modes = len(switches.switches)
@@ -324,7 +325,7 @@ class Plan:
         """
 
         def made() -> Printed:
-            model = Model(system.topology, self.layout.more)
+            model = Model(system.topology, self.layout.more, self.layout.slopes)
             what = "a function of position and velocity, its rate"
             return Printed.of(write_functions_of(model, function(model), what))
 

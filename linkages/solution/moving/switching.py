@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import PLAYING
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
-from linkages.kernel.graph.differentiation import derivative
+from linkages.kernel.graph.differentiation import derivative, derivative_along
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.solution.moving.evaluation import evaluate_nodes
@@ -102,6 +102,41 @@ def tangent_map(
     values = system.evaluate(entries, time, state[:, None], flipped=where)
     found = np.eye(system.layout.directions)
     found[: 2 * count, : 2 * count] = values.reshape(2 * count, 2 * count)
+    return found
+
+
+def tangent_shift(
+    system: System,
+    free: tuple[str, ...],
+    time: float,
+    state: NDArray[np.float64],
+    flipped: tuple[int, ...],
+) -> NDArray[np.float64]:
+    """How other coordinates and their rates change with numbers while the free ones stay.
+
+    Parameters
+    ----------
+    system, time, state, flipped, free
+        As `tangent_map` takes them; the system has effects of P numbers.
+
+    Returns
+    -------
+    What is added to tangents behind the map, shape (x, P).
+    """
+    model, effects, layout = system.model, system.effects, system.layout
+    assert effects is not None
+    places = [model.positions.coordinate(name) for name in free]
+    rates = [model.velocities.bodies[name] for name in free]
+    moved = derivative_along([*places, *rates], model.inputs.fed(effects.fed))
+    where = {block: np.array([True]) for block in flipped}
+    found = np.zeros((layout.directions, len(effects)))
+    found[: 2 * len(free)] = system.evaluate(
+        [entry for row in moved for entry in row],
+        time,
+        state[:, None],
+        flipped=where,
+        further={"slope": effects.slopes[:, None]},
+    ).reshape(2 * len(free), len(effects))
     return found
 
 

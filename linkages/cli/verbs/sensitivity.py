@@ -1,0 +1,108 @@
+"""``sensitivity``: how measures change with numbers of the definition, the most telling first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from linkages.cli.requests import File, Request
+from linkages.cli.terminal import number, table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from linkages.design.sensitivity.ranked import Effect
+
+MOST_ROWS = 40
+
+
+def run(request: Request, of: Sequence[str], to: Sequence[str]) -> int:
+    """Differentiate, write, print; returns the exit code."""
+    from linkages.design.sensitivity.ranked import effects_of
+    from linkages.design.sensitivity.sensitivities import sensitivities
+    from linkages.spec.measures import read_measure
+
+    with request.computing("sensitivities of"):
+        measures = list(dict.fromkeys(read_measure(text).text for text in of))
+        series = [name for text in measures for name in read_measure(text).series]
+        asked = list(dict.fromkeys([*measures, *series]))
+        data = sensitivities(request.mechanism, asked, list(to), **request.given)
+        found = {text: effects_of(request.mechanism, data, text) for text in measures}
+    files = request.write(_files(data, found, request.figures))
+    content = _content(data, found)
+    return request.report(content, files, partial(_print, data, found))
+
+
+def _unit(data: xr.Dataset, measure: str) -> str:
+    """The unit of a measure itself."""
+    found = str(data[measure].attrs["units"]).partition(" / ")[0]
+    return "" if found == "1" else found
+
+
+def _grouped(unit: str) -> str:
+    """A unit below a fraction bar."""
+    return f"({unit})" if " " in unit else unit
+
+
+def _files(data: xr.Dataset, found: dict[str, list[Effect]], figures: bool) -> Iterator[File]:
+    yield "sensitivity", data
+    yield "sensitivity", _columns(data, found)
+    if figures:
+        from linkages.plots import sensitivities
+
+        yield "sensitivity", sensitivities.figure(data, found)
+        yield "sensitivity_curves", sensitivities.curves(data)
+
+
+def _columns(data: xr.Dataset, found: dict[str, list[Effect]]) -> dict[str, list[Any]]:
+    """A row for each measure and number."""
+    rows = [(text, effect) for text, effects in found.items() for effect in effects]
+    return {
+        "measure": [text for text, _ in rows],
+        "value": [float(data[text].attrs["value"]) for text, _ in rows],
+        "measure unit": [_unit(data, text) for text, _ in rows],
+        "parameter": [effect.parameter for _, effect in rows],
+        "number": [effect.number for _, effect in rows],
+        "unit": [effect.unit for _, effect in rows],
+        "derivative": [effect.derivative for _, effect in rows],
+        "relative": [
+            float("nan") if effect.relative is None else effect.relative for _, effect in rows
+        ],
+    }
+
+
+def _content(data: xr.Dataset, found: dict[str, list[Effect]]) -> dict[str, Any]:
+    return {
+        "mechanism": data.attrs["name"],
+        "measures": [
+            {
+                "measure": text,
+                "value": float(data[text].attrs["value"]),
+                "units": _unit(data, text),
+                "effects": [asdict(effect) for effect in effects],
+            }
+            for text, effects in found.items()
+        ],
+    }
+
+
+def _print(data: xr.Dataset, found: dict[str, list[Effect]], screen: Console) -> None:
+    heads = ["parameter", "number", "", "derivative", "", "relative"]
+    for text, effects in found.items():
+        unit = _unit(data, text)
+        value = f"{number(float(data[text].attrs['value']))} {unit}".strip()
+        rows = [
+            [
+                effect.parameter, number(effect.number), effect.unit, number(effect.derivative),
+                f"{unit or '1'} / {_grouped(effect.unit) or '1'}",
+                "" if effect.relative is None else f"{effect.relative:.4f}",
+            ]
+            for effect in effects[:MOST_ROWS]
+        ]  # fmt: skip
+        screen.print(table(f"{text} = {value}", heads, rows))
+        if len(effects) > MOST_ROWS:
+            screen.print(f"{len(effects) - MOST_ROWS} more rows are in sensitivity.csv")

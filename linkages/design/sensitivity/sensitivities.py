@@ -1,0 +1,146 @@
+"""How outputs and measures of a mechanism change with the numbers of its definition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
+from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.moved import Moved
+from linkages.errors import ComputationError
+from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.system import System
+from linkages.options.run import SimulationKeywords
+from linkages.reading.wording import suggestion
+from linkages.solution.measuring.measure import known_series, series_unit
+from linkages.solution.values.requests import available, requested
+from linkages.solution.values.series import TIME, Series, system_series
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PARAMETER = "parameter"
+
+
+def sensitivities(
+    mechanism: Mechanism,
+    outputs: str | Sequence[str],
+    parameters: str | Sequence[str],
+    **run: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """Exact derivatives of outputs and measures by numbers of the definition, along the motion.
+
+    Parameters
+    ----------
+    mechanism
+        Its motion starts as the definition says.
+    outputs
+        Outputs such as ``"drive_effort"``, series such as ``"crank.effort"``, and measures such as
+        ``"max(abs(crank.effort))"``.
+    parameters
+        Dotted paths of numbers of the definition, such as ``"bars.rod.length"``, or patterns such
+        as ``"bars.*"`` for all that are written there.
+    run
+        How the motion is simulated, as `linkages.simulate` takes it.
+
+    Returns
+    -------
+    Dataset with a dimension ``parameter``, and a variable for each of `outputs`: of outputs with
+    time and their elements before it, of measures without. The unit of a derivative is that of the
+    variable per that of the parameter, SI both; the latter stands in the coordinate
+    ``parameter_units``, the numbers themselves in ``parameter_value``. The attribute ``value`` of
+    a measure is the measure itself.
+
+    Raises
+    ------
+    InputError
+        If a path leads to no number, or the mechanism cannot be assembled.
+    ValueError
+        If a text is no output, series or measure of the mechanism, or has no derivative.
+    ComputationError
+        If the motion stops before its end, or a measure or a derivative is not finite.
+
+    Examples
+    --------
+    >>> import linkages
+    >>> mechanism = linkages.load("slider-crank")
+    >>> found = linkages.sensitivities(mechanism, "stroke(piston.position)", "bars.*.length")
+    >>> found["stroke(piston.position)"].sel(parameter="bars.crank.length").item()  # 2 r
+    2.0
+    """
+    import xarray as xr
+
+    asked = [outputs] if isinstance(outputs, str) else [*outputs]
+    paths = [parameters] if isinstance(parameters, str) else [*parameters]
+    if not asked:
+        raise ValueError("no outputs are asked for; expected names such as 'drive_effort'")
+    measures = [text for text in asked if _is_measure(text)]
+    found = Differentiated(mechanism, measures, paths, run=dict(run))
+    elements = {name: _elements(found.system, name) for name in asked if name not in measures}
+    series = {each.name: each for own in elements.values() for each in own}
+    moved = found.moved(found.values, {**found.series, **series})
+    variables, coordinates = _over_time(found, moved, elements)
+    evaluated = found.reduced(moved)
+    assert evaluated.derivatives is not None
+    for text, value, row, unit in zip(
+        measures, evaluated.values, evaluated.derivatives, found.units, strict=True
+    ):
+        attrs = {"units": _per(unit), "long_name": f"derivative of {text}", "value": value}
+        variables[text] = ((PARAMETER,), row, attrs)
+    units = [unit_at(mechanism.definition, path) for path in found.paths]
+    coordinates |= {
+        PARAMETER: [*found.paths],
+        "parameter_value": (PARAMETER, found.values),
+        "parameter_units": (PARAMETER, units),
+    }
+    about = {"name": mechanism.name, "source": mechanism.source}
+    return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
+
+
+def _is_measure(text: str) -> bool:
+    """Whether a text is read as a measure: what is no name of outputs or series."""
+    return "(" in text
+
+
+def _over_time(
+    found: Differentiated, moved: Moved, elements: Mapping[str, Sequence[Series]]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables of derivatives along the motion, and their coordinates."""
+    system, each = found.system, slice(None, None, found.factor)
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
+    for name, own in elements.items():
+        dims = VARIABLES[name].dims if name in VARIABLES else ()
+        coordinates |= {dim: [*labels(system.model, dim)] for dim in dims}
+        coordinates |= {"time": ("time", moved.time[each], {"units": "s"})}
+        rows = moved.sampled([one.name for one in own])[..., each] / found.scales[:, None]
+        finite = np.isfinite(rows).all(axis=(0, 1))
+        if not finite.all():
+            time = float(coordinates["time"][1][~finite][0])
+            raise ComputationError(f"{name} has no finite derivative", time=time)
+        shape = tuple(len(coordinates[dim]) for dim in dims)
+        unit = " or ".join(dict.fromkeys(series_unit(system, one) for one in own))
+        attrs = {"units": _per(unit), "long_name": f"derivative of {name.replace('_', ' ')}"}
+        values = np.moveaxis(rows, 2, 0).reshape(-1, *shape, len(found.paths))
+        variables[name] = (("time", *dims, PARAMETER), values, attrs)
+    return variables, coordinates
+
+
+def _elements(system: System, name: str) -> list[Series]:
+    """All series of an output, the last dimension running fastest; or the one of that name."""
+    if name in VARIABLES:
+        requested(system, [name])
+        return [each for each in system_series(system).values() if each.variable == name]
+    if "." not in name and name != TIME:
+        near = suggestion(name, available(system)) or "; expected one such as drive_effort"
+        raise ValueError(f"unknown output {name!r}{near}")
+    return [*known_series(system, [name]).values()]
+
+
+def _per(unit: str) -> str:
+    """The unit of a derivative; that of the parameter is a coordinate."""
+    return f"{unit or '1'} / parameter_units"

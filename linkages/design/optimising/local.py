@@ -26,14 +26,14 @@ Floats = NDArray[np.float64]
 MOST_WINDOWS = 32
 """Of a series: its highest peaks have one each."""
 
-MOST_ROUNDS = 10
+MOST_ROUNDS = 5
 """How often the motion is cut into windows."""
 
 GAINED = 1e-9
-"""Part of the goal below which a round has gained nothing."""
+"""Part of what measures are at the start below which a round has gained nothing."""
 
-_TOLERANCE = 1e-15
-_ITERATIONS = 100
+_TOLERANCE = 1e-11
+_ITERATIONS = 50
 _STEEP = 1e3
 
 
@@ -57,18 +57,19 @@ class Local:
 
     def from_(self, places: Floats) -> None:
         """Search from some places; what is found is in the record."""
+        found = self.motions.at(places)
+        if found is None:
+            return
+        sizes = np.abs(found.measures.values)
         for _ in range(MOST_ROUNDS if self.peaks else 1):
-            found = self.motions.at(places)
-            if found is None:
-                return
             before = found.measures.values
             places = _Round(self, places, found).minimised()
-            after = self.motions.at(places)
-            assert after is not None
+            found = self.motions.at(places)
+            assert found is not None
             self.record.settle(places)
             rows = [self.motions.row[text] for text in self.problem.texts]
-            change = np.abs(after.measures.values - before)[rows]
-            if (change <= GAINED * np.abs(before[rows])).all():
+            change = np.abs(found.measures.values - before)
+            if (change <= GAINED * sizes)[rows].all():
                 return
 
 

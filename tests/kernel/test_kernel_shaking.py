@@ -44,7 +44,7 @@ def test_shaking_is_the_rate_of_momentum(time):
 
 
 def test_half_of_what_goes_to_and_fro_is_the_best_that_a_counterweight_balances():
-    """Scotch yoke: all that turns, and half of the rest (J. P. Den Hartog, *Mechanical Vibrations*).
+    """All that turns and half of the rest (J. P. Den Hartog, *Mechanical Vibrations*).
 
     The force is then m r ω²/2 in all directions of the crank.
     """

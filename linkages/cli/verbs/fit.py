@@ -102,7 +102,7 @@ def _print(content: dict[str, Any], screen: Console) -> None:
     keys = ("path", "start", "fit", "standard_error", "units")
     rows = [[row[key] for key in keys] for row in content["numbers"]]
     screen.print(table("Numbers", ["number", "start", "fit", "standard error", "unit"], rows))
-    if len(rows) > 1:
+    if len(rows) > 1 and np.isfinite(content["correlation"]).any():
         paths = [row["path"] for row in content["numbers"]]
         cells = [
             [path, *(None if value != value else f"{value:.3f}" for value in line)]

@@ -178,7 +178,7 @@ def _remarks(ranges: Ranges, numbers: Floats, how: Known) -> list[str]:
     found = [f"linkages fit: chi-square {how.chi_square:.6g}, {how.freedom} degrees of freedom"]
     for each, number, error in zip(ranges.each, numbers, how.errors, strict=True):
         known_by = f" ± {each.of_si(error):.2g}" if np.isfinite(error) else ""
-        found.append(f"  {each.path}: {each.of_si(number):.6g}{known_by} {each.unit}".rstrip())
+        found.append(f"  {each.path}: {each.of_si(number):.6g}{known_by} {each.label}".rstrip())
     return found
 
 
@@ -213,7 +213,7 @@ def _dataset(
         "state": ["start", "fit"],
         "path": ranges.paths,
         "other_path": ranges.paths,
-        "path_unit": ("path", [each.unit for each in ranges.each]),
+        "path_unit": ("path", [each.label for each in ranges.each]),
         "series": [column.series for column in measured.columns],
         "series_units": ("series", [column.si for column in measured.columns]),
         "time": ("time", measured.time, {"units": "s"}),

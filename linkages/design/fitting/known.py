@@ -104,7 +104,7 @@ def _chance(chi_square: float, freedom: int, absolute: bool) -> float:
 def _alike(ranges: Ranges, free: NDArray[np.intp], direction: Floats) -> str:
     """Which numbers cannot be told apart, as a step that changes nothing."""
     width = np.array([ranges.each[place].upper - ranges.each[place].lower for place in free])
-    step = direction / np.abs(direction / width).max() / 100.0
+    step = direction / (direction / width)[np.argmax(np.abs(direction / width))] / 100.0
     large = np.abs(step / width) > 1e-6
     parts = [
         f"{ranges.paths[place]} by {'+' if size > 0 else ''}{ranges.each[place].shown(size)}"

@@ -116,7 +116,7 @@ def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any
     coordinates = {
         "state": list(STATES),
         "path": ranges.paths,
-        "path_unit": ("path", [each.unit for each in ranges.each]),
+        "path_unit": ("path", [each.label for each in ranges.each]),
         "constraint": [each.text for each in problem.constraints],
     }
     missing = [one for one in record.tried if one.missing]

@@ -36,16 +36,24 @@ class Range:
         In SI.
     unit
         In which people see it; empty for SI.
+    si
+        Its unit in SI.
     """
 
     path: str
     lower: float
     upper: float
     unit: str = ""
+    si: str = ""
+
+    @property
+    def label(self) -> str:
+        """The unit in which people see it, in any case."""
+        return self.unit or self.si
 
     def shown(self, number: float) -> str:
         """A number in SI as people see it, with its unit and six digits."""
-        return f"{self.of_si(number):.6g} {self.unit}".rstrip()
+        return f"{self.of_si(number):.6g} {self.label}".rstrip()
 
     def of_si(self, number: float) -> float:
         """A number in SI in this unit."""
@@ -169,7 +177,7 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
         raise ValueError(
             f"expected a range from a value to a larger one, found {low:g} to {high:g}"
         )
-    return Range(path, low, high, units[1] or _unit_in_file(mechanism, path))
+    return Range(path, low, high, units[1] or _unit_in_file(mechanism, path), si)
 
 
 def _number(bound: Any) -> tuple[float, str]:

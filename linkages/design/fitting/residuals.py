@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.fitting.measured import Measured
 from linkages.design.sensitivity.differentiated import Differentiated
-from linkages.design.sensitivity.reductions import inner, series_along
+from linkages.design.sensitivity.reductions import followed, inner
 from linkages.design.varied.ranges import Ranges
 from linkages.errors import ComputationError, InputError
 from linkages.spec.measures import read_measure
@@ -76,7 +76,7 @@ class Residuals:
             self.squares.append(np.nan)
             return None
         at = moved.places(self._time)
-        found = [series_along(each, inner(each), moved, at) for each in self._measures]
+        found = [followed(inner(each), moved, at) for each in self._measures]
         values = np.array([each.value for each in found])[self._there]
         values = (values - self._values) / self.sigma
         squares = float(values @ values)

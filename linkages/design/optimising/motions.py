@@ -13,7 +13,7 @@ from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import Record
 from linkages.design.sensitivity.differentiated import Differentiated
 from linkages.design.sensitivity.moved import Moved
-from linkages.design.sensitivity.reductions import inner, series_along
+from linkages.design.sensitivity.reductions import followed, inner, sampled
 from linkages.errors import ComputationError, InputError
 from linkages.solution.measuring.summits import Summits, summits
 from linkages.spec.measures import read_measure
@@ -88,17 +88,15 @@ class Motions:
 
     def peaks(self, found: Found, series: str, sign: float) -> Summits:
         """Local maxima of a series, or of its negative."""
-        measure, moved = self._whole[series], found.moved
-        node = inner(measure)
+        node, moved = inner(self._whole[series]), found.moved
         return summits(
-            sign * series_along(measure, node, moved).value,
-            lambda places: sign * series_along(measure, node, moved, places).value,
+            sign * sampled(node, moved),
+            lambda places: sign * sampled(node, moved, places),
         )
 
     def along(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
         """A series, or its negative, at places in samples from the first one."""
-        measure = self._whole[series]
-        value, slopes = series_along(measure, inner(measure), found.moved, places)
+        value, slopes = followed(inner(self._whole[series]), found.moved, places)
         assert slopes is not None
         own = self._problem.ranges.width / self._own.scales
         return Linear(sign * value, sign * slopes.T * own)
@@ -107,10 +105,7 @@ class Motions:
         """Times, and all series over them, without recording; raises what motions raise."""
         numbers = self._problem.ranges.numbers(places)
         moved = self._own.moved(numbers, self._own.series, derivatives=False)
-        found = {
-            text: series_along(measure, inner(measure), moved).value
-            for text, measure in self._whole.items()
-        }
+        found = {text: sampled(inner(measure), moved) for text, measure in self._whole.items()}
         return moved.time, found
 
     @property

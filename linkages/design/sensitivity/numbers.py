@@ -106,7 +106,7 @@ def value_of(mechanism: Mechanism, number: Number) -> float:
     """A number as the definition has it, in SI."""
     part: Any = mechanism.components[number.component]
     for key in number.keys:
-        part = getattr(part, key) if isinstance(key, str) else part[key]
+        part = _entry(part, key)
     return float(part)
 
 
@@ -205,6 +205,8 @@ def _replaced(part: Any, keys: Keys, direction: int) -> Any:
     if isinstance(key, int):
         inner = _replaced(part[key], tuple(rest), direction)
         return (*part[:key], inner, *part[key + 1 :])
+    if isinstance(part, Mapping):
+        return {**part, key: _replaced(part[key], tuple(rest), direction)}
     changed = copy.copy(part)
     # components are frozen and checked; what stands for a number passes by both
     object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), direction))
@@ -247,13 +249,15 @@ def _keys(component: Component, steps: Path) -> Keys | str:
             keys.append(field)
             part, names = getattr(part, field), _names(getattr(part, field))
         index = int(step) if isinstance(part, tuple) and str(step).isdecimal() else step
+        if isinstance(part, Mapping):
+            names = {str(name): str(name) for name in part}
         key = index if isinstance(part, tuple) else names.get(str(step))
         if isinstance(part, tuple) and (not isinstance(index, int) or index >= len(part)):
             return "found no number there"
         if key is None:
             return "found no number there"
         keys.append(key)
-        part = part[key] if isinstance(key, int) else getattr(part, key)
+        part = _entry(part, key)
     if part is component and (field := _field(component)):
         keys.append(field)
         part = getattr(part, field)
@@ -267,6 +271,12 @@ def _keys(component: Component, steps: Path) -> Keys | str:
     return tuple(keys) if isinstance(part, float) else "found no number there"
 
 
+def _entry(part: Any, key: str | int) -> Any:
+    """What a key leads to: an entry of a list or a mapping, or an attribute."""
+    held: Any = part
+    return held[key] if isinstance(part, tuple | Mapping) else getattr(part, str(key))
+
+
 def _leaves(part: Any) -> Iterator[tuple[Path, Keys]]:
     """Steps and keys of all numbers of a component."""
     if isinstance(part, Constant):
@@ -277,6 +287,10 @@ def _leaves(part: Any) -> Iterator[tuple[Path, Keys]]:
         for index, entry in enumerate(part):
             for steps, keys in _leaves(entry):
                 yield (index, *steps), (index, *keys)
+    elif isinstance(part, Mapping):
+        for name, entry in part.items():
+            for steps, keys in _leaves(entry):
+                yield (name, *steps), (name, *keys)
     elif not isinstance(part, Formula):
         field = _field(part) if isinstance(part, Component) else None
         for alias, name in _names(part).items():

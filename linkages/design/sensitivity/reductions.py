@@ -70,34 +70,19 @@ def inner(measure: Measure) -> Node:
     return measure.tree.arguments[-1]
 
 
-def series_along(
-    measure: Measure, node: Node, moved: Moved, places: Floats | None = None
-) -> Varied:
-    """A series that a measure consists of, before it is reduced.
-
-    Parameters
-    ----------
-    measure, node
-        The measure, and the part of its tree that changes with time.
-    moved
-        The motion.
-    places
-        In samples from the first one; all samples, and no derivatives, if not given.
-
-    Returns
-    -------
-    Values of shape (places,), derivatives of shape (P, places).
-    """
+def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
+    """What changes with time, at places or all samples of a motion, without derivatives."""
     with np.errstate(all="ignore"):
-        found = _Differentiation(measure, moved).series(node, places, places is not None)
-    count = len(moved.time) if places is None else len(places)
-    values = np.broadcast_to(found.value, (count,))
-    slopes = (
-        None
-        if places is None
-        else np.broadcast_to(_filled(found, moved.count), (moved.count, count))
-    )
-    return Varied(values, slopes)
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
+    return np.broadcast_to(found.value, moved.time.shape if places is None else places.shape)
+
+
+def followed(node: Node, moved: Moved, places: Floats) -> Varied:
+    """What changes with time at places in a motion, shapes (T,) and (P, T)."""
+    with np.errstate(all="ignore"):
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
+    slopes = np.broadcast_to(_filled(found, moved.count), (moved.count, len(places)))
+    return Varied(np.broadcast_to(found.value, places.shape), slopes)
 
 
 def _filled(found: Varied, count: int) -> Floats:

@@ -11,13 +11,12 @@ import tempfile
 from pathlib import Path
 
 from figures import ROOT, STATIC, write_small
-from matplotlib.figure import Figure
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.plots import designs
 from linkages.plots.chaos import bifurcations
 from linkages.plots.motion import phase
-from linkages.plots.style import style
 from linkages.sweeps.axes import parse_range
 
 
@@ -44,16 +43,16 @@ def tutorial() -> None:
 
 
 def fit() -> None:
-    """The figure that the page on measured curves draws itself, in the style of all others."""
+    """The measurements that the page on measured curves makes, and the motion that fits them."""
     with tempfile.TemporaryDirectory() as folder:
         text = (ROOT / "docs" / "howto" / "measured-curve.md").read_text(encoding="utf-8")
         code = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
-        names: dict[str, object] = {}
-        with contextlib.chdir(folder), style():
-            exec(compile(code, "measured-curve.md", "exec", dont_inherit=True), names)
-        figure = names["figure"]
-        assert isinstance(figure, Figure)
-        write_small(figure, STATIC / "howto-fit.png")
+        with contextlib.chdir(folder):
+            exec(compile(code, "measured-curve.md", "exec", dont_inherit=True), {})
+            pendulum = linkages.load("pendulum", set={"dampers": [{"joint": "O", "damping": 0.02}]})
+            vary, sigma = ["dampers[0].damping=0.001:0.1"], {"rod.angle": 0.02}
+            found = linkages.fit(pendulum, "measured.csv", vary, sigma=sigma)
+    write_small(designs.fitted(found.data), STATIC / "howto-fit.png")
 
 
 if __name__ == "__main__":

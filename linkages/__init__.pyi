@@ -41,6 +41,10 @@ from linkages.components.torsional_damper import JointDamper as JointDamper
 from linkages.components.torsional_spring import BarSpring as BarSpring
 from linkages.components.torsional_spring import SpringBetweenBars as SpringBetweenBars
 from linkages.components.weld import Weld as Weld
+from linkages.design.fitting.fit import Fitted as Fitted
+from linkages.design.fitting.fit import fit as fit
+from linkages.design.optimising.optimise import optimise as optimise
+from linkages.design.optimising.optimum import Optimum as Optimum
 from linkages.design.sensitivity.sensitivities import sensitivities as sensitivities
 from linkages.design.tolerances.tolerance import tolerance as tolerance
 from linkages.errors import ComputationError as ComputationError

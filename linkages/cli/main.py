@@ -15,7 +15,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from linkages.cli import analyses, definitions
+from linkages.cli import analyses, definitions, designs
 from linkages.cli.found import WithFound
 
 app = typer.Typer(
@@ -59,7 +59,7 @@ def _options(
     set_verbosity(quiet=quiet, verbose=verbose)
 
 
-for command in (*analyses.COMMANDS, definitions.new, definitions.schema):
+for command in (*analyses.COMMANDS, *designs.COMMANDS, definitions.new, definitions.schema):
     app.command()(command)
 app.command("import")(definitions.import_link)
 app.command("list")(definitions.list_mechanisms)

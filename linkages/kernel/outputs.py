@@ -129,6 +129,8 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
     """Coordinate labels of a dimension."""
     if dim == "axis":
         return AXES
+    if dim == "frame":
+        return ("ground",)
     if dim == "joint":
         return model.topology.joints
     if dim == "drive":

@@ -64,6 +64,19 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
     return Varied(np.array(value), slopes)
 
 
+def inner(measure: Measure) -> Node:
+    """What changes with time in a measure that reduces one series."""
+    assert isinstance(measure.tree, Call)
+    return measure.tree.arguments[-1]
+
+
+def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
+    """What changes with time, at places or all samples of a motion, without derivatives."""
+    with np.errstate(all="ignore"):
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=False)
+    return np.broadcast_to(found.value, moved.time.shape if places is None else places.shape)
+
+
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
     with np.errstate(all="ignore"):

@@ -87,7 +87,16 @@ def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
     """Name → series of a mechanism; raises ValueError for a name that is none of them."""
     known = system_series(system)
     known |= {name.replace(" ", "_"): series for name, series in known.items()}
+    known = _alone(known) | known
     return {name: find_series(known, name) for name in names}
+
+
+def _alone(known: dict[str, Series]) -> dict[str, Series]:
+    """Outputs of which there is one element, by the name of the output: the transmission angle."""
+    elements: dict[str, set[str]] = {}
+    for series in known.values():
+        elements.setdefault(series.variable, set()).add(series.name)
+    return {s.variable: s for s in known.values() if len(elements[s.variable]) == 1}
 
 
 def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:

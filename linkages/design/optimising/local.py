@@ -1,0 +1,195 @@
+"""The nearest optimum by exact derivatives, with all peaks held down that may come to lead.
+
+The largest value of a series is replaced by a number s of its own, and by the conditions that the
+peaks are at most s. Peaks move with the numbers: the motion is cut into windows, between the peaks
+as they are at first, and the largest value within each is one condition. Together they are exact,
+and each is smooth as long as one peak leads within its window (the reduction of semi-infinite
+problems; R. Hettich and K. O. Kortanek, SIAM Review 35 (1993) 380–429). Then the motion is cut
+anew, until nothing is gained.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.design.optimising.goals import Peak, Plain, Sum
+from linkages.design.optimising.motions import Found, Linear, Motions
+from linkages.design.optimising.problem import Problem
+from linkages.design.optimising.record import Record
+
+Floats = NDArray[np.float64]
+
+MOST_WINDOWS = 32
+"""Of a series: its highest peaks have one each."""
+
+MOST_ROUNDS = 5
+"""How often the motion is cut into windows."""
+
+GAINED = 1e-9
+"""Part of what measures are at the start below which a round has gained nothing."""
+
+_TOLERANCE = 1e-11
+_ITERATIONS = 50
+_STEEP = 1e3
+
+
+class Local:
+    """A search from one start after the other.
+
+    Parameters
+    ----------
+    problem, record
+        What is sought, and where motions are recorded.
+    """
+
+    def __init__(self, problem: Problem, record: Record) -> None:
+        self.problem, self.record = problem, record
+        self.sums = [problem.goal.sum, *(each.sum for each in problem.constraints)]
+        parts = [part for each in self.sums for part in each.parts]
+        peaks = [(p.series, p.sign) for p in parts if isinstance(p, Peak)]
+        self.peaks = list(dict.fromkeys(peaks))
+        plain = [part.measure for part in parts if isinstance(part, Plain)]
+        self.motions = Motions(problem, record, plain, [series for series, _ in self.peaks])
+
+    def from_(self, places: Floats) -> None:
+        """Search from some places; what is found is in the record."""
+        found = self.motions.at(places)
+        if found is None:
+            return
+        sizes = np.abs(found.measures.values)
+        for _ in range(MOST_ROUNDS if self.peaks else 1):
+            before = found.measures.values
+            places = _Round(self, places, found).minimised()
+            found = self.motions.at(places)
+            assert found is not None
+            self.record.settle(places)
+            rows = [self.motions.row[text] for text in self.problem.texts]
+            change = np.abs(found.measures.values - before)
+            if (change <= GAINED * sizes)[rows].all():
+                return
+
+
+class _Round:
+    """The smooth problem of one set of windows, in places and bounds on peaks."""
+
+    def __init__(self, search: Local, places: Floats, found: Found) -> None:
+        self.search, self.count = search, len(places)
+        tops = [search.motions.peaks(found, *peak) for peak in search.peaks]
+        self.edges = [_edges(top.place, top.value) for top in tops]
+        bounds = np.array([top.value.max() for top in tops])
+        self.sizes = np.where(bounds == 0.0, 1.0, np.abs(bounds))
+        self.start = np.concatenate([places, bounds / self.sizes])
+        self.known: dict[bytes, Linear | None] = {}
+        self.last = self.start
+        self.worst = 0.0
+        self.scales = np.ones(1)
+
+    def minimised(self) -> Floats:
+        """Places of the optimum."""
+        from scipy.optimize import minimize
+
+        first = self._computed(self.start)
+        sizes = np.abs(first.slopes).max(axis=1)
+        self.scales = np.where(sizes > 0.0, sizes, 1.0)
+        box = [(0.0, 1.0)] * self.count + [(None, None)] * len(self.sizes)
+        found = minimize(
+            self._value, self.start, jac=self._slope, method="SLSQP", bounds=box,
+            constraints=self._conditions(), options={"ftol": _TOLERANCE, "maxiter": _ITERATIONS},
+        )  # fmt: skip
+        z = found.x if self._all(found.x) is not None else self.last
+        return np.clip(z[: self.count], 0.0, 1.0)
+
+    def _conditions(self) -> list[dict[str, Any]]:
+        """Constraints as SLSQP takes them: not below zero, or zero."""
+        own = [each.equal for each in self.search.problem.constraints]
+        equal = np.array([*own, *(False for edges in self.edges for _ in edges[1:])], dtype=bool)
+        return [
+            {
+                "type": kind,
+                "fun": lambda z, rows=rows: -self._limits(z)[rows],
+                "jac": lambda z, rows=rows: -self._limit_slopes(z)[rows],
+            }
+            for kind, rows in (("ineq", ~equal), ("eq", equal))
+            if rows.any()
+        ]
+
+    def _value(self, z: Floats) -> float:
+        found = self._all(z)
+        if found is None:
+            # worse than all that can be computed, so that steps become shorter
+            return self.worst + _STEEP
+        value = float(found.values[0]) / self.scales[0]
+        self.worst = max(self.worst, value)
+        return value
+
+    def _slope(self, z: Floats) -> Floats:
+        return self._computed(z).slopes[0] / self.scales[0]
+
+    def _limits(self, z: Floats) -> Floats:
+        return self._computed(z).values[1:] / self.scales[1:]
+
+    def _limit_slopes(self, z: Floats) -> Floats:
+        return self._computed(z).slopes[1:] / self.scales[1:, None]
+
+    def _computed(self, z: Floats) -> Linear:
+        """All values, or those of the last place that has some."""
+        found = self._all(z) or self._all(self.last)
+        assert found is not None
+        return found
+
+    def _all(self, z: Floats) -> Linear | None:
+        """Goal, constraints and what is held down, none of which shall be above zero."""
+        found = self.search.motions.at(np.clip(z[: self.count], 0.0, 1.0))
+        if found is None:
+            return None
+        if z.tobytes() not in self.known:
+            self.known = {z.tobytes(): self._linear(found, z[self.count :] * self.sizes)}
+        self.last = np.array(z)
+        return self.known[z.tobytes()]
+
+    def _linear(self, found: Found, bounds: Floats) -> Linear:
+        rows = [self._sum(each, found.measures, bounds) for each in self.search.sums]
+        values = [np.array([value for value, _ in rows])]
+        slopes = [np.array([slope for _, slope in rows])]
+        for index, peak in enumerate(self.search.peaks):
+            tops = self.search.motions.peaks(found, *peak)
+            at = _led(self.edges[index], tops.place, tops.value)
+            held = self.search.motions.along(found, *peak, at)
+            below = np.zeros((len(at), len(self.sizes)))
+            below[:, index] = -self.sizes[index]
+            values.append(held.values - bounds[index])
+            slopes.append(np.hstack([held.slopes, below]))
+        return Linear(np.concatenate(values), np.concatenate(slopes))
+
+    def _sum(self, wanted: Sum, measures: Linear, bounds: Floats) -> tuple[float, Floats]:
+        total, slope = wanted.constant, np.zeros(self.count + len(self.sizes))
+        for part in wanted.parts:
+            if isinstance(part, Plain):
+                row = self.search.motions.row[part.measure]
+                total += part.factor * measures.values[row]
+                slope[: self.count] += part.factor * measures.slopes[row]
+            else:
+                place = self.search.peaks.index((part.series, part.sign))
+                total += part.factor * bounds[place]
+                slope[self.count + place] += part.factor * self.sizes[place]
+        return float(total), slope
+
+
+def _edges(places: Floats, values: Floats) -> Floats:
+    """Where windows begin and end: half way between the highest peaks."""
+    chosen = np.sort(places[np.argsort(-values, kind="stable")[:MOST_WINDOWS]])
+    return np.concatenate([[-np.inf], 0.5 * (chosen[1:] + chosen[:-1]), [np.inf]])
+
+
+def _led(edges: Floats, places: Floats, values: Floats) -> Floats:
+    """The highest peak within each window; that of all where there is none."""
+    whole = places[np.argmax(values)]
+    found = []
+    for low, high in pairwise(edges.tolist()):
+        inside = (places >= low) & (places < high)
+        found.append(places[inside][np.argmax(values[inside])] if inside.any() else whole)
+    return np.array(found)

@@ -1,0 +1,210 @@
+"""Numbers of a definition that may be varied between bounds, and all of them from 0 to 1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
+from linkages.errors import InputError, Problem
+from linkages.reading.paths import split
+from linkages.spec.arithmetic import NumberError, leading_number
+from linkages.spec.units import Unit, UnitError, unit
+
+Floats = NDArray[np.float64]
+
+SPAN = "bars.rod.length=120mm:160mm"
+
+Vary: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[str]
+"""Path → lowest and highest value, numbers in SI or texts with units; or texts such as `SPAN`."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Bounds of a number.
+
+    Parameters
+    ----------
+    path
+        Of the definition.
+    lower, upper
+        In SI.
+    unit
+        In which people see it; empty for SI.
+    si
+        Its unit in SI.
+    """
+
+    path: str
+    lower: float
+    upper: float
+    unit: str = ""
+    si: str = ""
+
+    @property
+    def label(self) -> str:
+        """The unit in which people see it, in any case."""
+        return self.unit or self.si
+
+    def shown(self, number: float) -> str:
+        """A number in SI as people see it, with its unit and six digits."""
+        return f"{self.of_si(number):.6g} {self.label}".rstrip()
+
+    def of_si(self, number: float) -> float:
+        """A number in SI in this unit."""
+        return number / unit(self.unit).scale if self.unit else number
+
+    def written(self, number: float) -> str | float:
+        """A number in SI as a definition has it, with as many digits as make it that number."""
+        if not self.unit:
+            return number
+        convert, found = unit(self.unit).convert, self.of_si(number)
+        texts = (f"{found:.{digits}g}" for digits in range(12, 18))
+        return f"{next((t for t in texts if convert(float(t)) == number), repr(found))} {self.unit}"
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """All numbers that are varied; places in the box of their bounds go from 0 to 1.
+
+    Parameters
+    ----------
+    each
+        In the order in which they were given.
+    """
+
+    each: tuple[Range, ...]
+
+    def __len__(self) -> int:
+        return len(self.each)
+
+    @property
+    def paths(self) -> list[str]:
+        """Of the definition."""
+        return [found.path for found in self.each]
+
+    @property
+    def lower(self) -> Floats:
+        """In SI."""
+        return np.array([found.lower for found in self.each])
+
+    @property
+    def upper(self) -> Floats:
+        """In SI."""
+        return np.array([found.upper for found in self.each])
+
+    @property
+    def width(self) -> Floats:
+        """What a place of 1 is in SI: derivatives by places are these times those by numbers."""
+        return self.upper - self.lower
+
+    def numbers(self, places: Floats) -> Floats:
+        """In SI, of places in the box, shape (…, paths); bounds are met exactly."""
+        inside = np.clip(places, 0.0, 1.0)
+        return np.clip(self.lower + inside * self.width, self.lower, self.upper)
+
+    def places(self, numbers: Floats) -> Floats:
+        """Where numbers in SI are in the box; the nearest place of those that are outside."""
+        return np.clip((numbers - self.lower) / self.width, 0.0, 1.0)
+
+    def overrides(self, numbers: Floats) -> dict[str, float]:
+        """Path → number in SI, as `Mechanism.with_values` takes them."""
+        return dict(zip(self.paths, map(float, numbers), strict=True))
+
+
+def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
+    """What is varied.
+
+    Parameters
+    ----------
+    mechanism
+        Has the numbers.
+    vary
+        As `linkages.optimise` takes it.
+
+    Raises
+    ------
+    InputError
+        With every path that leads to no number, and every range that makes no sense.
+    """
+    pairs = [_pair(text) for text in vary] if not isinstance(vary, Mapping) else [*vary.items()]
+    found, problems = [], []
+    if not pairs:
+        message = f"nothing is varied; expected a range such as {SPAN}"
+        raise InputError(mechanism.source, [Problem(message=message)])
+    for path, bounds in pairs:
+        try:
+            found.append(_range(mechanism, path, bounds))
+        except (ValueError, UnitError) as error:
+            problems.append(Problem(path=path, message=str(error)))
+    twice = {path for path, _ in pairs if sum(path == other for other, _ in pairs) > 1}
+    problems += [Problem(path=path, message="is varied twice") for path in sorted(twice)]
+    if problems:
+        raise InputError(mechanism.source, problems)
+    mechanism.keeping([each.path for each in found])  # raises where there is no number
+    return Ranges(tuple(found))
+
+
+def _pair(text: str) -> tuple[str, Sequence[str]]:
+    path, equals, bounds = text.partition("=")
+    parts = [part.strip() for part in bounds.split(":")]
+    if not equals or split(path.strip()) is None or len(parts) != 2:
+        message = f"expected a range such as {SPAN}, found {text!r}"
+        raise InputError("vary", [Problem(message=message)])
+    return path.strip(), parts
+
+
+def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
+    if isinstance(bounds, str) or len(bounds) != 2:
+        raise ValueError(f"expected a lowest and a highest value, found {bounds!r}")
+    if isinstance(mechanism.definition.value(split(path) or ()), dict | list):
+        raise ValueError("expected the path of one number, found several there")
+    si = unit_at(mechanism.definition, path)
+    pairs = [_number(bound) for bound in bounds]
+    # in 0:6 t the unit is of both
+    units = [found or pairs[1][1] for _, found in pairs]
+    kinds = [_kind(found, si) for found in units]
+    low, high = (
+        value if kind is None else kind.convert(value)
+        for (value, _), kind in zip(pairs, kinds, strict=True)
+    )
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise ValueError(
+            f"expected a range from a value to a larger one, found {low:g} to {high:g}"
+        )
+    return Range(path, low, high, units[1] or _unit_in_file(mechanism, path), si)
+
+
+def _number(bound: Any) -> tuple[float, str]:
+    if not isinstance(bound, str):
+        return float(bound), ""
+    try:
+        return leading_number(bound)
+    except NumberError as error:
+        raise ValueError(
+            f"expected numbers with or without a unit, found {bound!r}: {error}"
+        ) from None
+
+
+def _kind(text: str, si: str) -> Unit | None:
+    """The unit of a bound, which must measure what stands at the path."""
+    if not text:
+        return None
+    found = unit(text)
+    if si and found.exponents != unit(si).exponents:
+        raise ValueError(f"expected bounds in {si}, or another unit of it, found {text!r}")
+    return found
+
+
+def _unit_in_file(mechanism: Mechanism, path: str) -> str:
+    """The unit with which the definition has a number; empty if it has none."""
+    raw = mechanism.definition.value(split(path) or ())
+    try:
+        return leading_number(raw)[1] if isinstance(raw, str) else ""
+    except NumberError:
+        return ""

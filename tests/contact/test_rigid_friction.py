@@ -223,8 +223,6 @@ def test_a_jammed_contact_ends_the_motion():
          "expected no 'static'"),
         ("pin_radius: 0.009, ", "", "missing key 'pin_radius'"),
         ("contact: restitution", "contact: exact, stiffness: 1e9, slip: 1e-3", "has no 'impact'"),
-        ("clearances:", "stops: [{bars: [arm, ground], upper: 3, restitution: 1}]\nclearances:",
-         "several rigid contacts share impacts"),
     ],
 )  # fmt: skip
 def test_what_is_refused(old, new, expected):

@@ -127,11 +127,12 @@ def rethink(
     switch: int,
     forward: float,
     t: float,
+    jumped: bool,
 ) -> int:
-    """Set the modes of functions whose values rates have made jump; returns the kernel's status.
+    """Set the modes of functions whose values have jumped; returns the kernel's status.
 
-    One mode after the other, for other functions may depend on it; those that stuck stick no more.
-    Modes with jumps of their own wait for their functions to rise.
+    One mode after the other, for other functions may depend on it; those that stuck stick no more
+    if rates have jumped. Modes with jumps of their own wait for their functions to rise.
     """
     held, active = floats(system.held), integers(switches.active)
     functions, status = floats(functions_of(system, switches.modes, 0)), 0
@@ -140,6 +141,8 @@ def rethink(
         for k in range(switches.modes):
             watched = active[k] < 0 or held[active[k]] > 0.0
             if k == switch or integers(switches.jumps)[k] >= 0 or not watched:
+                continue
+            if held[k] == 0.0 and not jumped:
                 continue
             if held[k] == 0.0:
                 held[k] = 1.0
@@ -284,8 +287,9 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
         status = arrive_at(system, switches, record, t_end)
     if status == 0 and wake(system, switches, switch, forward):
         status = arrive_at(system, switches, record, t_end)
-    if status == 0 and jumped >= 0:
-        status = rethink(system, switches, record, switch, forward, t_end)
+    shakes = integers(switches.shakes)[switch] != 0
+    if status == 0 and (jumped >= 0 or shakes):
+        status = rethink(system, switches, record, switch, forward, t_end, jumped >= 0)
     if status != 0:
         return outcome_of(record, status)
     if not finite(system, 0, 3 * n):
@@ -296,6 +300,8 @@ def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: AR
             return SLIDING
         held[switch] = 0.0
         status = arrive_at(system, switches, record, t_end)
+        if status == 0 and shakes:
+            status = rethink(system, switches, record, switch, forward, t_end, False)
         if status != 0:
             return outcome_of(record, status)
         if functions[switch] < -GRAZING:  # round-off alone may ask for a little more than holds

@@ -23,10 +23,10 @@ from linkages.kernel.graph.scalars import Scalar
 if TYPE_CHECKING:
     from linkages.kernel.forces.walls import Walls
 
-FURTHER, EACH = 3, 2
+FURTHER, EACH = 4, 1
 """How often it is found anew which contacts press and slip, and so much more for each of them."""
 
-SAME = 1e-9
+SAME = 1e-7
 """Of all impulses: how far they are from those before where it has been found."""
 
 
@@ -83,12 +83,12 @@ class Collision:
         right = [*falls, *(-rubbing.slip for rubbing in walls.rough.values())]
         pressing, senses = self.taking, {k: self._sign(r.slip) for k, r in walls.rough.items()}
         stuck = dict.fromkeys(walls.rough, -graph.one)
-        found = walls.pressed(pressing, senses, stuck, right)
-        before = found
+        before = [graph.zero] * len(right)
+        found = walls.pressed(pressing, senses, stuck, right, before)
         for _ in range(FURTHER + EACH * len(self.contacts)):
             before, pressing = found, self._pressing(found, falls)
             senses, stuck = self._slipping(found)
-            found = walls.pressed(pressing, senses, stuck, right)
+            found = walls.pressed(pressing, senses, stuck, right, before)
         off = graph.total((u - v) * (u - v) for u, v in zip(found, before, strict=True))
         size = graph.total(u * u for u in found)
         # nothing fits: no number, so that the motion ends
@@ -107,9 +107,7 @@ class Collision:
             found.append(self.graph.select(there, needed, -self.graph.one))
         return found
 
-    def _slipping(
-        self, impulses: Sequence[Scalar]
-    ) -> tuple[dict[int, Scalar], dict[int, Scalar]]:
+    def _slipping(self, impulses: Sequence[Scalar]) -> tuple[dict[int, Scalar], dict[int, Scalar]]:
         """Senses of slips behind, and what is not negative where one holds."""
         walls, graph = self.walls, self.graph
         senses, stuck = {}, {}

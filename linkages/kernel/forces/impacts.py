@@ -117,16 +117,18 @@ class Unilateral(Acting):
 
     @property
     def shared_fall(self) -> Scalar:
-        """The same by Newton's law in impacts that contacts share; of one that leaves its rate."""
-        speed = self._approach
-        own = self._falls(speed, self._restitution * speed)
-        return self.graph.select(self.speed, own, self.speed)
+        """The same by Newton's law in impacts that contacts share."""
+        return self._shared(self._restitution * self._approach)
 
     @property
     def stopping_fall(self) -> Scalar:
         """The same without restitution."""
-        own = self._falls(self._approach, self.graph.zero)
-        return self.graph.select(self.speed, own, self.speed)
+        return self._shared(self.graph.zero)
+
+    def _shared(self, rebound: Scalar) -> Scalar:
+        # one that leaves may be kept from it by others, and closes then
+        kept = self.speed - self.slowest
+        return self.graph.select(self.speed, self._falls(self._approach, rebound), kept)
 
     def _falls(self, speed: Scalar, rebound: Scalar) -> Scalar:
         """A speed and its rebound; none where that is slow."""

@@ -85,7 +85,7 @@ class Resting:
     def _endless(self) -> Scalar:
         """1, or 0 where something jams, so that forces are infinite and the motion ends."""
         walls, graph, found = self.walls, self.graph, self.graph.one
-        jams = [
+        jams: list[tuple[str, Scalar, Scalar | None]] = [
             (self.contacts[k].name, rubbing.jamming, walls.touching[k])
             for k, rubbing in walls.rough.items()
         ]

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 DEPENDENT = 1e-10
 """Part of W_ii that is left of a pivot below which closed contacts count as dependent."""
 
+PROXIMAL = 1e-7
+"""Part of W_ii by which impulses that depend on each other are told apart."""
+
 
 class Walls:
     """All rigid contacts of a model.
@@ -115,6 +118,7 @@ class Walls:
         senses: Mapping[int, Scalar],
         stuck: Mapping[int, Scalar],
         right: Sequence[Scalar],
+        before: Sequence[Scalar] | None = None,
     ) -> list[Scalar]:
         """Forces of all contacts, or impulses: normal ones, then frictions.
 
@@ -128,15 +132,27 @@ class Walls:
             Not negative for those that hold; what is missing slips.
         right
             What normal forces change −d″ by, and frictions of contacts that hold rates of slips.
+        before
+            If given, of forces that depend on each other those nearest to these are found
+            (proximal point).
         """
         graph, count = self.graph, len(self.contacts)
         size = count + len(self.rough)
         unit = [[graph.one if i == j else graph.zero for j in range(size)] for i in range(size)]
         rows, sides = [], []
+
+        def constraint(place: int) -> tuple[list[Scalar], Scalar]:
+            row, side = [self.product(place, j) for j in range(size)], right[place]
+            if before is None:
+                return row, side
+            little = PROXIMAL * row[place]
+            row[place] = row[place] + little
+            return row, side + little * before[place]
+
         for k, presses in enumerate(pressing):
-            own = [self.product(k, j) for j in range(size)]
+            own, side = constraint(k)
             rows.append(self._either(presses, own, unit[k]))
-            sides.append(graph.select(presses, right[k], graph.zero))
+            sides.append(graph.select(presses, side, graph.zero))
         for k, rubbing in self.rough.items():
             place = self.along(k)
             slips = list(unit[place])
@@ -144,9 +160,9 @@ class Walls:
             slips = [rubbing.tangential * value for value in slips]
             side = graph.zero
             if k in stuck:
-                held = [self.product(place, j) for j in range(size)]
+                held, holding = constraint(place)
                 slips = self._either(stuck[k], held, slips)
-                side = graph.select(stuck[k], right[place], side)
+                side = graph.select(stuck[k], holding, side)
             rows.append(self._either(pressing[k], slips, unit[place]))
             sides.append(graph.select(pressing[k], side, graph.zero))
         return graph.solve(rows, sides)

@@ -168,7 +168,7 @@ def benchmark_table() -> str:
 
 def machine() -> str:
     """Processor, operating system and versions, without the name of the host."""
-    import numba
+    import llvmlite
 
     processor = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
@@ -177,7 +177,8 @@ def machine() -> str:
         processor = models[0].split(":", 1)[1].strip() if models else processor
     return (
         f"{processor} ({os.cpu_count()} threads), {platform.system()} {platform.machine()}, "
-        f"Python {platform.python_version()}, Numba {numba.__version__}, NumPy {np.__version__}"
+        f"Python {platform.python_version()}, llvmlite {llvmlite.__version__}, "
+        f"NumPy {np.__version__}"
     )
 
 

@@ -213,5 +213,5 @@ def _versions() -> str:
 
     return (
         f"linkages {version('linkages')}, Python {platform.python_version()}, "
-        f"numba {version('numba')}, {platform.platform()}"
+        f"llvmlite {version('llvmlite')}, {platform.platform()}"
     )

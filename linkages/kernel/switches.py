@@ -342,6 +342,8 @@ class Switches:
         sticky = self._sticky(changes)
         may = {*sticky, *self._holds}
         self.switches = [replace(s, stick=k in may) for k, s in enumerate(self.switches)]
+        if self._holds:  # forces of contacts jump with any other friction
+            self.switches = [replace(s, shakes=s.shakes or s.stick) for s in self.switches]
         if not sticky:
             return changes
         graph, inputs = self._model.graph, self._model.inputs

@@ -47,10 +47,13 @@ class MapOptions(RunOptions):
         is chaotic, and ``gali`` shrinks to zero there, for motions that conserve energy.
     periods
         Length of each run in periods.
+    skip
+        Periods before it, in which motions and tangents find their attractor.
     """
 
     indicator: Indicator = "exponent"
     periods: PositiveInteger = 100
+    skip: NonNegativeInteger = 0
 
     def __post_init__(self) -> None:
         if self.periods < FEWEST_MAP_PERIODS:
@@ -90,6 +93,7 @@ class MapKeywords(RunKeywords, total=False):
 
     indicator: str
     periods: int
+    skip: int
 
 
 class VerdictKeywords(RunKeywords, total=False):

@@ -12,6 +12,7 @@ from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
 from linkages.solvers.job import Job
+from linkages.solvers.printed.shape import are_printed, is_printed
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ACTIVE,
@@ -24,6 +25,7 @@ from linkages.solvers.steps.views import (
     SAMPLE,
     WORD,
     Control,
+    Events,
     Nodes,
     Record,
     SystemView,
@@ -72,10 +74,8 @@ def pace(job: Job) -> NDArray[np.float64]:
     found[[T, END, RTOL, ACTIVE]] = job.start, job.end, job.rtol, 1.0
     found[SAMPLE] = job.times[0]
     own = job.tangents
-    together = own is not None and own.orthogonal and own.columns > 1
-    watched = bool(job.events or flow.switching or together)
-    # printed code counts the turns of a single motion; in lanes see `loops.lanes.enter`
-    found[[ALWAYS, PLAIN]] = watched, not watched and own is None
+    found[ALWAYS] = not (are_printed(job.events) and (own is None or is_printed(own)))
+    found[PLAIN] = not job.events and own is None and flow.switching is None
     return found
 
 
@@ -85,6 +85,7 @@ def system(
     rows: NDArray[np.float64],
     pace: NDArray[np.float64],
     code: MachineCode,
+    events: Events | None = None,
 ) -> SystemView:
     """Addresses and numbers of a job's flow, with room for what its clock writes."""
     flow = job.flow
@@ -96,6 +97,7 @@ def system(
         "clock": flow.clock,
         "rates": flow.rates,
         "parameters": parameters,
+        "held": parameters + WORD * (len(job.parameters) - flow.held),
         "timed": memory.floats(np.zeros(flow.timed_size)),
         "rows": memory.floats(rows),
         "pace": memory.floats(pace),
@@ -103,6 +105,9 @@ def system(
         "scale": memory.floats(flow.margin_scale),
         "smallest": memory.floats(flow.smallest_margins),
         "turns": memory.integers(job.final_turns),
+        "functions": 0 if events is None else events.functions,
+        "values": 0 if events is None else events.values,
+        "levels": 0 if events is None else events.level,
         "counters": memory.integers(job.counters),
         "times": memory.floats(np.append(job.times, never)),
         "states": memory.floats(job.states),
@@ -127,7 +132,7 @@ def system(
         counted=flow.counted,
         backward=int(job.end < job.start),
         holding=flow.held,
-        held=parameters + WORD * (len(job.parameters) - flow.held),
+        held=frame["held"],
         rows=frame["rows"],
         width=rows.shape[1],
         frame=memory.integers([frame[name] for name in FRAME]),
@@ -193,6 +198,7 @@ def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
         timed=memory.floats(np.zeros((s, flow.timed_size))),
         timed_size=flow.timed_size,
         kept=memory.floats(np.zeros(max(n, s))),
+        changes=memory.floats(np.zeros(2)),
         carry=memory.floats(np.zeros(2 * n)),
         next_carry=memory.floats(np.zeros(2 * n)),
         held=memory.floats(np.zeros(2 * n)),

@@ -26,7 +26,7 @@ class Event:
     weights : (2n,)
         Weights of the coordinates and speeds in a linear function.
     function
-        Any other function and its rate, instead; evaluated once per step.
+        Any other function and its rate, instead; evaluated once for each step that is tried.
     level
         Level in the unit of the function.
     direction

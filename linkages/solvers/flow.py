@@ -31,6 +31,8 @@ class Companion:
         Whatever must live as long as the two addresses are in use.
     held
         How many of the last parameters are modes, and what is remembered.
+    wide
+        Compiles the same for so many lanes, as that of a `Flow`; None if there is none.
     """
 
     clock: int
@@ -39,6 +41,7 @@ class Companion:
     timed_size: int
     keepalive: object = None
     held: int = 0
+    wide: Callable[[int], Companion] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +128,7 @@ class Flow:
     Parameters
     ----------
     clock, rates
-        Addresses of the compiled functions, for example ``numba.cfunc(...)(f).address``.
+        Addresses of the compiled functions.
     parameters : (p,)
         Numbers passed to both functions; never changed by a solver, which changes modes in a copy.
     timed_size

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
 from linkages.solvers.job import Job
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
+    HALVED,
     WORD,
     Events,
     Hook,
@@ -79,15 +81,13 @@ def switching(
     system: SystemView,
     table: TableView,
     record: Record,
-    nodes: NDArray[np.float64],
+    compared: Sequence[int],
 ) -> SwitchingView:
     """What finds and makes changes of modes; nothing where there are none."""
     own = job.flow.switching
     if own is None:
         return SwitchingView(0, 0, 0, 0, 0, 0)
     changes, n = job.changes, job.flow.coordinates
-    # those around the middle and both quarters of a step
-    compared = sorted({1 + int(np.argmin(np.abs(nodes[1:-1] - at))) for at in (0.25, 0.5, 0.75)})
     # events have left their copies there
     transition = _function(memory, job, own.transition)
     switches = SwitchesView(
@@ -110,7 +110,7 @@ def switching(
         values_of_events=0 if found is None else found.values,
         pending=memory.integers(np.zeros(2)),
         kind=memory.integers(np.zeros(1)),
-        halved=memory.integers(np.zeros(1)),
+        halved=system.pace + WORD * HALVED,
         rows=memory.integers(compared),
         compared=len(compared),
         since=memory.floats([job.start]),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.solvers import arrays
+from linkages.solvers.events import Event
 from linkages.solvers.integration import IntegrationRequest
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import (
@@ -23,7 +24,17 @@ from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
-from linkages.solvers.steps.views import FRAME, PACE, REJECTED, SINGLE, STEPS, Lanes
+from linkages.solvers.steps.views import (
+    ALONE,
+    FRAME,
+    PACE,
+    REJECTED,
+    SINGLE,
+    STEPS,
+    VALUES,
+    WORD,
+    Lanes,
+)
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -64,7 +75,8 @@ def integrate_many(
         key = (
             asked.method.name,
             asked.job.flow.clock,
-            Shape.of(asked.job.flow, asked.job.tangents),
+            Shape.of(asked.job.flow, asked.job.tangents, asked.job.events),
+            *(event.function and event.function.clock for event in asked.job.events),
         )
         groups.setdefault((*key, *alone), []).append(index)
     outcomes = [Outcome.INTERRUPTED] * len(requests)
@@ -87,7 +99,8 @@ def integrate_many(
 
 def _is_wide(method: Method, job: Job) -> TypeGuard[RungeKutta]:
     """Whether a job can be integrated beside others."""
-    return isinstance(method, RungeKutta) and job.step is None and job.flow.wide is not None
+    events = all(event.function is None or event.function.wide for event in job.events)
+    return isinstance(method, RungeKutta) and job.step is None and bool(job.flow.wide) and events
 
 
 def _run(
@@ -103,7 +116,7 @@ def _run(
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
     memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
-    control = np.zeros(2)
+    control = np.zeros(3)
     view = _lanes(memory, method, jobs, motions, lanes)._replace(
         outcomes=memory.integers(outcomes), control=memory.floats(control)
     )
@@ -111,11 +124,13 @@ def _run(
     def stop() -> None:
         control[1] = 1.0
 
-    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
+    spent, interrupted = supervise(
+        lambda: ADVANCE_LANES(memory.integers(view)), stop, lambda: look(control[0])
+    )
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
-        "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use",
-        len(jobs), lanes, made, made / max(1, spent),
+        "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
+        len(jobs), lanes, made, made / max(1, spent), control[ALONE],
     )  # fmt: skip
     for job, motion in zip(jobs, motions, strict=True):
         np.copyto(job.state, motion.rows[0, : len(job.state)])
@@ -131,7 +146,7 @@ def _lanes(
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
-    shape = Shape.of(flow, jobs[0].tangents)
+    shape = Shape.of(flow, jobs[0].tangents, jobs[0].events)
     assert flow.wide is not None
     wide = flow.wide(lanes)
     code = compiled_step(tableau, shape, method.memory, lanes)
@@ -146,15 +161,24 @@ def _lanes(
         "scale": shape.blocks,
         "smallest": shape.blocks,
         "turns": shape.n,
+        "angles": shape.counted,
+        "ahead": shape.counted,
+        "values": VALUES * shape.events,
+        "levels": shape.events,
         **dict.fromkeys(SINGLE, 0),
     }
     frame = {name: memory.floats(_aligned(size * lanes)) for name, size in sizes.items()}
-    places = {"clock": wide.clock, "rates": wide.rates, **frame}
+    held = frame["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
+    functions = [_function(memory, event, lanes) for event in jobs[0].events[: shape.events]]
+    frame["functions"] = memory.integers([places for places, _ in functions])
+    places = {"clock": wide.clock, "rates": wide.rates, "held": held, **frame}
     return Lanes(
         lanes=lanes,
         frame=memory.integers([places[name] for name in FRAME]),
         **{name: frame[name] for name in Lanes._fields if name in frame},
         size=sizes["parameters"],
+        events=shape.events,
+        function_sizes=memory.integers([size for _, size in functions]),
         advance=code.address("advance"),
         begin=BEGIN_MOTION.address,
         conclude=CONCLUDE_STEP.address,
@@ -164,6 +188,17 @@ def _lanes(
         places=memory.integers(np.full(lanes, -1)),
         control=0,
     )
+
+
+def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:
+    """Addresses of what an event of some lanes watches, and how many parameters it has."""
+    assert event.function is not None
+    assert event.function.wide is not None
+    wide = event.function.wide(lanes)
+    memory.keep(wide)
+    size = len(wide.parameters)
+    room = [memory.floats(_aligned(n * lanes)) for n in (size, wide.timed_size)]
+    return [wide.clock, wide.rates, *room], size
 
 
 def _aligned(size: int) -> NDArray[np.float64]:

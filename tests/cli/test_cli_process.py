@@ -11,7 +11,7 @@ from linkages.reading.locate import shipped
 
 pytestmark = pytest.mark.slow
 
-WATCHED = ("numpy", "numba", "xarray", "sympy", "matplotlib", "matplotlib.pyplot", "scipy")
+WATCHED = ("numpy", "llvmlite", "xarray", "sympy", "matplotlib", "matplotlib.pyplot", "scipy")
 IMPORTS = f"""
 import json, sys
 from linkages.cli.main import main
@@ -40,10 +40,10 @@ def start(*arguments, folder, code=None, **environment):
         ("--help", set(WATCHED)),
         ("simulate --help", set(WATCHED)),
         ("list", set(WATCHED)),
-        ("simulate four-bar --no-figures", {"numba", "sympy", "matplotlib"}),
-        ("simulate four-bar", {"numba", "sympy", "matplotlib.pyplot"}),
+        ("simulate four-bar --no-figures", {"llvmlite", "sympy", "matplotlib"}),
+        ("simulate four-bar", {"llvmlite", "sympy", "matplotlib.pyplot"}),
         ("simulate ninebar --no-figures --set simulate.end=0.01", {"sympy", "matplotlib"}),
-        ("check ninebar", {"numba", "sympy", "matplotlib", "xarray"}),
+        ("check ninebar", {"llvmlite", "sympy", "matplotlib", "xarray"}),
     ],
 )
 def test_what_is_not_needed_is_not_imported(arguments, unwanted, tmp_path):

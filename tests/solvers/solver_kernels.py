@@ -8,172 +8,188 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import cfunc, types
 from scipy.special import ellipj, ellipk
 
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import Real, Whole, choose, choose_of, floats, library, root_of
+from linkages.kernel.code.printed import printed, text_of
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers import Companion, Flow
 
 SIZE = 20  # of a chain: so many coordinates that printed steps go through them in a loop
-POINTER = types.CPointer(types.float64)
-CLOCK = types.int64(types.float64, POINTER, POINTER)
-RATES = types.int64(POINTER, POINTER, POINTER, POINTER)
 
 
-@cfunc(CLOCK)
+class Kernel:
+    """A function that writes itself, as machine code; it returns a status, 0 where it has none."""
+
+    def __init__(self, function, body):
+        body.__name__ = function.__name__
+        self._code = MachineCode(text_of(printed(body)))
+        self.address = self._code.address(function.__name__)
+
+
+def clock(function):
+    def body(code: Procedure, t: Real, parameters: Whole, timed: Whole) -> Whole:
+        return function(t, floats(parameters), floats(timed)) or code.value(0)
+
+    return Kernel(function, body)
+
+
+def rates(function):
+    def body(code: Procedure, state: Whole, parameters: Whole, timed: Whole, out: Whole) -> Whole:
+        given = map(floats, (state, parameters, timed, out))
+        return function(*given) or code.value(0)
+
+    return Kernel(function, body)
+
+
+def sin(x):
+    return library("sin", x)
+
+
+def cos(x):
+    return library("cos", x)
+
+
+def cube_of(square):
+    """The third power of a root."""
+    return square * root_of(square)
+
+
+@clock
 def no_clock(t, p, timed):
-    return 0
+    """Nothing depends on time alone."""
 
 
-@cfunc(CLOCK)
+@clock
 def logging_clock(t, p, timed):
     """Writes every time that it is asked for behind p1, which counts them."""
     p[1] += 1.0
-    p[int(p[1]) + 1] = t
-    return 0
+    p[p[1].whole + 1] = t
 
 
-@cfunc(RATES)
+@rates
 def harmonic_rates(y, p, timed, out):
     out[0] = -p[0] * y[0]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def uniform_rates(y, p, timed, out):
     """A constant acceleration."""
     out[0] = p[0]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def pendulum_rates(y, p, timed, out):
-    out[0] = -p[0] * math.sin(y[0])
-    return 0
+    out[0] = -p[0] * sin(y[0])
 
 
-@cfunc(CLOCK)
+@clock
 def drive_clock(t, p, timed):
-    timed[0] = p[1] * math.cos(p[2] * t)
+    timed[0] = p[1] * cos(p[2] * t)
     p[3] += 1.0
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def driven_rates(y, p, timed, out):
     out[0] = -p[0] * y[0] + timed[0]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def coupled_rates(y, p, timed, out):
     out[0] = -p[0] * y[0] - p[1] * (y[0] - y[1])
     out[1] = -p[0] * y[1] - p[1] * (y[1] - y[0])
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def passing_rates(y, p, timed, out):
     """Uniform motion past q = 1, with the margin sqrt((q - 1)² + p0²)."""
     distance = y[0] - 1.0
     out[0] = 0.0
-    out[1] = math.sqrt(distance * distance + p[0] * p[0])
-    out[2] = distance * y[1] / out[1] if out[1] > 0.0 else 0.0
-    return 0
+    out[1] = root_of(distance * distance + p[0] * p[0])
+    out[2] = choose(out[1] > 0.0, distance * y[1] / out[1], 0.0)
 
 
-@cfunc(RATES)
+@rates
 def limited_rates(y, p, timed, out):
     """Uniform motion of which the second block reaches as far as q = p0."""
     out[0] = 0.0
-    if y[0] > p[0]:
-        return 2
-    return 0
+    return choose_of(Whole, y[0] > p[0], 2, 0)
 
 
-@cfunc(CLOCK)
+@clock
 def limited_clock(t, p, timed):
     """A driven block that reaches as far as t = p0."""
-    if t > p[0]:
-        return 1
-    return 0
+    return choose_of(Whole, t > p[0], 1, 0)
 
 
-@cfunc(RATES)
+@rates
 def free_rates(y, p, timed, out):
     out[0] = 0.0
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def decay_rates(y, p, timed, out):
     out[0] = -p[0] * y[1]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def damped_slopes(y, p, timed, out):
     """Derivatives of -p0 (v + sin q)."""
     p[1] += 1.0
-    out[0] = -p[0] * math.cos(y[0])
+    out[0] = -p[0] * cos(y[0])
     out[1] = -p[0]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def damped_rates(y, p, timed, out):
     """Stiff for large p0: the speed follows -sin q within a time of 1/p0."""
-    out[0] = -p[0] * (y[1] + math.sin(y[0]))
-    return 0
+    out[0] = -p[0] * (y[1] + sin(y[0]))
 
 
-@cfunc(RATES)
+@rates
 def arenstorf_rates(y, p, timed, out):
     """The restricted three-body problem (Hairer, Nørsett & Wanner, II.0)."""
     mass = p[0]
     near, far = y[0] + mass, y[0] - (1.0 - mass)
-    first = (1.0 - mass) / (near * near + y[1] * y[1]) ** 1.5
-    second = mass / (far * far + y[1] * y[1]) ** 1.5
+    first = (1.0 - mass) / cube_of(near * near + y[1] * y[1])
+    second = mass / cube_of(far * far + y[1] * y[1])
     out[0] = y[0] + 2.0 * y[3] - first * near - second * far
     out[1] = y[1] - 2.0 * y[2] - (first + second) * y[1]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def chain_rates(y, p, timed, out):
     """Pendulums in a row, each pulled by both neighbours."""
     for i in range(SIZE):
-        before = y[i - 1] if i > 0 else 0.0
+        before = y[i - 1] if i else 0.0
         after = y[i + 1] if i < SIZE - 1 else 0.0
-        out[i] = -math.sin(y[i]) + 0.5 * (before + after - 2.0 * y[i])
-    return 0
+        out[i] = -sin(y[i]) + 0.5 * (before + after - 2.0 * y[i])
 
 
-@cfunc(RATES)
+@rates
 def explosion_rates(y, p, timed, out):
     """Blow-up in finite time: v = v0 / (1 - v0 t)."""
     out[0] = y[1] * y[1]
-    return 0
 
 
-@cfunc(CLOCK)
+@clock
 def line_clock(t, p, timed):
     """A level that rises with time."""
     timed[0] = p[3] * t
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def line_function(y, p, timed, out):
     """p0 q + p1 v + p2 sin q - p3 t, and its rate from the acceleration behind q and v."""
     p[4] += 1.0
-    out[0] = p[0] * y[0] + p[1] * y[1] + p[2] * math.sin(y[0]) - timed[0]
-    out[1] = p[0] * y[1] + p[1] * y[2] + p[2] * math.cos(y[0]) * y[1] - p[3]
-    return 0
+    out[0] = p[0] * y[0] + p[1] * y[1] + p[2] * sin(y[0]) - timed[0]
+    out[1] = p[0] * y[1] + p[1] * y[2] + p[2] * cos(y[0]) * y[1] - p[3]
 
 
-@cfunc(RATES)
+@rates
 def nothing_rates(y, p, timed, out):
-    return 0
+    """Nothing moves."""
 
 
 def line(*parameters):

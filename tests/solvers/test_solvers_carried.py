@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import cfunc
-from solver_kernels import RATES, flow, free_rates, no_clock, passing_rates, pendulum, swing
+from solver_kernels import flow, free_rates, no_clock, passing_rates, pendulum, rates, sin, swing
 
 from linkages.solvers import Flow, Outcome, integrate
 
@@ -19,33 +18,31 @@ ANY_METHOD = pytest.mark.parametrize(("method", "step"), [*METHODS, ("radau", No
 """With radau, whose error control looks after what is carried along."""
 
 
-@cfunc(RATES)
+@rates
 def following_rates(y, p, timed, out):
     """A pendulum q0 and a coordinate q1 = 2 q0 + p1 that follows from it.
 
     Its acceleration is off by p0, so that without being settled it would run away.
     """
-    out[0] = -math.sin(y[0])
+    out[0] = -sin(y[0])
     out[1] = 2.0 * out[0] + p[0]
     out[2] = 2.0 * y[0] + p[1]
     out[3] = 2.0 * y[2]
-    return 0
 
 
-@cfunc(RATES)
+@rates
 def leading_rates(y, p, timed, out):
     """The same, the coordinate that follows being the first."""
-    out[0] = -2.0 * math.sin(y[1]) + p[0]
-    out[1] = -math.sin(y[1])
+    out[0] = -2.0 * sin(y[1]) + p[0]
+    out[1] = -sin(y[1])
     out[2] = 2.0 * y[1] + p[1]
     out[3] = 2.0 * y[3]
-    return 0
 
 
-def carrying(rates, first, off=0.0, start=0.0):
+def carrying(kernel, first, off=0.0, start=0.0):
     return Flow(
         clock=no_clock.address,
-        rates=rates.address,
+        rates=kernel.address,
         parameters=np.array([off, start]),
         timed_size=0,
         coordinates=2,
@@ -53,7 +50,7 @@ def carrying(rates, first, off=0.0, start=0.0):
         margin_scale=np.ones(0),
         first_carried=first,
         carried=1,
-        keepalive=(no_clock, rates),
+        keepalive=(no_clock, kernel),
     )
 
 

@@ -234,13 +234,13 @@ def test_function_that_crosses_twice_within_one_step():
     assert result.crossings[0].time == pytest.approx(expected, abs=1e-9)
 
 
-def test_functions_are_evaluated_once_per_step():
+def test_functions_are_evaluated_once_per_trial():
     counted = line(0.0, 1.0, 0.0, 0.0)
     result = integrate(
         pendulum(), [2.0, 0.0], [0.0, 20.0], events=[Event(function=counted, level=9)]
     )
     assert result.crossings[0].count == 0
-    assert counted.parameters[4] == result.steps + 1
+    assert counted.parameters[4] == result.steps + result.rejected + 1
 
 
 def test_an_event_has_weights_or_a_function():

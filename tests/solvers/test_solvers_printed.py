@@ -29,7 +29,6 @@ from linkages.solvers.steps.views import (
     PACE,
     RTOL,
     SAMPLE,
-    SINGLE,
     TO,
     H,
     T,
@@ -166,7 +165,7 @@ def advanced(lanes, starts, lengths, tableau, gain, shape):
         pace[[RTOL, BEFORE]] = [[1e-8], [1.0]]
         pace[ACTIVE] = 1.0
         places = {name: array.ctypes.data for name, array in memory.items()}
-        places |= dict.fromkeys(SINGLE, 0)
+        places = dict.fromkeys(FRAME, 0) | places
         places |= {"clock": kernel.address("clock"), "rates": kernel.address("rates")}
         frame = np.array([places[name] for name in FRAME])
         for _ in range(20):

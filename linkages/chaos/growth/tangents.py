@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -21,7 +22,7 @@ from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.renormalising import Renormalised
 from linkages.solution.moving.tolerances import TANGENT_ATOL
-from linkages.solution.values.episodes import Touch, slowest_touch
+from linkages.solution.values.episodes import Touch, slowest_touch, touch_counts
 
 Floats = NDArray[np.float64]
 
@@ -54,8 +55,6 @@ class LinkageTangents:
         How it moves.
     parts
         That number.
-    slowest
-        The touch of the motion at the smallest rate; None if nothing touches.
     """
 
     def __init__(
@@ -76,7 +75,7 @@ class LinkageTangents:
         start = Motion(pieces=(self.march.sample,))
         self._kept: list[Motion] = [start] if self.parts else []
         self._ends = [start]
-        self.slowest: Touch | None = None
+        self._touching: list[Motion] = []
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -144,6 +143,20 @@ class LinkageTangents:
         )
 
     @property
+    def slowest(self) -> Touch | None:
+        """The touch of the motion at the smallest rate; None if nothing touches."""
+        found = [touch for part in self._touching if (touch := slowest_touch(part)) is not None]
+        return min(found, default=None)
+
+    def touches(self, since: float = -math.inf) -> dict[str, int]:
+        """How often each contact was touched in integrations that began at a time or later."""
+        found: Counter[str] = Counter()
+        for part in self._touching:
+            if part.time[0] > since:
+                found.update(touch_counts(part))
+        return dict(found)
+
+    @property
     def tangents(self) -> Floats:
         """Of the coordinates that the motion is integrated in, shape (x, k)."""
         return self.march.tangents
@@ -207,9 +220,8 @@ class LinkageTangents:
         each, _ = self.sampling(interval)
         if self._log is not None:
             self._log.note(motion)
-        touch = slowest_touch(motion) if motion.changes else None
-        if touch is not None and (self.slowest is None or touch < self.slowest):
-            self.slowest = touch
+        if motion.changes:
+            self._touching.append(motion.part(last=1))
         if self.parts:
             between = each // self.parts
             self._kept.append(motion.part(between - 1, each=between))

@@ -11,6 +11,7 @@ from linkages.chaos.growth.systems import Growth, Watch
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.errors import ComputationError, LinkagesError
 from linkages.solution.moving.many import march_many
+from linkages.solution.moving.renormalising import Renormalised
 
 Floats = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ class Grown:
     Parameters
     ----------
     state, tangents, angles, time, furthest
-        As they were at its start.
+        As they were at its start; state and time then as what was given out leaves them.
     """
 
     def __init__(self, system: LinkageTangents) -> None:
@@ -29,6 +30,7 @@ class Grown:
         self.angles, self.time = system.angles, system.time
         self.furthest = system.furthest
         self.parts: list[Growth] = []
+        self._given = 0
         self.error: LinkagesError | None = None
 
     def advance(self, interval: float) -> None:
@@ -43,12 +45,25 @@ class Grown:
         orthogonal: bool = True,  # noqa: ARG002
         watch: Watch | None = None,  # noqa: ARG002
     ) -> Iterator[Growth]:
-        """Yield what was computed, then raise what ended it early."""
-        if not intervals:
-            return
-        yield from self.parts
-        if self.error is not None:
+        """Yield what was computed of so many intervals, then raise what ended it early."""
+        done = 0
+        while done < intervals and self._given < len(self.parts):
+            part = self.parts[self._given]
+            self._given += 1
+            done += len(part.times)
+            if done:
+                self.state, self.time = part.states[-1], float(part.times[-1])
+            yield part
+        if done < intervals and self.error is not None:
             raise self.error
+
+
+def _batches(
+    system: LinkageTangents, skip: int, intervals: int, length: float, orthogonal: bool
+) -> Iterator[tuple[Floats, Renormalised]]:
+    """The integrations for intervals that are skipped, and for those behind them."""
+    yield from system.batches(skip, length, orthogonal=True)
+    yield from system.batches(intervals, length, orthogonal)
 
 
 def grow_together(
@@ -57,6 +72,7 @@ def grow_together(
     lengths: Sequence[float],
     *,
     orthogonal: bool,
+    skip: int = 0,
     watch: Watch | None = None,
 ) -> list[Grown]:
     """Grow the tangents of many linkages; each as `LinkageTangents.grow` does it, in all bits.
@@ -69,6 +85,8 @@ def grow_together(
         How many, and their length in seconds for each system.
     orthogonal
         Whether tangents are made orthonormal, or only of length one each.
+    skip
+        Intervals before these, which are given out apart; tangents leave them orthonormal.
     watch
         Called now and then; what it raises ends all of them.
     """
@@ -77,7 +95,7 @@ def grow_together(
     for index, (system, length) in enumerate(zip(systems, lengths, strict=True)):
         kinds.setdefault(system.sampling(length), []).append(index)
     for indices in kinds.values():
-        plans = [systems[k].batches(intervals, lengths[k], orthogonal) for k in indices]
+        plans = [_batches(systems[k], skip, intervals, lengths[k], orthogonal) for k in indices]
         for batch in zip(*plans, strict=True):
             going = [
                 (k, *part) for k, part in zip(indices, batch, strict=True) if not found[k].error

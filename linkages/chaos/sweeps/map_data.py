@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
+from linkages.chaos.sections.touches import TOUCH
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.sweeps.answers import CODES, Arrays, Field, reasons
@@ -33,14 +34,23 @@ def free_names_of_angles(system: System) -> list[str]:
 
 def map_fields(system: System) -> dict[str, Field]:
     """What is found at a point: an indicator, its error and its sign, 0 if it cannot be told; what
-    each free angle does; forces in clearances, and the time between two looks at them.
+    each free angle does; touches of contacts; forces in clearances, and the time between two looks
+    at them.
     """  # noqa: D205
     clearances = (len(links(system.model)),)
+    touching = {"touches": Field(shape=(len(names),))} if (names := touchable(system)) else {}
     return {
+        **touching,
         "indicator": Field(), "error": Field(), "sign": Field("i1"), "interval": Field(),
         "rotation": Field("U", (len(free_names_of_angles(system)),)),
         **{name: Field(shape=clearances) for name in CONTACT},
     }  # fmt: skip
+
+
+def touchable(system: System) -> list[str]:
+    """Names of what may touch: pins and holes, blocks and guides, bodies and their stops."""
+    mechanism = system.mechanism
+    return [about.name for about in mechanism.contacts] + [about.name for about in mechanism.ends]
 
 
 def free_angles(
@@ -95,6 +105,10 @@ def map_data(
         variables["error"] = (("y", "x"), grid["error"], error)
         variables["sign"] = (("y", "x"), grid["sign"], sign)
     members = {"coordinate": np.array(free_names_of_angles(first), dtype=object)}
+    if "touches" in grid:
+        attrs = {"units": "1", "long_name": "touches per period"}
+        variables["touches"] = (("y", "x", TOUCH), grid["touches"], attrs)
+        members[TOUCH] = np.array(touchable(first), dtype=object)
     if names := links(first.model):
         interval = longest(grid["interval"])
         variables |= contact_variables({n: grid[n] for n in CONTACT}, interval, ("y", "x"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -20,7 +21,7 @@ from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.growth.together import Grown, grow_together
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
-from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields
+from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields, touchable
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import Interrupted
 from linkages.kernel.system import System
@@ -104,7 +105,7 @@ class _Mapped(Question):
     def options_at(self, mechanism: Mechanism) -> MapOptions:
         """The same at a point, in the steps that it may take."""
         options = options_of(MapOptions, mechanism, self.given)
-        return per_period(options, options.periods)
+        return per_period(options, options.periods + options.skip)
 
     @property
     def tangents(self) -> int:
@@ -134,6 +135,7 @@ class _Mapped(Question):
             self.options.periods * PARTS,
             [each.interval for each in begun.values()],
             orthogonal=self.options.indicator == "exponent",
+            skip=self.options.skip * PARTS,
             watch=end_when_stopping,
         )
         for (place, each), motion in zip(begun.items(), grown, strict=True):
@@ -144,28 +146,41 @@ class _Mapped(Question):
         """A mechanism with its tangents, before it moves."""
         looked = check_interval(system)
         log = None if looked is None else ContactLog(looked)
+        if log is not None:
+            log.restart(since=system.time + self._skipped(system.mechanism))
         options = self.options_at(system.mechanism)
         tangents = LinkageTangents(system, self.tangents, options, log=log)
         start_tangents(tangents, self.tangents)
         return _Begun(tangents, characteristic_period(system.mechanism) / PARTS, log)
 
+    def _skipped(self, mechanism: Mechanism) -> float:
+        """Time in seconds before anything counts."""
+        return self.options.skip * characteristic_period(mechanism)
+
     def _judged(self, begun: _Begun, grown: Grown) -> Answer:
         """The indicator, what every free angle does, and forces in clearances."""
         system, log = begun.tangents.system, begun.log
-        steps = self.options.periods * PARTS, begun.interval
+        steps, skip = (self.options.periods * PARTS, begun.interval), self.options.skip * PARTS
         error, told = math.nan, 0
         if self.options.indicator == "exponent":
-            exponents = lyapunov_spectrum(grown, intervals=steps[0], interval=steps[1], count=1)
+            exponents = lyapunov_spectrum(
+                grown, intervals=steps[0], interval=steps[1], count=1, skip=skip
+            )
             value, error = float(exponents.values[0]), float(exponents.errors[0])
             told = sign_of(exponents)
         else:
+            deque(grown.grow(skip, steps[1]), maxlen=0)
             series = fast_indicators(
                 grown, intervals=steps[0], interval=steps[1], count=self.tangents
             )
             value = float((series.fli if self.options.indicator == "fli" else series.gali)[-1])
         contacts = () if log is None else log.contacts
         looked = 0.0 if log is None else log.interval
-        found = {"indicator": value, "error": error, "sign": told, "interval": looked}
+        found: dict[str, Any] = {"indicator": value, "error": error}
+        found |= {"sign": told, "interval": looked}
+        if names := touchable(system):
+            counts = begun.tangents.touches(system.time + self._skipped(system.mechanism))
+            found["touches"] = [counts.get(name, 0) / self.options.periods for name in names]
         found |= free_angles(system, kinds(begun.tangents), contacts)
         return Answer(found, evaluations=begun.tangents.march.cost["evaluations"])
 
@@ -181,6 +196,7 @@ class _Mapped(Question):
             "x": x.label,
             "y": y.label,
             "periods": run.periods,
+            "skip": run.skip,
             **run.how,
             "max_steps": run.most_steps,
         }
@@ -241,7 +257,8 @@ def chaos_map(
 
     Returns
     -------
-    Dataset with `indicator` (y, x), `rotation` (y, x, coordinate): what each free angle does, and
+    Dataset with `indicator` (y, x), `rotation` (y, x, coordinate): what each free angle does, in
+    mechanisms that touch `touches` (y, x, touch): how often a period, on average, and
     `reason` (y, x) where nothing could be computed, with the `stop_time` (y, x) of the motion.
     Exponents have a standard `error` (y, x) and a `sign` (y, x): 1 or −1, or 0 where they cannot be
     told from zero. What is varied is a coordinate, in the unit of its attribute ``units``. With

@@ -43,6 +43,10 @@ def _files(data: xr.Dataset, figures: bool) -> Iterator[File]:
         from linkages.plots.chaos import maps
 
         yield "map", maps.figure(data)
+        touched = [str(name) for name in data["touch"].values] if "touches" in data else []
+        for index, name in enumerate(touched):
+            stem = "map_touches" if len(touched) == 1 else f"map_touches_{index + 1}"
+            yield stem, maps.touch_figure(data, name)
         names = [str(name) for name in data["coordinate"].values]
         for index, name in enumerate(names):
             stem = "map_rotation" if len(names) == 1 else f"map_rotation_{index + 1}"
@@ -56,6 +60,8 @@ def _columns(data: xr.Dataset) -> dict[str, Any]:
     columns[f"{kind} ({units})" if units else kind] = data["indicator"]
     if "error" in data:
         columns |= {"error (1/s)": data["error"], "sign": data["sign"]}
+    for name in data["touch"].values if "touches" in data else ():
+        columns[f"touches of {name} per period"] = data["touches"].sel(touch=name)
     columns |= swept.contact_columns(data)
     for name in data["coordinate"].values:
         columns[f"motion of {name}"] = data["rotation"].sel(coordinate=name)
@@ -85,9 +91,20 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         "greatest": float(finite.max()) if finite.size else None,
         "signs": _signs(data),
         "rotation": {str(name): _kinds(data, str(name)) for name in data["coordinate"].values},
+        "touches": _touches(data),
         "contact": swept.contact_content(data),
         "failures": swept.failures(data),
     }
+
+
+def _touches(data: xr.Dataset) -> dict[str, list[float]]:
+    """Name of what is touched → how often a period, at least and at most."""
+    found = {}
+    for name in data["touch"].values if "touches" in data else ():
+        values = data["touches"].sel(touch=name).to_numpy()
+        if np.isfinite(values).any():
+            found[str(name)] = [float(np.nanmin(values)), float(np.nanmax(values))]
+    return found
 
 
 def _signs(data: xr.Dataset) -> dict[str, int] | None:
@@ -109,6 +126,10 @@ def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
     if content["signs"] and content["computed"]:
         said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
         screen.print(f"the exponent is {', '.join(said)}", markup=False)
+    for name, (low, high) in content["touches"].items():
+        screen.print(
+            f"{name} is touched {number(low)} to {number(high)} times a period", markup=False
+        )
     rows = [
         [name, word, count]
         for name, kinds in content["rotation"].items()

@@ -55,6 +55,42 @@ def indicator_label(data: xr.Dataset) -> str:
 
 
 @styled
+def touch_figure(data: xr.Dataset, contact: str) -> Figure | None:
+    """How often something is touched, as an image with a colour bar; None where it never is."""
+    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
+    return touch_page(data, contact) if np.nansum(values) > 0 else None
+
+
+@styled
+def touch_page(data: xr.Dataset, contact: str) -> Figure:
+    """How often something is touched, as an image with a colour bar, whatever it shows."""
+    result, ax, bar = _page(0.0)
+    draw_touches(ax, data, contact)
+    result.colorbar(ax.collections[0], cax=bar, label=str(data["touches"].attrs["long_name"]))
+    return result
+
+
+def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
+    """Draw how often a period something is touched, on average: grey where it is not known.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    data
+        With `touches`.
+    contact
+        Name of what is touched.
+    """
+    values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
+    x, y = _frame(ax, data)
+    colours, limits = _colours(values, signed=False)
+    ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
+    ax.set_title(fitted(f"{data.attrs.get('name', '')}: {contact}", 4.4))
+    return ax
+
+
+@styled
 def class_figure(data: xr.Dataset, coordinate: str) -> Figure | None:
     """What a free angle does, as an image with a legend; None where it is the same everywhere."""
     several = len(np.unique(_words(data, coordinate)[_finite(data)].astype(str))) > 1

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from linkages.errors import Interrupted, LinkagesError
+from linkages.solution.moving.guards import Guard
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.moving.renormalising import Renormalised
@@ -23,6 +24,7 @@ def march_many(
     marches: Sequence[March],
     times: ArrayLike,
     *,
+    guards: Sequence[Guard] = (),
     renormalised: Sequence[Renormalised] | None = None,
     watch: Watch | None = None,
 ) -> list[Motion | LinkagesError]:
@@ -37,6 +39,9 @@ def march_many(
         What moves; they need not be of one structure.
     times
         Sample times in seconds, shape (samples,), or those of every motion, (motions, samples).
+    guards
+        Functions of each motion whose zeros are found; a motion ends where one of them has been
+        crossed as often as it wants.
     renormalised
         For every motion which samples bring its tangents back to length one; keeps how they grew.
     watch
@@ -57,7 +62,8 @@ def march_many(
     asked: dict[int, IntegrationRequest] = {}
     own = [None] * len(marches) if renormalised is None else renormalised
     going = [
-        march.advancing(rows[index], renormalised=own[index]) for index, march in enumerate(marches)
+        march.advancing(rows[index], guards=guards, renormalised=own[index])
+        for index, march in enumerate(marches)
     ]
 
     def go_on(index: int, trajectory: Trajectory | None) -> None:

@@ -324,20 +324,30 @@ class Plan:
             Blocks that are in the other mode.
         """
 
-        def made() -> Printed:
+        def written() -> Program:
             model = Model(system.topology, self.layout.more)
             what = "a function of position and velocity, its rate"
-            return Printed.of(write_functions_of(model, function(model), what))
+            return write_functions_of(model, function(model), what)
 
-        program = made() if key is None else _FURTHER.get((self.key, key), made)
-        return _companion(bind_kernel(program, _flipped(system, flipped)))
+        parameters = _flipped(system, flipped)
+        if key is None:
+            return _companion(bind_kernel(Printed.of(written()), parameters))
+        program = _FURTHER.get((self.key, key), lambda: Printed.of(written()))
+        found = _companion(bind_kernel(program, parameters))
+
+        def wide(lanes: int) -> Companion:
+            code = _WIDE.get((self.key, key, lanes), lambda: _in_lanes(written(), lanes))
+            return replace(
+                found, clock=code.address("clock"), rates=code.address("rates"), keepalive=code
+            )
+
+        return replace(found, wide=wide)
 
     def _wide(self, topology: Topology, lanes: int) -> MachineCode:
         """The machine code of the kernel for some lanes."""
 
         def made() -> MachineCode:
-            source = kernel_source(topology, self.layout)
-            return MachineCode(write_assembly(source.program.routines, lanes))
+            return _in_lanes(kernel_source(topology, self.layout).program, lanes)
 
         return _WIDE.get((self.key, lanes), made)
 
@@ -355,6 +365,10 @@ class Plan:
 _PLANS: Remembered[Hashable, Plan] = Remembered(4 * MOST_STRUCTURES)
 _FURTHER: Remembered[Hashable, Printed] = Remembered(MOST_STRUCTURES)
 _WIDE: Remembered[Hashable, MachineCode] = Remembered(MOST_STRUCTURES)
+
+
+def _in_lanes(program: Program, lanes: int) -> MachineCode:
+    return MachineCode(write_assembly(program.routines, lanes))
 
 
 def _flipped(system: System, flipped: Collection[int]) -> Floats:

@@ -119,12 +119,31 @@ def slowest_touch(motion: Motion) -> Touch | None:
     return min(found, default=None)
 
 
+def touch_counts(motion: Motion) -> dict[str, int]:
+    """How often each pin touches its hole, a block its guide, a body its stop; by their names."""
+    system = motion.pieces[0].system
+    contacts = zip(system.model.contacts, system.mechanism.contacts, strict=True)
+    found = {about.name: _count(motion, nodes, _is_rigid(about)) for nodes, about in contacts}
+    ends = zip(system.model.ends, system.mechanism.ends, strict=True)
+    return found | {about.name: _count(motion, nodes, _is_rigid(about)) for nodes, about in ends}
+
+
+def _count(motion: Motion, nodes: Nodes, rigid: bool) -> int:
+    """Touches in a motion, also those that were not kept: with leaves they take turns."""
+    changed = motion.changes.get(nodes.touch, Changed.none())
+    beyond = changed.count - len(changed.rises)
+    return int(changed.rises.sum()) + beyond // (1 if rigid else 2)
+
+
+def _is_rigid(about: Contact | End) -> bool:
+    law = about.law if isinstance(about, End) else about.normal
+    return isinstance(law, RigidContact)
+
+
 def _of_contact(motion: Motion, nodes: Nodes, about: Contact | End) -> Episodes:
     law = about.law if isinstance(about, End) else about.normal
-    rigid = isinstance(law, RigidContact)
-    changed = motion.changes.get(nodes.touch)
-    if changed is None:
-        changed = Changed.none()
+    rigid = _is_rigid(about)
+    changed = motion.changes.get(nodes.touch, Changed.none())
     time, rises = changed.time if changed.pieces else np.zeros(0), changed.rises
     rates, lasting = (row[rises] for row in _at_touches(changed, nodes, law))
     begin, end = time[rises], np.append(time, motion.stop_time)[1:][rises]
@@ -137,9 +156,7 @@ def _of_contact(motion: Motion, nodes: Nodes, about: Contact | End) -> Episodes:
         begin, rates = np.append(motion.time[:1], begin), np.append(np.nan, rates)
         end = np.append(np.append(time, motion.stop_time)[:1], end)
         lasting = np.append(np.nan, lasting)
-    touches = int(rises.sum())
-    if changed.count > len(time):  # touches and leaves take turns
-        touches += (changed.count - len(time)) // (1 if rigid else 2)
+    touches = _count(motion, nodes, rigid)
     return Episodes(about.name, begin, end, rates, end - begin <= LONGEST * lasting, touches)
 
 

@@ -84,6 +84,12 @@ class Tableau:
         """Nodes of all rows, shape (s + 1 + e,)."""
         return np.concatenate([self.c, [1.0], self.dense_c])
 
+    @property
+    def quarters(self) -> tuple[int, ...]:
+        """Rows around the middle and both quarters of a step."""
+        inner = self.c[1:-1]
+        return tuple(sorted({1 + int(np.argmin(np.abs(inner - at))) for at in (0.25, 0.5, 0.75)}))
+
     def _check_stages(self) -> None:
         s, e = self.stages, len(self.dense_c)
         shapes = self.A.shape == (s, s) and self.c.shape == (s,)

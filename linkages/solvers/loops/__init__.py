@@ -1,1 +1,1 @@
-"""The compiled loops over steps: adaptive, fixed, implicit."""
+"""The loops over steps, which write themselves: adaptive, fixed, implicit."""

@@ -1,4 +1,4 @@
-"""Compiled loop of steps whose length follows a tolerance.
+"""Loop of steps whose length follows a tolerance.
 
 Printed code makes them (`linkages.solvers.printed`), until one needs more than arithmetic: that
 step is finished here.
@@ -7,7 +7,21 @@ step is finished here.
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    floats,
+    integers,
+    larger_of,
+    smaller_of,
+    with_sign_of,
+)
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.loops.commit import (
     DONE,
     EVENT,
@@ -22,16 +36,7 @@ from linkages.solvers.loops.commit import (
     outcome_of,
 )
 from linkages.solvers.printed.control import SHRINK_TURNING
-from linkages.solvers.steps.compiled import (
-    call_advance,
-    call_hook,
-    call_step,
-    compiled,
-    floats,
-    integers,
-    tuple_at,
-)
-from linkages.solvers.steps.stages import LOWER, status_of
+from linkages.solvers.steps.stages import LOWER, call_hook, call_step, status_of
 from linkages.solvers.steps.views import (
     ACCEPTED,
     BEFORE,
@@ -60,7 +65,6 @@ from linkages.solvers.steps.views import (
     TAKEN,
     TO,
     TROUBLE,
-    WORD,
     Control,
     H,
     Hook,
@@ -74,13 +78,13 @@ from linkages.solvers.watched.counting import expect_end
 from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.sampling import take_samples
 
-system_at, table_at, record_at = tuple_at(SystemView), tuple_at(TableView), tuple_at(Record)
-hook_at, switching_at, control_at = tuple_at(Hook), tuple_at(SwitchingView), tuple_at(Control)
-TABLE = WORD * len(SystemView._fields)
-RECORD = TABLE + WORD * len(TableView._fields)
-HOOK = RECORD + WORD * len(Record._fields)
-SWITCHING = HOOK + WORD * len(Hook._fields)
-CONTROL = SWITCHING + WORD * len(SwitchingView._fields)
+# Where the parts of a context begin: a `SystemView`, `TableView`, `Record`, `Hook`, `SwitchingView`
+# and `Control` in a row.
+TABLE = len(SystemView._fields)
+RECORD = TABLE + len(TableView._fields)
+HOOK = RECORD + len(Record._fields)
+SWITCHING = HOOK + len(Hook._fields)
+CONTROL = SWITCHING + len(SwitchingView._fields)
 # A trial that leaves the reach of a block says nothing about how far that block reaches.
 SHRINK_BLOCKED = 0.25
 # Behind a change of a mode forces may grow like roots (t^1.5 in a contact): errors fall with low
@@ -94,171 +98,178 @@ CAUTIOUS = 3e-4
 TICKS = 64
 
 
-@compiled
-def set_sample(system: SystemView, record: Record) -> None:
+@printed
+def set_sample(code: Procedure, system: SystemView, record: Record) -> None:
     """Say when the next sample is to be taken."""
     pace, taken = floats(system.pace), integers(record.counters)[SAMPLES]
-    never = math.copysign(math.inf, pace[END] - pace[T])
-    pace[SAMPLE] = floats(record.time)[taken] if taken < record.samples else never
+    pace[SAMPLE] = with_sign_of(math.inf, pace[END] - pace[T])
+    with code.when(taken < record.samples):
+        pace[SAMPLE] = floats(record.time)[taken]
 
 
-@compiled
-def begin_motion(context: int) -> int:
+@printed
+def begin_motion(code: Procedure, context: Whole) -> Whole:
     """Evaluate a motion at its start, and choose the first step; returns an `Outcome`."""
-    system, record = system_at(context), record_at(context + RECORD)
-    pace = floats(system.pace)
-    if pace[PLAIN] != 0.0 and call_step(control_at(context + CONTROL).start, system.frame) == 0:
-        return DONE
+    system, record = system_at(context), record_at(context)
+    start, pace = control_at(context).start, floats(system.pace)
+    with code.when(pace[PLAIN] != 0.0), code.when(call_step(code, start, system.frame) == 0):
+        code.leave(DONE)
     outcome = begin(system, record, pace[T], 0.0)
-    if outcome != DONE or pace[T] == pace[END]:
-        return outcome
+    with code.when((outcome != DONE) | (pace[T] == pace[END])):
+        code.leave(outcome)
     integers(record.counters)[EVALUATIONS] += 1
-    call_step(system.first, system.frame)
+    call_step(code, system.first, system.frame)
     pace[FIRST], pace[BEFORE] = abs(pace[H]), 1.0
     set_sample(system, record)
     return outcome
 
 
-@compiled
-def note_steps(system: SystemView, table: TableView, record: Record) -> None:
+@printed
+def note_steps(_code: Procedure, system: SystemView, table: TableView, record: Record) -> None:
     """Count the steps that printed code has made."""
     counters, pace = integers(record.counters), floats(system.pace)
-    taken, rejected = int(pace[TAKEN]), int(pace[REJECTIONS])
+    taken, rejected = pace[TAKEN].whole, pace[REJECTIONS].whole
     counters[STEPS] += taken
     counters[REJECTED] += rejected
     counters[EVALUATIONS] += table.end * (taken + rejected)
-    pace[TAKEN] = pace[REJECTIONS] = 0.0
+    pace[TAKEN], pace[REJECTIONS] = 0.0, 0.0
     floats(record.control)[NOW] = pace[T]
 
 
-@compiled
-def change_mode(system: SystemView, record: Record, switching: SwitchingView, finest: float) -> int:
+@printed
+def change_mode(
+    code: Procedure, system: SystemView, record: Record, switching: SwitchingView, finest: Real
+) -> Whole:
     """Make the change of a mode that was found, and begin anew behind it."""
     pace = floats(system.pace)
-    t, left = pace[T], pace[END] - pace[T]
-    forward = -1.0 if system.backward != 0 else 1.0
-    outcome = int(call_hook(switching.change, switching.context, t, forward, t))
-    if outcome == DONE and left != 0.0:
+    t = pace[T]
+    forward = choose(system.backward != 0, code.value(-1.0), 1.0)
+    outcome = call_hook(switching.change, switching.context, t, forward, t).whole
+    with code.when((outcome == DONE) & (pace[END] - t != 0.0)):
         integers(record.counters)[EVALUATIONS] += 1
-        call_step(system.first, system.frame)
-        h = pace[H]
-        kind = integers(switching.kind)[0]
+        call_step(code, system.first, system.frame)
+        h, kind = pace[H], integers(switching.kind)[0]
         last = floats(switching.first_steps)[kind]
-        most = 2.0 * last if last > 0.0 else CAUTIOUS * abs(h)
-        pace[H] = math.copysign(min(abs(h), max(most, finest)), h)
-        pace[BEFORE], pace[FRESH], pace[KIND] = 1.0, 1.0, float(kind)
+        most = choose(last > 0.0, 2.0 * last, CAUTIOUS * abs(h))
+        pace[H] = with_sign_of(smaller_of(abs(h), larger_of(most, finest)), h)
+        pace[BEFORE], pace[FRESH], pace[KIND] = 1.0, 1.0, kind.real
     return outcome
 
 
-@compiled
+def finest_step(pace: Any, t: Any) -> Any:
+    """Least length of a step that moves time reliably."""
+    return SMALLEST_STEP * larger_of(abs(t), pace[FIRST])
+
+
+@printed
 def accept(
-    system: SystemView, table: TableView, record: Record, switching: SwitchingView,
-    h: float, t_end: float, next_carry: float, factor: float, changing: bool,
-) -> int:  # fmt: skip
+    code: Procedure, system: SystemView, table: TableView, record: Record, switching: SwitchingView,
+    h: Real, t_end: Real, next_carry: Real, factor: Real, changing: Truth,
+) -> Whole:  # fmt: skip
     """Make the end of the step in the workspace the start of the next one."""
     pace = floats(system.pace)
     expect_end(system, table, record, h)
     commit(system, table, record, t_end)
-    outcome = margin_outcome(system, record)
-    if pace[FRESH] != 0.0 and not changing and t_end != pace[END]:
-        floats(switching.first_steps)[int(pace[KIND])] = abs(h)
-    pace[H] = h * (min(factor, 1.0) if pace[REJECTED_BEFORE] != 0.0 else factor)
-    finest = SMALLEST_STEP * max(abs(pace[T]), pace[FIRST])
+    outcome = code.variable(margin_outcome(system, record))
+    with code.when((pace[FRESH] != 0.0) & ~changing & (t_end != pace[END])):
+        floats(switching.first_steps)[pace[KIND].whole] = abs(h)
+    cautious = choose(pace[REJECTED_BEFORE] != 0.0, smaller_of(factor, 1.0), factor)
+    pace[H] = h * cautious
+    finest = finest_step(pace, pace[T])
     pace[T], pace[CARRY], pace[BEFORE] = t_end, next_carry, pace[ERROR]
-    pace[TROUBLE] = pace[REJECTED_BEFORE] = pace[FRESH] = 0.0
-    if changing and outcome == DONE:
-        outcome = change_mode(system, record, switching, finest)
+    pace[TROUBLE], pace[REJECTED_BEFORE], pace[FRESH] = 0.0, 0.0, 0.0
+    with code.when(changing & (outcome == DONE)):
+        outcome.set(change_mode(system, record, switching, finest))
     set_sample(system, record)
-    return outcome
+    return code.value(outcome)
 
 
-@compiled
+@printed
 def reject(
-    system: SystemView, record: Record, switching: SwitchingView,
-    t: float, h: float, t_end: float, factor: float,
-) -> int:  # fmt: skip
+    code: Procedure, system: SystemView, record: Record, switching: SwitchingView,
+    t: Real, h: Real, t_end: Real, most: Real,
+) -> Whole:  # fmt: skip
     """Make the next trial shorter, unless it would be too short."""
-    pace = floats(system.pace)
+    pace, factor = floats(system.pace), code.variable(most)
     integers(record.counters)[REJECTED] += 1
-    if switching.look != 0:
-        if pace[FRESH] != 0.0:
-            factor = min(factor, SHRINK_FRESH)
-        elif pace[REJECTED_BEFORE] == 0.0:
+    with code.when(switching.look != 0):
+        with code.when(pace[FRESH] != 0.0) as case:
+            factor.set(smaller_of(factor, SHRINK_FRESH))
+        with case.otherwise(), code.when(pace[REJECTED_BEFORE] == 0.0):
             # beyond a change forces may bend: errors there say nothing of those before
             part = call_hook(switching.guess, switching.context, t, h, t_end)
-            factor = min(factor, max(part, SHRINK_FRESH))
+            factor.set(smaller_of(factor, larger_of(part, SHRINK_FRESH)))
     pace[REJECTED_BEFORE] = 1.0
     pace[H] = h * factor
-    if abs(pace[H]) < SMALLEST_STEP * max(abs(t), pace[FIRST]):
-        trouble = int(pace[TROUBLE])
-        return outcome_of(record, trouble) if trouble != 0 else STEP_TOO_SMALL
-    return DONE
+    with code.when(abs(pace[H]) < finest_step(pace, t)):
+        trouble = pace[TROUBLE].whole
+        with code.when(trouble != 0):
+            code.leave(outcome_of(record, trouble))
+        code.leave(STEP_TOO_SMALL)
+    return code.value(DONE)
 
 
-@compiled
-def conclude_step(context: int) -> int:
+@printed
+def conclude_step(code: Procedure, context: Whole) -> Whole:
     """Finish the trial in the workspace; returns an `Outcome`."""
-    system, table, record = (
-        system_at(context),
-        table_at(context + TABLE),
-        record_at(context + RECORD),
-    )
-    hook, switching = hook_at(context + HOOK), switching_at(context + SWITCHING)
+    system, table, record = system_at(context), table_at(context), record_at(context)
+    hook, switching = hook_at(context), switching_at(context)
     pace = floats(system.pace)
-    t, h, t_end, next_carry = pace[FROM], pace[LENGTH], pace[TO], pace[NEXT_CARRY]
-    factor, accepted, changing = pace[FACTOR], pace[ACCEPTED] > 0.0, False
+    t, next_carry, factor = pace[FROM], code.variable(pace[NEXT_CARRY]), code.variable(pace[FACTOR])
+    h, t_end = code.variable(pace[LENGTH]), code.variable(pace[TO])
+    accepted, changing = code.variable(pace[ACCEPTED] > 0.0), code.variable(False)
     integers(record.counters)[EVALUATIONS] += table.end
-    status = status_of(system, integers(system.pace)[STATUS])
-    if accepted and switching.look != 0:
+    status = code.variable(status_of(system, integers(system.pace)[STATUS]))
+    with code.when(accepted & (switching.look != 0)):
         part = call_hook(switching.look, switching.context, t, h, t_end)
-        if part < 0.0 and abs(h) > SMALLEST_STEP * max(abs(t), pace[FIRST]):
-            accepted, factor = False, SHRINK_TURNING
-        changing = 0.0 <= part <= 1.0
-        if 0.0 <= part < 1.0:
-            h *= part
-            t_end = t + h
-            next_carry = (t_end - t) - (h - pace[CARRY])
-    if accepted and h != 0.0:
+        with code.when((part < 0.0) & (abs(h) > finest_step(pace, t))):
+            accepted.set(False)
+            factor.set(SHRINK_TURNING)
+        changing.set((part >= 0.0) & (part <= 1.0))
+        with code.when((part >= 0.0) & (part < 1.0)):
+            h.set(h * part)
+            t_end.set(t + h)
+            next_carry.set((t_end - t) - (h - pace[CARRY]))
+    with code.when(accepted & (h != 0.0)):
         part = check_margins(system, table, record, t, h, t_end)
-        if part < 1.0:
-            return cut_short(system, table, record, t, h, part, SINGULAR)
-        if hook.function != 0:
+        with code.when(part < 1.0):
+            code.leave(cut_short(system, table, record, t, h, part, SINGULAR))
+        with code.when(hook.function != 0):
             part = call_hook(hook.function, hook.context, t, h, t_end)
-            if part <= 1.0:
-                return cut_short(system, table, record, t, h, part, EVENT)
-        status = take_samples(system, table, record, t, h, t_end, 0.0)
-    if status != 0:
+            with code.when(part <= 1.0):
+                code.leave(cut_short(system, table, record, t, h, part, EVENT))
+        status.set(take_samples(system, table, record, t, h, t_end, 0.0))
+    with code.when(status != 0):
         # A sample that cannot be evaluated belongs to a step that should not be made.
-        pace[TROUBLE] = float(status)
-        return reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED)
-    if accepted:
-        return accept(system, table, record, switching, h, t_end, next_carry, factor, changing)
-    return reject(system, record, switching, t, h, t_end, factor)
+        pace[TROUBLE] = status.real
+        code.leave(reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED))
+    with code.when(~accepted):
+        code.leave(reject(system, record, switching, t, h, t_end, factor))
+    return accept(system, table, record, switching, h, t_end, next_carry, factor, changing)
 
 
-@compiled
-def go_on(context: int, conclude: int) -> int:
+@printed
+def go_on(code: Procedure, context: Whole, conclude: Whole) -> Whole:
     """Make some steps, unless the motion is to stop; returns an `Outcome`."""
-    system, table, record = (
-        system_at(context),
-        table_at(context + TABLE),
-        record_at(context + RECORD),
-    )
-    control, counters = control_at(context + CONTROL), integers(record.counters)
-    if floats(record.control)[STOP] != 0.0:
-        return INTERRUPTED
+    system, table, record = system_at(context), table_at(context), record_at(context)
+    control, counters = control_at(context), integers(record.counters)
+    with code.when(floats(record.control)[STOP] != 0.0):
+        code.leave(INTERRUPTED)
     left = control.budget - counters[STEPS] - counters[REJECTED]
-    if left <= 0:
-        return STEP_BUDGET
-    found = call_advance(control.advance, system.frame, min(left, TICKS))
+    with code.when(left <= 0):
+        code.leave(STEP_BUDGET)
+    ticks = smaller_of(left, code.value(TICKS))
+    found = code.call_at(control.advance, Whole, system.frame, ticks)
     note_steps(system, table, record)
-    if found & LOWER == 0:
-        return DONE
-    return call_step(conclude, context)
+    with code.when(found & LOWER == 0):
+        code.leave(DONE)
+    return call_step(code, conclude, context)
 
 
-@compiled
-def adaptive_steps(context: int, flagged: int, begin: int, conclude: int) -> int:
+@printed
+def adaptive_steps(
+    code: Procedure, context: Whole, flagged: Whole, begin: Whole, conclude: Whole
+) -> Whole:
     """Integrate a motion with an error estimate kept at a tolerance; returns an `Outcome`.
 
     `context` is the address of a `SystemView`, `TableView`, `Record`, `Hook`, `SwitchingView` and
@@ -268,7 +279,37 @@ def adaptive_steps(context: int, flagged: int, begin: int, conclude: int) -> int
     ``control[NOW]``.
     """
     pace = floats(system_at(context).pace)
-    outcome = call_step(begin if flagged == 0 else conclude, context)
-    while outcome == DONE and pace[T] != pace[END]:
-        outcome = go_on(context, conclude)
-    return outcome
+    outcome = code.variable(call_step(code, choose(flagged == 0, begin, conclude), context))
+    with code.during(lambda: (outcome == DONE) & (pace[T] != pace[END])):
+        outcome.set(go_on(context, conclude))
+    return code.value(outcome)
+
+
+def system_at(context: Whole, lasting: bool = True) -> Any:
+    """The first part of a context, which lasts where it is an argument."""
+    return context.code.fields_at(context, SystemView, 0, lasting)
+
+
+def table_at(context: Whole, lasting: bool = True) -> Any:
+    """Its tableau."""
+    return context.code.fields_at(context, TableView, TABLE, lasting)
+
+
+def record_at(context: Whole, lasting: bool = True) -> Any:
+    """Its record."""
+    return context.code.fields_at(context, Record, RECORD, lasting)
+
+
+def hook_at(context: Whole, lasting: bool = True) -> Any:
+    """What sees its accepted steps."""
+    return context.code.fields_at(context, Hook, HOOK, lasting)
+
+
+def switching_at(context: Whole, lasting: bool = True) -> Any:
+    """What changes its modes."""
+    return context.code.fields_at(context, SwitchingView, SWITCHING, lasting)
+
+
+def control_at(context: Whole, lasting: bool = True) -> Any:
+    """How its steps follow a tolerance."""
+    return context.code.fields_at(context, Control, CONTROL, lasting)

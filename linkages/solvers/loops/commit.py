@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from linkages.kernel.code.operands import Real, Whole, floats, integers
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.outcome import Outcome
-from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
-from linkages.solvers.steps.stages import NOT_FINITE, evaluate, finite, set_clock
+from linkages.solvers.steps.stages import NOT_FINITE, call_hook, evaluate_at, finite
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import (
     BLOCK,
@@ -34,95 +38,94 @@ SLIDING = int(Outcome.SLIDING)
 CHATTER = int(Outcome.CHATTER)
 
 
-@compiled
-def outcome_of(record: Record, status: int) -> int:
+@printed
+def outcome_of(code: Procedure, record: Record, status: Whole) -> Whole:
     """Outcome that a failed evaluation stands for; notes its block."""
-    if status == NOT_FINITE:
-        return DIVERGED
+    with code.when(status == NOT_FINITE):
+        code.leave(DIVERGED)
     integers(record.counters)[BLOCK] = status - 1
-    return UNREACHABLE
+    return code.value(UNREACHABLE)
 
 
-@compiled
-def margin_outcome(system: SystemView, record: Record) -> int:
+@printed
+def margin_outcome(code: Procedure, system: SystemView, record: Record) -> Whole:
     """SINGULAR if a margin in row 0 is too small, noting its block; DONE otherwise."""
-    for block in range(system.blocks):
-        if is_too_small(system, 0, block):
-            integers(record.counters)[BLOCK] = block
-            return SINGULAR
-    return DONE
+    with code.count(system.blocks) as block, code.when(is_too_small(system, 0, block)):
+        integers(record.counters)[BLOCK] = block
+        code.leave(SINGULAR)
+    return code.value(DONE)
 
 
-@compiled
-def begin(system: SystemView, record: Record, start: float, near: float) -> int:
+def observe(code: Procedure, record: Any, t: Real) -> None:
+    """Show row 0 to what follows every step."""
+    with code.when(record.observer != 0):
+        call_hook(record.observer, record.observed, t, code.value(0.0), t)
+
+
+@printed
+def begin(code: Procedure, system: SystemView, record: Record, start: Real, near: Real) -> Whole:
     """Evaluate row 0 at the start and take the samples within `near` of it."""
     counters = integers(record.counters)
     floats(record.control)[NOW] = start
-    if not finite(system, 0, 2 * system.n):
-        return DIVERGED
+    with code.when(~finite(system, 0, 2 * system.n)):
+        code.leave(DIVERGED)
     wrap_angles(system, system.rows, record.final_turns, record.final_turns)
     counters[EVALUATIONS] += 1
-    status = set_clock(system, start)
-    if status == 0:
-        status = evaluate(system, 0)
-    if status != 0:
-        return outcome_of(record, status)
-    if not finite(system, 0, 3 * system.n):
-        return DIVERGED
+    status = evaluate_at(system, start, 0)
+    with code.when(status != 0):
+        code.leave(outcome_of(record, status))
+    with code.when(~finite(system, 0, 3 * system.n)):
+        code.leave(DIVERGED)
     start_angles(system, record)
-    while counters[SAMPLES] < record.samples:
-        if abs(floats(record.time)[counters[SAMPLES]] - start) > near:
-            break
+    with code.during(lambda: counters[SAMPLES] < record.samples):
+        with code.when(abs(floats(record.time)[counters[SAMPLES]] - start) > near):
+            code.stop()
         write_sample(system, record, 0)
-    if record.observer != 0:
-        call_hook(record.observer, record.observed, start, 0.0, start)
+    observe(code, record, start)
     return margin_outcome(system, record)
 
 
-@compiled
-def settle(system: SystemView) -> None:
+@printed
+def settle(code: Procedure, system: SystemView) -> None:
     """Replace coordinates that are carried along in row 0 by what the iteration found there."""
     rows, found = floats(system.rows), 3 * system.n + 2 * system.blocks
-    for i in range(system.carried):
-        rows[system.first_carried + i] = rows[found + i]
-        rows[system.n + system.first_carried + i] = rows[found + system.carried + i]
+    with code.count(system.carried) as i:
+        place = system.first_carried + i
+        rows[place] = rows[found + i]
+        rows[system.n + place] = rows[found + system.carried + i]
 
 
-@compiled
-def commit(system: SystemView, table: TableView, record: Record, t_end: float) -> None:
+@printed
+def commit(
+    code: Procedure, system: SystemView, table: TableView, record: Record, t_end: Real
+) -> None:
     """Make the end of an accepted step the start of the next one.
 
     Where dependent angles are expected there must be known.
     """
     arrive(system, record, table.end)
     rows, last = floats(system.rows), table.end * system.width
-    for i in range(system.width):
+    with code.count(system.width) as i:
         rows[i] = rows[last + i]
     settle(system)
     wrap_angles(system, system.rows, record.final_turns, record.final_turns)
-    if record.observer != 0:
-        call_hook(record.observer, record.observed, t_end, 0.0, t_end)
+    observe(code, record, t_end)
     floats(record.control)[NOW] = t_end
     integers(record.counters)[STEPS] += 1
 
 
-@compiled
+@printed
 def cut_short(
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    t: float,
-    h: float,
-    part: float,
-    outcome: int,
-) -> int:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, part: Real, outcome: Whole,
+) -> Whole:  # fmt: skip
     """End a run with the part of a step that is in the workspace."""
-    if part == 0.0:
-        return outcome
+    with code.when(part == 0.0):
+        code.leave(outcome)
     t_end = t + part * h
     status = take_samples(system, table, record, t, part * h, t_end, 0.0)
-    if status != 0:
-        return outcome_of(record, status)
+    with code.when(status != 0):
+        code.leave(outcome_of(record, status))
     expect_end(system, table, record, part * h)
     commit(system, table, record, t_end)
     return outcome

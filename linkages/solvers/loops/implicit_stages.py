@@ -8,8 +8,19 @@ References
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
-from linkages.solvers.steps.stages import NOT_FINITE, address_of, finite
+import math
+
+from linkages.kernel.code.operands import (
+    Real,
+    Whole,
+    floats,
+    fused,
+    integers,
+    larger_of,
+)
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.steps.stages import NOT_FINITE, address_of, call_clock, call_rates, finite
 from linkages.solvers.steps.views import EVALUATIONS, WORD, Nodes, Record, SystemView
 
 NOT_SETTLED = -2
@@ -19,86 +30,99 @@ ITERATIONS = 50
 SETTLED = 1e-9
 
 
-@compiled
-def set_clocks(system: SystemView, nodes: Nodes, t: float, h: float) -> int:
+@printed
+def set_clocks(code: Procedure, system: SystemView, nodes: Nodes, t: Real, h: Real) -> Whole:
     """Evaluate what depends on time alone at every stage; iterations do not change it."""
-    for i in range(nodes.stages):
+    with code.count(nodes.stages) as i:
         timed = nodes.timed + WORD * i * nodes.timed_size
-        status = call_clock(system.clock, t + floats(nodes.c)[i] * h, system.parameters, timed)
-        if status != 0:
-            return status
-    return 0
+        time = fused(floats(nodes.c)[i], h, t)
+        status = call_clock(system.clock, time, system.parameters, timed)
+        with code.when(status != 0):
+            code.leave(status)
+    return code.value(0)
 
 
-@compiled
-def place_stages(system: SystemView, nodes: Nodes, first: int, h: float) -> None:
+@printed
+def place_stages(code: Procedure, system: SystemView, nodes: Nodes, first: Whole, h: Real) -> None:
     """Write the coordinates and speeds of all stages, from their accelerations."""
     n, s, width = system.n, nodes.stages, system.width
     rows, A, AA, c = floats(system.rows), floats(nodes.A), floats(nodes.AA), floats(nodes.c)
-    for i in range(s):
+    with code.count(s) as i:
         row = (first + i) * width
-        for k in range(n):
-            single, double = 0.0, 0.0
-            for j in range(s):
+        with code.count(n) as k:
+            single, double = code.variable(0.0), code.variable(0.0)
+            with code.count(s) as j:
                 acceleration = rows[(first + j) * width + 2 * n + k]
-                single += A[i * s + j] * acceleration
-                double += AA[i * s + j] * acceleration
-            rows[row + k] = rows[k] + h * (c[i] * rows[n + k] + h * double)
-            rows[row + n + k] = rows[n + k] + h * single
+                single.set(fused(A[i * s + j], acceleration, single))
+                double.set(fused(AA[i * s + j], acceleration, double))
+            moved = fused(h, double, c[i] * rows[n + k])
+            rows[row + k] = fused(h, moved, rows[k])
+            rows[row + n + k] = fused(h, single, rows[n + k])
 
 
-@compiled
+@printed
 def evaluate_stages(
-    system: SystemView, nodes: Nodes, record: Record, first: int
-) -> tuple[int, float, float]:
-    """Evaluate all stages: status, largest change of an acceleration, largest acceleration."""
+    code: Procedure, system: SystemView, nodes: Nodes, record: Record, first: Whole, changes: Whole
+) -> Whole:
+    """Evaluate all stages; returns the status.
+
+    Writes the largest change of an acceleration and the largest acceleration to `changes`.
+    """
     n, width = system.n, system.width
     rows, kept = floats(system.rows), floats(nodes.kept)
-    largest_change, largest = 0.0, 0.0
-    for i in range(nodes.stages):
+    change, largest = code.variable(0.0), code.variable(0.0)
+    with code.count(nodes.stages) as i:
         state = address_of(system, first + i)
         base = (first + i) * width + 2 * n
-        for k in range(n):
+        with code.count(n) as k:
             kept[k] = rows[base + k]
         integers(record.counters)[EVALUATIONS] += 1
         timed = nodes.timed + WORD * i * nodes.timed_size
         out = state + WORD * 2 * n
         status = call_rates(system.rates, state, system.parameters, timed, out)
-        if status != 0 or not finite(system, first + i, 3 * n):
-            return (status if status != 0 else NOT_FINITE), 0.0, 0.0
-        for k in range(n):
-            largest_change = max(largest_change, abs(rows[base + k] - kept[k]))
-            largest = max(largest, abs(rows[base + k]))
-    return 0, largest_change, largest
+        with code.when(status != 0):
+            code.leave(status)
+        with code.when(~finite(system, first + i, 3 * n)):
+            code.leave(NOT_FINITE)
+        with code.count(n) as k:
+            change.set(larger_of(change, abs(rows[base + k] - kept[k])))
+            largest.set(larger_of(largest, abs(rows[base + k])))
+    found = floats(changes)
+    found[0], found[1] = change, largest
+    return code.value(0)
 
 
-@compiled
+@printed
 def solve_stages(
-    system: SystemView, nodes: Nodes, record: Record, first: int, t: float, h: float
-) -> int:
+    code: Procedure, system: SystemView, nodes: Nodes, record: Record,
+    first: Whole, t: Real, h: Real,
+) -> Whole:  # fmt: skip
     """Solve the stages in rows first, first + 1, … of a step from row 0.
 
     The accelerations in these rows are the starting values. Returns 0, 1 + block, NOT_FINITE, or
     NOT_SETTLED.
     """
     status = set_clocks(system, nodes, t, h)
-    if status != 0:
-        return status
-    before = 0.0
-    for iteration in range(ITERATIONS):
+    with code.when(status != 0):
+        code.leave(status)
+    before = code.variable(math.inf)
+    with code.count(ITERATIONS):
         place_stages(system, nodes, first, h)
-        status, change, largest = evaluate_stages(system, nodes, record, first)
-        if status != 0:
-            return status
-        shrinks = iteration == 0 or change < before
-        if change == 0.0 or (not shrinks and change <= SETTLED * largest):
-            return 0
-        before = change
-    return NOT_SETTLED
+        status = evaluate_stages(system, nodes, record, first, nodes.changes)
+        with code.when(status != 0):
+            code.leave(status)
+        change, largest = floats(nodes.changes)[0], floats(nodes.changes)[1]
+        settled = ~(change < before) & (change <= SETTLED * largest)
+        with code.when((change == 0.0) | settled):
+            code.leave(0)
+        before.set(change)
+    return code.value(NOT_SETTLED)
 
 
-@compiled
-def finish_step(system: SystemView, nodes: Nodes, first: int, row: int, h: float) -> None:
+@printed
+def finish_step(
+    code: Procedure, system: SystemView, nodes: Nodes, first: Whole, row: Whole, h: Real
+) -> None:
     """Write the end of a step to a row, summed with compensation.
 
     ``nodes.carry`` holds what row 0 is too small by, ``nodes.next_carry`` becomes that of the row.
@@ -106,15 +130,15 @@ def finish_step(system: SystemView, nodes: Nodes, first: int, row: int, h: float
     n, width = system.n, system.width
     rows, b, bA = floats(system.rows), floats(nodes.b), floats(nodes.bA)
     carry, following = floats(nodes.carry), floats(nodes.next_carry)
-    for k in range(n):
-        single, double = 0.0, 0.0
-        for j in range(nodes.stages):
+    with code.count(n) as k:
+        single, double = code.variable(0.0), code.variable(0.0)
+        with code.count(nodes.stages) as j:
             acceleration = rows[(first + j) * width + 2 * n + k]
-            single += b[j] * acceleration
-            double += bA[j] * acceleration
+            single.set(fused(b[j], acceleration, single))
+            double.set(fused(bA[j], acceleration, double))
         # The carry of the speed moves the coordinate as well.
-        moved = carry[k] + h * (rows[n + k] + (carry[n + k] + h * double))
-        gained = carry[n + k] + h * single
+        speed = rows[n + k] + fused(h, double, carry[n + k])
+        moved, gained = fused(h, speed, carry[k]), fused(h, single, carry[n + k])
         rows[row * width + k] = rows[k] + moved
         rows[row * width + n + k] = rows[n + k] + gained
         following[k] = (rows[k] - rows[row * width + k]) + moved

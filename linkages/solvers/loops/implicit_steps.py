@@ -1,4 +1,4 @@
-"""Compiled loop of equal steps of a collocation method.
+"""Loop of equal steps of a collocation method.
 
 What is off the regular course (the end of reach, singular positions) is located by steps of an
 explicit method from the same start: a table of it comes along.
@@ -6,6 +6,16 @@ explicit method from the same start: a table of it comes along.
 
 from __future__ import annotations
 
+from linkages.kernel.code.operands import (
+    Real,
+    Whole,
+    choose,
+    floats,
+    fused,
+    integers,
+)
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.loops.commit import (
     DIVERGED,
     DONE,
@@ -21,8 +31,7 @@ from linkages.solvers.loops.commit import (
     outcome_of,
 )
 from linkages.solvers.loops.implicit_stages import finish_step, solve_stages
-from linkages.solvers.steps.compiled import call_hook, compiled, floats, integers
-from linkages.solvers.steps.stages import NOT_FINITE, evaluate, set_clock, try_step
+from linkages.solvers.steps.stages import NOT_FINITE, call_hook, evaluate_at, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
     SAMPLES,
@@ -36,158 +45,152 @@ from linkages.solvers.steps.views import (
 from linkages.solvers.watched.counting import expect_by_nodes
 from linkages.solvers.watched.margins import check_margins
 from linkages.solvers.watched.reach import reachable_part
-from linkages.solvers.watched.sampling import SNAP, write_sample
+from linkages.solvers.watched.sampling import SNAP, left_of, write_sample
 
 
-@compiled
-def predict(system: SystemView, nodes: Nodes, first: int, steps: int) -> None:
+@printed
+def predict(code: Procedure, system: SystemView, nodes: Nodes, first: Whole, steps: Whole) -> None:
     """Starting values of a step: the accelerations of the last one, continued."""
     n, s, width = system.n, nodes.stages, system.width
     rows, ahead, kept = floats(system.rows), floats(nodes.ahead), floats(nodes.kept)
-    for k in range(n):
+    with code.count(n) as k:
         place = first * width + 2 * n + k
-        for i in range(s):
-            kept[i] = rows[2 * n + k]
-            if steps > 0:
-                kept[i] *= ahead[i * (s + 1) + s]
-                for j in range(s):
-                    kept[i] += ahead[i * (s + 1) + j] * rows[place + j * width]
-        for i in range(s):
+        with code.count(s) as i:
+            value = code.variable(rows[2 * n + k])
+            with code.when(steps > 0):
+                value.set(value * ahead[i * (s + 1) + s])
+                with code.count(s) as j:
+                    value.set(fused(ahead[i * (s + 1) + j], rows[place + j * width], value))
+            kept[i] = value
+        with code.count(s) as i:
             rows[place + i * width] = kept[i]
 
 
-@compiled
+@printed
 def end_step(
-    system: SystemView, nodes: Nodes, record: Record, first: int, row: int, t_end: float, h: float
-) -> int:
+    _code: Procedure, system: SystemView, nodes: Nodes, record: Record,
+    first: Whole, row: Whole, t_end: Real, h: Real,
+) -> Whole:  # fmt: skip
     """Write the end of a step whose stages are solved, and evaluate it."""
     finish_step(system, nodes, first, row, h)
     integers(record.counters)[EVALUATIONS] += 1
-    status = set_clock(system, t_end)
-    return evaluate(system, row) if status == 0 else status
+    return evaluate_at(system, t_end, row)
 
 
-@compiled
+@printed
 def make_step(
-    system: SystemView, nodes: Nodes, record: Record, first: int, row: int, t: float, h: float
-) -> int:
+    code: Procedure, system: SystemView, nodes: Nodes, record: Record,
+    first: Whole, row: Whole, t: Real, h: Real,
+) -> Whole:  # fmt: skip
     """Make a step from row 0 to a row, by way of the stages in rows from `first` on."""
     status = solve_stages(system, nodes, record, first, t, h)
-    if status != 0:
-        return status
+    with code.when(status != 0):
+        code.leave(status)
     return end_step(system, nodes, record, first, row, t + h, h)
 
 
-@compiled
+@printed
 def sample_step(
-    system: SystemView,
-    nodes: Nodes,
-    table: TableView,
-    record: Record,
-    t: float,
-    h: float,
-    slack: float,
-) -> int:
+    code: Procedure, system: SystemView, nodes: Nodes, table: TableView, record: Record,
+    t: Real, h: Real, slack: Real,
+) -> Whole:  # fmt: skip
     """Take the samples of a step, each by a step of its own, so that they have its full order."""
     n, width, counters = system.n, system.width, integers(record.counters)
     rows, first = floats(system.rows), nodes.first
-    while counters[SAMPLES] < record.samples:
+    with code.during(lambda: counters[SAMPLES] < record.samples):
         time = floats(record.time)[counters[SAMPLES]]
-        left = (t + h) - time if h > 0.0 else time - (t + h)
-        if left < -slack:
-            break
-        if left <= slack:
+        left = left_of(h, t + h, time)
+        with code.when(left < -slack):
+            code.stop()
+        with code.when(left <= slack):
             expect_by_nodes(system, nodes, record, first, h)
             write_sample(system, record, table.end)
-            continue
-        part = (time - t) / h
-        for place in range(2 * n, 3 * n):
-            for i in range(nodes.stages):
-                step_value = rows[(first + i) * width + place]
-                target = (first + nodes.stages + i) * width + place
-                rows[target] = rows[place] + part * (step_value - rows[place])
-        other = first + nodes.stages
+            code.again()
+        part, other = (time - t) / h, first + nodes.stages
+        with code.count(n) as k, code.count(nodes.stages) as i:
+            place = 2 * n + k
+            step_value = rows[(first + i) * width + place]
+            target = (other + i) * width + place
+            rows[target] = fused(part, step_value - rows[place], rows[place])
         status = make_step(system, nodes, record, other, table.rows, t, part * h)
-        if status != 0:
-            return status
+        with code.when(status != 0):
+            code.leave(status)
         expect_by_nodes(system, nodes, record, other, part * h)
         write_sample(system, record, table.rows)
-    return 0
+    return code.value(0)
 
 
-@compiled
+@printed
 def fail(
-    system: SystemView, table: TableView, record: Record, t: float, h: float, t_end: float
-) -> int:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, t_end: Real,
+) -> Whole:  # fmt: skip
     """Find out why a step failed, with an explicit method, and end the run where it is due."""
     status = try_step(system, t, h, t_end)
     integers(record.counters)[EVALUATIONS] += table.end
-    if status == 0:
-        return NOT_CONVERGED
-    if status == NOT_FINITE:
-        return DIVERGED
+    with code.when(status == 0):
+        code.leave(NOT_CONVERGED)
+    with code.when(status == NOT_FINITE):
+        code.leave(DIVERGED)
     outcome = outcome_of(record, status)
     part = reachable_part(system, table, record, t, h)
     return cut_short(system, table, record, t, h, part, outcome)
 
 
-@compiled
+@printed
+def copy(code: Procedure, source: Whole, target: Whole, count: Whole) -> None:
+    """Copy numbers."""
+    with code.count(count) as k:
+        floats(target)[k] = floats(source)[k]
+
+
+@printed
 def implicit_steps(
-    system: SystemView,
-    nodes: Nodes,
-    table: TableView,
-    record: Record,
-    hook: Hook,
-    start: float,
-    end: float,
-    count: int,
-    budget: int,
-) -> int:
+    code: Procedure, system: SystemView, nodes: Nodes, table: TableView, record: Record,
+    hook: Hook, start: Real, end: Real, count: Whole, budget: Whole,
+) -> Whole:  # fmt: skip
     """Integrate from start to end in `count` steps, of which `budget` may be used.
 
     Row 0 holds the state. Returns an `Outcome`; the final state is in row 0, its time in
     ``control[NOW]``.
     """
-    h = (end - start) / count
+    h = (end - start) / count.real
     counters, control = integers(record.counters), floats(record.control)
-    carry, following = floats(nodes.carry), floats(nodes.next_carry)
     slack = SNAP * abs(h)
-    outcome = begin(system, record, start, slack)
-    if start == end:
-        return outcome
-    for i in range(count):
-        if outcome != DONE:
-            return outcome
-        if control[STOP] != 0.0:
-            return INTERRUPTED
-        if i == budget:
-            return STEP_BUDGET
-        t = start + i * h
-        t_end = end if i == count - 1 else start + (i + 1) * h
+    outcome = code.variable(begin(system, record, start, slack))
+    with code.when(start == end):
+        code.leave(outcome)
+    with code.count(count) as i:
+        with code.when(outcome != DONE):
+            code.leave(outcome)
+        with code.when(control[STOP] != 0.0):
+            code.leave(INTERRUPTED)
+        with code.when(i == budget):
+            code.leave(STEP_BUDGET)
+        t, t_end = fused(i.real, h, start), fused((i + 1).real, h, start)
+        t_end = choose(i == count - 1, end, t_end)
         predict(system, nodes, nodes.first, i)
         status = make_step(system, nodes, record, nodes.first, table.end, t, h)
-        if status != 0:
-            return fail(system, table, record, t, h, t_end)
+        with code.when(status != 0):
+            code.leave(fail(system, table, record, t, h, t_end))
         evaluations = counters[EVALUATIONS]
         part = check_margins(system, table, record, t, h, t_end)
-        if part < 1.0:
-            return cut_short(system, table, record, t, h, part, SINGULAR)
-        if hook.function != 0:
+        with code.when(part < 1.0):
+            code.leave(cut_short(system, table, record, t, h, part, SINGULAR))
+        with code.when(hook.function != 0):
             part = call_hook(hook.function, hook.context, t, h, t_end)
-            if part <= 1.0:
-                return cut_short(system, table, record, t, h, part, EVENT)
-        if counters[EVALUATIONS] != evaluations:
+            with code.when(part <= 1.0):
+                code.leave(cut_short(system, table, record, t, h, part, EVENT))
+        with code.when(counters[EVALUATIONS] != evaluations):
             # The search has put steps of the explicit method in the place of this one.
             end_step(system, nodes, record, nodes.first, table.end, t_end, h)
         # Samples write other carries.
-        for k in range(2 * system.n):
-            floats(nodes.held)[k] = following[k]
+        copy(nodes.next_carry, nodes.held, 2 * system.n)
         status = sample_step(system, nodes, table, record, t, h, slack)
-        if status != 0:
-            return fail(system, table, record, t, h, t_end)
-        for k in range(2 * system.n):
-            carry[k] = floats(nodes.held)[k]
+        with code.when(status != 0):
+            code.leave(fail(system, table, record, t, h, t_end))
+        copy(nodes.held, nodes.carry, 2 * system.n)
         expect_by_nodes(system, nodes, record, nodes.first, h)
         commit(system, table, record, t_end)
-        outcome = margin_outcome(system, record)
-    return outcome
+        outcome.set(margin_outcome(system, record))
+    return code.value(outcome)

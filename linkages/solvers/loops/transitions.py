@@ -1,4 +1,4 @@
-"""Make the change of a mode at the time at which it was located; compiled with the first of them.
+"""Make the change of a mode at the time at which it was located.
 
 Tangents cross it with the saltation matrix: a neighbour meets the zero of the function g at another
 time, by ``δτ = -∇g·δx/g'``. With new values m(t, x) of rates and of what is remembered, and the
@@ -14,23 +14,18 @@ References
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from linkages.kernel.code.operands import Real, Truth, Whole, choose, choose_of, floats, integers
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.loops.commit import CHATTER, DIVERGED, DONE, SLIDING, outcome_of, settle
-from linkages.solvers.steps.compiled import (
-    call_clock,
-    call_rates,
-    compiled,
-    floats,
-    integers,
-)
-from linkages.solvers.steps.stages import evaluate, finite, set_clock
+from linkages.solvers.steps.stages import call_clock, call_rates, evaluate_at, finite
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import EVALUATIONS, SWITCH, WORD, Record, SwitchesView, SystemView
 from linkages.solvers.watched.switches import (
-    RECORD_WORDS,
-    SYSTEM_WORDS,
-    TABLE_WORDS,
     functions_of,
+    is_watched,
     record_at,
     switches_at,
     system_at,
@@ -42,278 +37,314 @@ GRAZING = 1e-9
 CHANGES, SPAN = 100, 1e-10
 
 
-@compiled
-def spread(system: SystemView, switches: SwitchesView) -> None:
+@printed
+def spread(code: Procedure, system: SystemView, switches: SwitchesView) -> None:
     """Write what is held now wherever it is needed beside the kernel itself."""
     copies, held = integers(switches.copies), floats(system.held)
-    for k in range(switches.copied):
+    with code.count(switches.copied) as k:
         target = floats(copies[2 * k])
-        for i in range(copies[2 * k + 1]):
+        with code.count(copies[2 * k + 1]) as i:
             target[i] = held[i]
 
 
-@compiled
-def arrive_at(system: SystemView, switches: SwitchesView, record: Record, t: float) -> int:
+@printed
+def arrive_at(
+    _code: Procedure, system: SystemView, switches: SwitchesView, record: Record, t: Real
+) -> Whole:
     """Evaluate row 0 with what is held now; returns the status of the kernel."""
     spread(system, switches)
     integers(record.counters)[EVALUATIONS] += 1
-    status = set_clock(system, t)
-    return evaluate(system, 0) if status == 0 else status
+    return evaluate_at(system, t, 0)
 
 
-@compiled
-def new_values(system: SystemView, switches: SwitchesView, t: float) -> int:
+@printed
+def new_values(code: Procedure, system: SystemView, switches: SwitchesView, t: Real) -> Whole:
     """Compute what becomes of the state in row 0."""
     spread(system, switches)
     functions = integers(switches.transition)
     status = call_clock(functions[0], t, functions[2], functions[3])
-    if status == 0:
-        status = call_rates(functions[1], system.rows, functions[2], functions[3], switches.written)
-    return status
+    with code.when(status != 0):
+        code.leave(status)
+    return call_rates(functions[1], system.rows, functions[2], functions[3], switches.written)
 
 
-@compiled
-def shift(switches: SwitchesView, switch: int, column: int, rate: float) -> float:
+@printed
+def shift(
+    code: Procedure, switches: SwitchesView, switch: Whole, column: Whole, rate: Real
+) -> Real:
     """How much later a neighbour in the direction of a tangent meets the change."""
-    if rate == 0.0:
-        return 0.0
+    with code.when(rate == 0.0):
+        code.leave(0.0)
     first = switches.values * (2 + switches.tangents)
     moved = floats(switches.written)[first + switch * switches.tangents + column]
     return -moved / rate
 
 
-@compiled
-def remember(system: SystemView, switches: SwitchesView, switch: int, rate: float) -> None:
+@printed
+def remember(
+    code: Procedure, system: SystemView, switches: SwitchesView, switch: Whole, rate: Real
+) -> None:
     """Renew what is remembered from a rise, with its tangents."""
     held, written = floats(system.held), floats(switches.written)
     owners, first = integers(switches.owners), switches.modes
     count, columns = switches.memories, switches.tangents
-    for r in range(count):
-        if owners[r] != switch:
-            continue
+    with code.count(count) as r, code.when(owners[r] == switch):
         held[first + r] = written[r]
-        for c in range(columns):
+        with code.count(columns) as c:
             moved = written[2 * switches.values + r * columns + c]
             moved += written[switches.values + r] * shift(switches, switch, c, rate)
             held[first + count + c * count + r] = moved
 
 
-@compiled
-def wake(system: SystemView, switches: SwitchesView, switch: int, forward: float) -> bool:
+@printed
+def wake(
+    code: Procedure, system: SystemView, switches: SwitchesView, switch: Whole, forward: Real
+) -> Truth:
     """Set modes that are watched only while another one is +1, in the end this one; whether any.
 
     Row 0 has been evaluated with the other one. A mode stands behind the one that it depends on.
     """
     held, active = floats(system.held), integers(switches.active)
     functions = floats(functions_of(system, switches.modes, 0))
-    any_of_them = False
-    for k in range(switches.modes):
-        owner = active[k]
-        while owner >= 0 and owner != switch:
-            owner = active[owner]
-        if owner == switch:
-            any_of_them = True
+    any_of_them = code.variable(False)
+    with code.count(switches.modes) as k:
+        owner = code.variable(active[k])
+        with code.during(lambda: (owner >= 0) & (owner != switch)):
+            owner.set(active[owner])
+        with code.when(owner == switch):
+            any_of_them.set(True)
             value, rate = functions[k], forward * functions[switches.modes + k]
-            on = value > 0.0 or (value == 0.0 and rate >= 0.0)
-            held[k] = 1.0 if held[active[k]] > 0.0 and on else -1.0
+            on = (value > 0.0) | ((value == 0.0) & (rate >= 0.0))
+            held[k] = choose_of(Real, (held[active[k]] > 0.0) & on, 1.0, -1.0)
     return any_of_them
 
 
-@compiled
+@printed
+def take_side(
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, forward: Real, t: Real,
+) -> Whole:  # fmt: skip
+    """Give a mode that stuck the side to which its function leaves; returns the kernel's status."""
+    held = floats(system.held)
+    functions = floats(functions_of(system, switches.modes, 0))
+    held[switch] = -1.0
+    status = code.variable(arrive_at(system, switches, record, t))
+    down = -forward * functions[switches.modes + switch]
+    held[switch] = 1.0
+    with code.when(status == 0):
+        status.set(arrive_at(system, switches, record, t))
+    up = forward * functions[switches.modes + switch]
+    with code.when((status == 0) & (up < down)):
+        held[switch] = -1.0
+        status.set(arrive_at(system, switches, record, t))
+    return code.value(status)
+
+
+@printed
 def rethink(
-    system: SystemView,
-    switches: SwitchesView,
-    record: Record,
-    switch: int,
-    forward: float,
-    t: float,
-    jumped: bool,
-) -> int:
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, forward: Real, jumped: Truth, t: Real,
+) -> Whole:  # fmt: skip
     """Set the modes of functions whose values have jumped; returns the kernel's status.
 
-    One mode after the other, for other functions may depend on it; those that stuck stick no more
-    if rates have jumped. Modes with jumps of their own wait for their functions to rise.
+    One mode after the other, for other functions may depend on it. Those that stuck stick no more
+    if rates have jumped, or if that would take more than there is. Modes with jumps of their own
+    wait for their functions to rise.
     """
-    held, active = floats(system.held), integers(switches.active)
-    functions, status = floats(functions_of(system, switches.modes, 0)), 0
-    for _ in range(2 * switches.modes):
-        found = -1
-        for k in range(switches.modes):
-            watched = active[k] < 0 or held[active[k]] > 0.0
-            if k == switch or integers(switches.jumps)[k] >= 0 or not watched:
-                continue
-            if held[k] == 0.0 and not jumped:
-                continue
-            if held[k] == 0.0:
+    held = floats(system.held)
+    functions = floats(functions_of(system, switches.modes, 0))
+    status = code.variable(0)
+    with code.count(2 * switches.modes):
+        found = code.variable(-1)
+        with code.count(switches.modes) as k:
+            passed = (k == switch) | (integers(switches.jumps)[k] >= 0)
+            with code.when(passed | ~is_watched(system, switches, k)):
+                code.again()
+            with code.when((held[k] == 0.0) & ~jumped):
+                with code.when(functions[k] < -GRAZING):
+                    status.set(take_side(system, switches, record, k, forward, t))
+                code.again()
+            with code.when(held[k] == 0.0):
                 held[k] = 1.0
-                status = arrive_at(system, switches, record, t)
+                status.set(arrive_at(system, switches, record, t))
             value, rate = functions[k], forward * functions[switches.modes + k]
-            if held[k] * value < 0.0 or (value == 0.0 and held[k] * rate < 0.0):
-                found = k
-                break
-        if found < 0 or status != 0:
-            return status
+            wrong = (held[k] * value < 0.0) | ((value == 0.0) & (held[k] * rate < 0.0))
+            with code.when(wrong):
+                found.set(k)
+                code.stop()
+        with code.when((found < 0) | (status != 0)):
+            code.leave(status)
         held[found] = -held[found]
-        status = arrive_at(system, switches, record, t)
-        if status == 0 and wake(system, switches, found, forward):
-            status = arrive_at(system, switches, record, t)
-        if status != 0:
-            return status
-    return status
+        status.set(arrive_at(system, switches, record, t))
+        with code.when(status == 0), code.when(wake(system, switches, found, forward)):
+            status.set(arrive_at(system, switches, record, t))
+        with code.when(status != 0):
+            code.leave(status)
+    return code.value(status)
 
 
-@compiled
+@printed
 def cross_tangents(
-    system: SystemView, switches: SwitchesView, switch: int, rate: float, jumped: int
-) -> None:
+    code: Procedure, system: SystemView, switches: SwitchesView,
+    switch: Whole, rate: Real, jumped: Whole,
+) -> None:  # fmt: skip
     """Lead tangents across the change, from the state before to that in row 0."""
     n, free, columns = system.n, switches.free, switches.tangents
     rows, before, written = floats(system.rows), floats(switches.before), floats(switches.written)
     values = switches.values
-    for c in range(columns):
+    with code.count(columns) as c:
         later = shift(switches, switch, c, rate)
         first = n - (columns - c) * free
-        for i in range(free):
+        with code.count(free) as i:
             rows[first + i] += (before[n + i] - rows[n + i]) * later
-            if jumped >= 0:
+            with code.when(jumped >= 0) as case:
                 value = jumped + i
                 moved = written[2 * values + value * columns + c]
                 moved += written[values + value] * later
                 rows[n + first + i] = moved - rows[2 * n + i] * later
-            else:
+            with case.otherwise():
                 rows[n + first + i] += (before[2 * n + i] - rows[2 * n + i]) * later
 
 
-@compiled
+@printed
 def note_change(
-    system: SystemView, switches: SwitchesView, record: Record, switch: int, rises: bool, t: float
-) -> None:
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, rises: Truth, t: Real,
+) -> None:  # fmt: skip
     """Record a change with the state before it."""
     n, noted = system.n, integers(switches.noted)
     integers(switches.found)[switch] += 1
     place = noted[0]
     noted[0] += 1
-    if place >= switches.capacity:
-        return
+    with code.when(place >= switches.capacity):
+        code.leave()
     floats(switches.time)[place] = t
     integers(switches.which)[place] = switch
-    integers(switches.rises)[place] = int(rises)
+    integers(switches.rises)[place] = rises.whole
     state = switches.state + WORD * place * 2 * n
-    for i in range(2 * n):
+    with code.count(2 * n) as i:
         floats(state)[i] = floats(switches.before)[i]
     wrap_angles(system, state, record.final_turns, switches.turns + WORD * place * n)
-    for i in range(system.holding):
+    with code.count(system.holding) as i:
         floats(switches.held)[place * system.holding + i] = floats(system.held)[i]
 
 
-@compiled
-def chatters(switches: SwitchesView, t: float) -> bool:
+@printed
+def chatters(code: Procedure, switches: SwitchesView, t: Real) -> Truth:
     """Whether modes change all the time while time hardly goes on."""
     row, since = integers(switches.pending), floats(switches.since)
-    if abs(t - since[0]) > SPAN * abs(t):
+    with code.when(abs(t - since[0]) > SPAN * abs(t)):
         since[0] = t
         row[1] = 0
     row[1] += 1
     return row[1] > CHANGES
 
 
-@compiled
+@printed
 def release(
-    system: SystemView,
-    switches: SwitchesView,
-    record: Record,
-    switch: int,
-    forward: float,
-    t: float,
-) -> int:
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, forward: Real, t: Real,
+) -> Whole:  # fmt: skip
     """Leave the zero of a function on which the motion has stuck; returns an `Outcome`."""
     held = floats(system.held)
-    functions = floats(functions_of(system, switches.modes, 0))
-    held[switch] = -1.0
-    status = arrive_at(system, switches, record, t)
-    down = -forward * functions[switches.modes + switch]
-    held[switch] = 1.0
-    if status == 0:
-        status = arrive_at(system, switches, record, t)
-    if status == 0 and forward * functions[switches.modes + switch] < down:
-        held[switch] = -1.0
-        status = arrive_at(system, switches, record, t)
-    if status != 0:
-        return outcome_of(record, status)
+    status = take_side(system, switches, record, switch, forward, t)
+    with code.when(status != 0):
+        code.leave(outcome_of(record, status))
     settle(system)
-    note_change(system, switches, record, switch, held[switch] > 0.0, t)
-    if chatters(switches, t):
-        return CHATTER
+    return noted(code, system, switches, record, switch, held[switch] > 0.0, t)
+
+
+def noted(
+    code: Procedure, system: Any, switches: Any, record: Any, switch: Whole, rises: Any, t: Real
+) -> Whole:
+    """Record a change; returns from the function unless time goes on behind it."""
+    note_change(system, switches, record, switch, rises, t)
+    with code.when(chatters(switches, t)):
+        code.leave(CHATTER)
     integers(record.counters)[SWITCH] = -1
-    return DONE
+    return code.value(DONE)
 
 
-@compiled
-def change(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
+@printed
+def change(_code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:  # noqa: ARG001
     """Change the mode that `look` has found, at the state in row 0; returns an `Outcome`."""
-    system = system_at(context)
-    record = record_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS))
-    switches = switches_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS))
+    system, record, switches = system_at(context), record_at(context), switches_at(context)
+    return change_at(system, switches, record, choose_of(Real, h >= 0.0, 1.0, -1.0), t_end).real
+
+
+@printed
+def change_at(
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    forward: Real, t: Real,
+) -> Whole:  # fmt: skip
+    """See `change`; `forward` is the sign of the direction of time."""
     n, rows, held = system.n, floats(system.rows), floats(system.held)
     switch = integers(switches.pending)[0]
-    forward = 1.0 if h >= 0.0 else -1.0
     functions = floats(functions_of(system, switches.modes, 0))
     rate = functions[switches.modes + switch]
     rises = held[switch] < 0.0
-    integers(switches.kind)[0] = 2 * switch + int(rises)
-    jumped = integers(switches.jumps)[switch] if rises else -1
-    for i in range(3 * n):
+    integers(switches.kind)[0] = 2 * switch + rises.whole
+    jumped = code.variable(choose(rises, integers(switches.jumps)[switch], -1))
+    with code.count(3 * n) as i:
         floats(switches.before)[i] = rows[i]
     integers(record.counters)[SWITCH] = switch
-    if integers(switches.transition)[0] != 0:
-        status = new_values(system, switches, t_end)
-        if status != 0:
-            return outcome_of(record, status)
-    if held[switch] == 0.0:
-        return release(system, switches, record, switch, forward, t_end)
-    if jumped >= 0 and forward * rate <= 0.0:
-        jumped = -1  # round-off: it moves away already
-    else:
+    with code.when(integers(switches.transition)[0] != 0):
+        status = new_values(system, switches, t)
+        with code.when(status != 0):
+            code.leave(outcome_of(record, status))
+    with code.when(held[switch] == 0.0):
+        code.leave(release(system, switches, record, switch, forward, t))
+    with code.when((jumped >= 0) & (forward * rate <= 0.0)) as case:
+        jumped.set(-1)  # round-off: it moves away already
+    with case.otherwise():
         held[switch] = -held[switch]
-    if rises:
+    with code.when(rises):
         remember(system, switches, switch, rate)
-    if jumped >= 0:
-        for i in range(switches.free):
-            rows[n + i] = floats(switches.written)[jumped + i]
-    status = arrive_at(system, switches, record, t_end)
-    if status == 0 and jumped >= 0 and forward * functions[switches.modes + switch] < 0.0:
-        # thrown back
-        held[switch] = -1.0
-        status = arrive_at(system, switches, record, t_end)
-    if status == 0 and wake(system, switches, switch, forward):
-        status = arrive_at(system, switches, record, t_end)
-    shakes = integers(switches.shakes)[switch] != 0
-    if status == 0 and (jumped >= 0 or shakes):
-        status = rethink(system, switches, record, switch, forward, t_end, jumped >= 0)
-    if status != 0:
-        return outcome_of(record, status)
-    if not finite(system, 0, 3 * n):
-        return DIVERGED
+    with code.when(jumped >= 0), code.count(switches.free) as i:
+        rows[n + i] = floats(switches.written)[jumped + i]
+    status = follow(system, switches, record, switch, forward, jumped >= 0, t)
+    with code.when(status != 0):
+        code.leave(outcome_of(record, status))
+    with code.when(~finite(system, 0, 3 * n)):
+        code.leave(DIVERGED)
     behind = forward * held[switch] * functions[switches.modes + switch]
-    if behind < -GRAZING * abs(rate):
-        if integers(switches.sticks)[switch] == 0:
-            return SLIDING
+    with code.when(behind < -GRAZING * abs(rate)):
+        with code.when(integers(switches.sticks)[switch] == 0):
+            code.leave(SLIDING)
         held[switch] = 0.0
-        status = arrive_at(system, switches, record, t_end)
-        if status == 0 and shakes:
-            status = rethink(system, switches, record, switch, forward, t_end, False)
-        if status != 0:
-            return outcome_of(record, status)
-        if functions[switch] < -GRAZING:  # round-off alone may ask for a little more than holds
-            return SLIDING
-    note_change(system, switches, record, switch, rises, t_end)
-    if chatters(switches, t_end):
-        return CHATTER
-    if switches.tangents > 0:
+        status = code.variable(arrive_at(system, switches, record, t))
+        with code.when((status == 0) & (integers(switches.shakes)[switch] != 0)):
+            status.set(rethink(system, switches, record, switch, forward, False, t))
+        with code.when(status != 0):
+            code.leave(outcome_of(record, status))
+        # round-off alone may ask for a little more than holds
+        with code.when(functions[switch] < -GRAZING):
+            code.leave(SLIDING)
+    outcome = noted(code, system, switches, record, switch, rises, t)
+    with code.when(switches.tangents > 0):
         cross_tangents(system, switches, switch, rate, jumped)
-        arrive_at(system, switches, record, t_end)
+        arrive_at(system, switches, record, t)
     settle(system)
-    for event in range(switches.events):
+    with code.count(switches.events) as event:
         floats(switches.values_of_events)[5 * event + 2] = math.nan
-    integers(record.counters)[SWITCH] = -1
-    return 0.0
+    return outcome
+
+
+@printed
+def follow(
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, forward: Real, jumps: Truth, t: Real,
+) -> Whole:  # fmt: skip
+    """Set the other modes as the state behind a change asks for; returns the kernel's status."""
+    held, functions = floats(system.held), floats(functions_of(system, switches.modes, 0))
+    status = code.variable(arrive_at(system, switches, record, t))
+    thrown_back = forward * functions[switches.modes + switch] < 0.0
+    with code.when((status == 0) & jumps & thrown_back):
+        held[switch] = -1.0
+        status.set(arrive_at(system, switches, record, t))
+    with code.when(status == 0), code.when(wake(system, switches, switch, forward)):
+        status.set(arrive_at(system, switches, record, t))
+    shakes = integers(switches.shakes)[switch] != 0
+    with code.when((status == 0) & (jumps | shakes)):
+        status.set(rethink(system, switches, record, switch, forward, jumps, t))
+    return code.value(status)

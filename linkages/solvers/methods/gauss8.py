@@ -39,18 +39,11 @@ class Gauss(Method):
         system = arrays.system(memory, job, rows, arrays.pace(job), VERN9.code(job))
         table = arrays.table(memory, tableau, job.flow)
         record = arrays.record(memory, job, system)
-        loop = partial(
-            IMPLICIT_STEPS,
-            system,
-            arrays.nodes(memory, self.collocation, job.flow, first),
-            table,
-            record,
-            hooks.hook(memory, hooks.events(memory, job), system, table, record),
-            job.start,
-            job.end,
-            step_count(job),
-            job.max_steps,
-        )
+        nodes = arrays.nodes(memory, self.collocation, job.flow, first)
+        hook = hooks.hook(memory, hooks.events(memory, job), system, table, record)
+        places = [memory.integers(words) for words in (system, nodes, table, record, hook)]
+        span = (job.start, job.end, step_count(job), job.max_steps)
+        loop = partial(IMPLICIT_STEPS, *places, *span)
         return partial(run, loop, job, rows, memory)
 
 

@@ -111,13 +111,15 @@ class RungeKutta(Method):
         if job.step is None:
             loop = partial(adapted, self.code(job), job, motion)
         else:
-            shared = (*motion.words, job.start, job.end)
+            shared = (*motion.places, job.start, job.end)
             loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
         return partial(run, loop, job, motion.rows, motion)
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
-        return compiled_step(self.tableau, Shape.of(job.flow, job.tangents), self.memory)
+        return compiled_step(
+            self.tableau, Shape.of(job.flow, job.tangents, job.events), self.memory
+        )
 
     def motion(self, job: Job) -> PreparedMotion:
         """What a loop takes of a job."""
@@ -126,17 +128,18 @@ class RungeKutta(Method):
 
         tableau, store = self.tableau, arrays.Memory()
         rows, pace = arrays.workspace(tableau, job.flow, job.state), arrays.pace(job)
-        system = arrays.system(store, job, rows, pace, self.code(job))
+        events = hooks.events(store, job)
+        system = arrays.system(store, job, rows, pace, self.code(job), events)
         table = arrays.table(store, tableau, job.flow)
         record = arrays.record(store, job, system)
-        events = hooks.events(store, job)
         hook = hooks.hook(store, events, system, table, record)
-        switching = hooks.switching(store, job, events, system, table, record, tableau.c)
-        words, context = (system, table, record, hook, switching), 0
+        switching = hooks.switching(store, job, events, system, table, record, tableau.quarters)
+        words = (system, table, record, hook, switching)
+        places, context = tuple(store.integers(word) for word in words), 0
         if job.step is None:
             control = arrays.control(store, job, self.code(job))
             context = store.integers([*chain(*words, control)])
-        return PreparedMotion(rows, words, context, pace, store)
+        return PreparedMotion(rows, words, places, context, pace, store)
 
 
 def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
@@ -173,6 +176,8 @@ class PreparedMotion(NamedTuple):
     words
         A `SystemView`, `TableView`, `Record`, `Hook` and `SwitchingView`; see
         `linkages.solvers.steps.views`.
+    places
+        Their addresses.
     context
         Address of the same and a `Control` behind them, for adaptive steps; 0 for others.
     pace
@@ -183,6 +188,7 @@ class PreparedMotion(NamedTuple):
 
     rows: NDArray[np.float64]
     words: tuple[SystemView, TableView, Record, Hook, SwitchingView]
+    places: tuple[int, ...]
     context: int
     pace: NDArray[np.float64]
     memory: object

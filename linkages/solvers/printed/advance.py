@@ -8,6 +8,7 @@ the motion itself.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from linkages.kernel.closure.dyads import LEAST_MARGIN
@@ -15,6 +16,8 @@ from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.control import Judged, judge
 from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
+from linkages.solvers.printed.crossings import CrossedLevels
+from linkages.solvers.printed.modes import Modes
 from linkages.solvers.printed.shape import (
     Shape,
     StepMemory,
@@ -37,6 +40,7 @@ from linkages.solvers.steps.views import (
     FACTOR,
     FIRST,
     FROM,
+    HALVED,
     LARGEST_STATE,
     LENGTH,
     NEXT_CARRY,
@@ -84,6 +88,7 @@ class Advance:
     def __init__(self, code: Instructions, tableau: Tableau, shape: Shape, gain: float) -> None:
         self._code, self._tableau, self._shape, self._gain = code, tableau, shape, gain
         self._memory = StepMemory(code, shape)
+        self._levels = CrossedLevels(code, tableau, shape, self._memory)
 
     def write(self) -> None:
         """Write a loop over at most ``%ticks`` trials.
@@ -160,9 +165,12 @@ class Advance:
         """In which lanes the step must be finished elsewhere."""
         code = self._code
         special = code.any_of(self._margins_fall(trial), self._tangents_fade())
+        of = code, self._tableau, self._shape, self._memory, trial.h
+        special = code.any_of(special, self._levels.need_more(trial.h, trial.end))
         shorter = code.absolute(code.multiply(trial.h, judged.factor))
         small = code.compare("olt", shorter, trial.finest)
         found = code.select(accepted, special, small, code.truth)
+        found = code.any_of(found, Modes(*of).need_more(accepted))
         return code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
 
     def _is_sampled(self, trial: Trial) -> str:
@@ -219,27 +227,51 @@ class Advance:
     def _tangents_fade(self) -> str:
         """Whether errors of steps may come to show in the shortest tangent at the end.
 
-        Only what watches tangents knows; those that must be made orthogonal for it raise a flag
-        anyway.
+        Only what watches tangents knows. One that a contact has taken away is zero, and no matter.
         """
         code, memory, shape = self._code, self._memory, self._shape
-        columns, size, placed = shape.tangents
-        end, zero = memory.row(self._tableau.stages), code.constant(0.0)
-        least, longest = code.constant(LARGEST_STATE), zero
-        for column in range(columns):
-            first, square = shape.n - (columns - column) * size, zero
-            rates = range(shape.n + first, shape.n + first + size)
-            for place in (*range(first, first + placed), *rates):
-                value = code.load(end, place)
-                square = code.fused(value, value, square)
-            least, longest = smaller(code, least, square), larger(code, longest, square)
-        if not columns:
+        zero = code.constant(0.0)
+        if not shape.tangents[0]:
             return code.compare("ogt", zero, zero)
+        least, longest = code.constant(LARGEST_STATE), zero
+        for square in self._squares():
+            there = code.select(code.compare("ogt", square, zero), square, least)
+            least, longest = smaller(code, least, there), larger(code, longest, square)
         rtol, atol = memory.pace(RTOL), code.load(memory["atol"], 2 * shape.n - 1)
         doubt = larger(
             code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
         )
         return code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
+
+    def _squares(self) -> Iterator[str]:
+        """Squared lengths of tangents at the end, each less its parts along those before it."""
+        code, shape = self._code, self._shape
+        columns, size, placed, orthogonal = shape.tangents
+        end, zero = self._memory.row(self._tableau.stages), code.constant(0.0)
+        before: list[tuple[list[str], str]] = []
+        for column in range(columns):
+            first = shape.n - (columns - column) * size
+            places = (
+                *range(first, first + placed),
+                *range(shape.n + first, shape.n + first + size),
+            )
+            values = [code.load(end, place) for place in places]
+            for others, square in before:
+                present = code.compare("ogt", square, zero)
+                part = code.divide(self._product(others, values), square)
+                part = code.negate(code.select(present, part, zero))
+                pairs = zip(others, values, strict=True)
+                values = [code.fused(part, other, value) for other, value in pairs]
+            square = self._product(values, values)
+            if orthogonal:
+                before.append((values, square))
+            yield square
+
+    def _product(self, one: Sequence[str], other: Sequence[str]) -> str:
+        code, total = self._code, self._code.constant(0.0)
+        for a, b in zip(one, other, strict=True):
+            total = code.fused(a, b, total)
+        return total
 
     def _go_on(self, trial: Trial, judged: Judged, accepted: str, goes_on: str) -> None:
         """Make the end of accepted steps the start of the next ones; try others again."""
@@ -253,11 +285,13 @@ class Advance:
         self._keep(goes_on, code.multiply(trial.h, grown), H)
         for value, entry in (
             (trial.end, T), (trial.carry, CARRY), (judged.error, BEFORE), (zero, TROUBLE),
+            (zero, HALVED),
         ):  # fmt: skip
             self._keep(commits, value, entry)
         self._keep(goes_on, code.select(accepted, zero, one), REJECTED_BEFORE)
         for where, entry in ((commits, TAKEN), (rejects, REJECTIONS)):
             self._keep(where, code.add(memory.pace(entry), one), entry)
+        self._levels.keep(commits, trial.end)
         self._commit(commits)
 
     def _keep(self, where: str, value: str, entry: int) -> None:
@@ -269,7 +303,7 @@ class Advance:
         """Copy the end of the step into row 0, in some lanes; see `commit.commit`."""
         code, memory, shape = self._code, self._memory, self._shape
         start, end = memory.row(0), memory.row(self._tableau.stages)
-        if code.lanes == 1 and shape.counted:
+        if shape.counted:
             self._count_turns(where, end)
 
         def entry(i: int | str, _: list[str]) -> list[str]:
@@ -287,13 +321,13 @@ class Advance:
                 wrap(code, start, i, memory["turns"], where)
 
     def _count_turns(self, where: str, end: str) -> None:
-        """Take dependent angles at the end of a committed step of a single motion."""
+        """Take dependent angles at the end of committed steps."""
         code, memory, shape = self._code, self._memory, self._shape
         count, on = code.new_label("count"), code.new_label("on")
-        code.branch(where, count, on)
+        code.branch(code.in_any_lane(where), count, on)
         code.begin(count)
         weights = end_weights(code, self._tableau)
         write_expected(code, shape, memory, memory.pace(LENGTH), weights)
-        write_counted(code, shape, memory, end, memory["angles"])
+        write_counted(code, shape, memory, end, memory["angles"], where)
         code.say(f"br label %{on}")
         code.begin(on)

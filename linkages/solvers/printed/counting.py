@@ -1,4 +1,4 @@
-"""Whole turns of dependent angles of a single motion, written out; see `watched.counting`."""
+"""Whole turns of dependent angles, written out; see `watched.counting`."""
 
 from __future__ import annotations
 
@@ -28,9 +28,12 @@ def write_expected(
 
 
 def write_counted(
-    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str
+    code: Instructions, shape: Shape, memory: StepMemory, row: str, into: str, where: str = ""
 ) -> None:
-    """Write the angles in a row, with the turns that bring them closest to where they should be."""
+    """Write the angles in a row, with the turns that bring them closest to where they should be.
+
+    In some lanes, if they are given.
+    """
     cosines = code.address(row, shape.cosines)
     turn = code.constant(TWO_PI)
     for i in range(shape.counted):
@@ -38,4 +41,5 @@ def write_counted(
         angle = code.library("atan2", sine, code.load(cosines, i))
         apart = code.subtract(code.load(memory["ahead"], i), angle)
         whole = code.call("llvm.rint", code.divide(apart, turn))
-        code.store(code.fused(turn, whole, angle), into, i)
+        found = code.fused(turn, whole, angle)
+        code.store(code.select(where, found, code.load(into, i)) if where else found, into, i)

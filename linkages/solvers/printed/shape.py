@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from linkages.kernel.code.instructions import DOUBLE, INTEGER, Instructions, PrintedLoop
+from linkages.solvers.events import Event
 from linkages.solvers.flow import Flow
 from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.steps.views import FRAME
+from linkages.solvers.steps.views import FRAME, FUNCTION
+
+MOST_TANGENTS = 8
+"""Tangents that are made orthogonal to see how far they are apart: texts grow with their square."""
+
+_NONE = (0, 0, 0, False)
 
 UNROLLED = 16
 """Entries up to which a loop over them is written out."""
@@ -19,7 +26,9 @@ class Shape:
     """What stands where in a row of the workspace; see `linkages.solvers.steps.views.SystemView`.
 
     The last of the n coordinates are those of tangents: so many, of so many entries, of which so
-    many are lengths themselves (see `linkages.solvers.renormalisation`).
+    many are lengths themselves, orthogonal or not (see `linkages.solvers.renormalisation`).
+    `active` is that of `linkages.solvers.flow.Switching`, with an entry for each mode; `events` is
+    their number.
     """
 
     n: int
@@ -29,14 +38,18 @@ class Shape:
     counted: int
     width: int
     rotates: tuple[bool, ...]
-    tangents: tuple[int, int, int] = (0, 0, 0)
+    tangents: tuple[int, int, int, bool] = _NONE
+    active: tuple[int, ...] = ()
+    events: int = 0
 
     @classmethod
-    def of(cls, flow: Flow, tangents: Renormalisation | None = None) -> Shape:
-        """That of a flow, and of tangents that are looked at one by one."""
-        alone = tangents is not None and (tangents.columns == 1 or not tangents.orthogonal)
+    def of(
+        cls, flow: Flow, tangents: Renormalisation | None = None, events: Sequence[Event] = ()
+    ) -> Shape:
+        """That of a flow, of tangents and of events that are watched."""
         return cls(
-            tangents=_sizes(tangents) if tangents is not None and alone else (0, 0, 0),
+            tangents=_sizes(tangents) if tangents is not None and is_printed(tangents) else _NONE,
+            events=len(events) if are_printed(events) else 0,
             n=flow.coordinates,
             blocks=len(flow.margin_scale),
             first_carried=flow.first_carried,
@@ -44,6 +57,7 @@ class Shape:
             counted=flow.counted,
             width=2 * flow.coordinates + flow.written,
             rotates=tuple(bool(rotates) for rotates in flow.rotates),
+            active=() if flow.switching is None else flow.switching.active,
         )
 
     @property
@@ -57,13 +71,28 @@ class Shape:
         return 3 * self.n + 2 * self.blocks
 
     @property
+    def functions(self) -> int:
+        """Place of the functions of switches; their rates follow."""
+        return self.width - 2 * len(self.active)
+
+    @property
     def cosines(self) -> int:
         """Place of the cosines of dependent angles; sines and speeds follow."""
         return self.settled + 2 * self.carried
 
 
-def _sizes(tangents: Renormalisation) -> tuple[int, int, int]:
-    return tangents.columns, tangents.size, tangents.placed
+def _sizes(tangents: Renormalisation) -> tuple[int, int, int, bool]:
+    return tangents.columns, tangents.size, tangents.placed, tangents.orthogonal
+
+
+def is_printed(tangents: Renormalisation) -> bool:
+    """Whether printed code sees where tangents are to be renormalised."""
+    return tangents.columns <= MOST_TANGENTS or not tangents.orthogonal
+
+
+def are_printed(events: Sequence[Event]) -> bool:
+    """Whether printed code sees where events may happen."""
+    return all(event.function is not None for event in events)
 
 
 class StepMemory:
@@ -86,6 +115,21 @@ class StepMemory:
 
     def __getitem__(self, name: str) -> str:
         return self._found[name]
+
+    @property
+    def kernel(self) -> Called:
+        """The functions of the flow."""
+        return Called(*(self[name] for name in Called._fields))
+
+    def event(self, event: int) -> Called:
+        """The functions of an event."""
+        found = []
+        for place in range(FUNCTION * event, FUNCTION * (event + 1)):
+            entry = self._code.give(
+                f"getelementptr {INTEGER}, ptr {self['functions']}, i64 {place}"
+            )
+            found.append(self._code.give(f"load ptr, ptr {entry}"))
+        return Called(*found)
 
     def row(self, row: int, place: int = 0) -> str:
         """Address of an entry of a row of the workspace."""
@@ -152,20 +196,39 @@ def smaller(code: Instructions, one: str, other: str) -> str:
     return code.select(code.compare("olt", other, one), other, one)
 
 
+class Called(NamedTuple):
+    """Addresses of two functions, and of what both of them read and the second one, too."""
+
+    clock: str
+    rates: str
+    parameters: str
+    timed: str
+
+
 def call_clock(code: Instructions, memory: StepMemory, time: str) -> str:
     """Evaluate what depends on time alone; returns the statuses."""
-    rest = f"ptr {memory['parameters']}, ptr {memory['timed']}"
+    return call_at_time(code, memory.kernel, time)
+
+
+def call_at_time(code: Instructions, functions: Called, time: str) -> str:
+    """Evaluate of some functions what depends on time alone; returns the statuses."""
+    rest = f"ptr {functions.parameters}, ptr {functions.timed}"
     if code.lanes == 1:
-        return code.give(f"call {INTEGER} {memory['clock']}({DOUBLE} {time}, {rest})")
+        return code.give(f"call {INTEGER} {functions.clock}({DOUBLE} {time}, {rest})")
     row = code.reserve(1)
     code.store(time, row, 0)
-    return _statuses(code, f"{memory['clock']}(ptr {row}, {rest}, ")
+    return _statuses(code, f"{functions.clock}(ptr {row}, {rest}, ")
 
 
 def call_rates(code: Instructions, memory: StepMemory, row: int, n: int) -> str:
     """Evaluate the kernel at the state in a row; returns the statuses."""
-    arguments = [memory.row(row), memory["parameters"], memory["timed"], memory.row(row, 2 * n)]
-    called = f"{memory['rates']}({', '.join(f'ptr {a}' for a in arguments)}"
+    return call_at(code, memory.kernel, memory.row(row), memory.row(row, 2 * n))
+
+
+def call_at(code: Instructions, functions: Called, state: str, out: str) -> str:
+    """Evaluate functions of a state; returns the statuses."""
+    arguments = [state, functions.parameters, functions.timed, out]
+    called = f"{functions.rates}({', '.join(f'ptr {a}' for a in arguments)}"
     if code.lanes == 1:
         return code.give(f"call {INTEGER} {called})")
     return _statuses(code, f"{called}, ")

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from functools import cache, lru_cache, partial
-from pathlib import Path
+from functools import lru_cache, partial
 
 import numpy as np
 
-from linkages.kernel.code import instructions
 from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
@@ -22,6 +20,7 @@ from linkages.solvers.printed.samples import (
 )
 from linkages.solvers.printed.shape import Shape, StepMemory, set_whole
 from linkages.solvers.printed.stages import Stages
+from linkages.solvers.steps.loaded import version
 from linkages.solvers.steps.views import STATUS
 
 
@@ -88,19 +87,8 @@ def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
 @lru_cache(maxsize=256)
 def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
     """The functions of a step as machine code; see `write_step`."""
-    key = f"{_version()} {_coefficients(tableau)} {shape} {gain} {lanes}"
+    key = f"step {version()} {_coefficients(tableau)} {shape} {gain} {lanes}"
     return MachineCode(key, partial(write_step, tableau, shape, gain, lanes))
-
-
-@cache
-def _version() -> str:
-    """What texts depend on beside what is asked for: all that takes part in writing them."""
-    digest = hashlib.sha256()
-    solvers, kernel = Path(__file__).parents[1], Path(instructions.__file__).parent
-    for folder in (solvers / "printed", solvers / "steps", kernel):
-        for path in sorted(folder.glob("*.py")):
-            digest.update(path.read_bytes())
-    return f"step {digest.hexdigest()}"
 
 
 def _coefficients(tableau: Tableau) -> str:

@@ -1,23 +1,23 @@
-"""Machine code of the loops: it is kept, and Numba is imported only where there is none."""
+"""Machine code of the loops: it is kept, and they are printed only where there is none."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
 from functools import cache, cached_property
-from importlib import import_module, metadata
-from itertools import chain
+from importlib import import_module
 from pathlib import Path
 from threading import RLock
 from typing import Any
 
+from linkages.kernel.code import cache as kept_code
 from linkages.kernel.code.machine import MachineCode
 
 _LOADING = RLock()
 
 
 class Loaded:
-    """A compiled function that Python calls, or whose address it hands on.
+    """A printed function that Python calls, or whose address it hands on.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ class Loaded:
     @cached_property
     def _code(self) -> MachineCode:
         def written() -> str:
-            from linkages.solvers.steps.compiled import exported
+            from linkages.kernel.code.printed import text_of
 
-            return exported(getattr(import_module(self._module), self._name))
+            return text_of(getattr(import_module(self._module), self._name))
 
         with _LOADING:
             return MachineCode(f"{version()} {self._module} {self._name}", written)
@@ -45,20 +45,20 @@ class Loaded:
 
     @cached_property
     def function(self) -> Callable[..., Any]:
-        """It, with as many integers in place of a named tuple; other threads run meanwhile."""
+        """It, with addresses in place of named tuples; other threads run meanwhile."""
         return self._code.function(self._name)
 
     def __call__(self, *arguments: Any) -> int:
-        """Call it, with named tuples."""
-        spread = (part if isinstance(part, tuple) else (part,) for part in arguments)
-        return int(self.function(*chain.from_iterable(spread)))
+        """Call it."""
+        return int(self.function(*arguments))
 
 
 @cache
 def version() -> str:
-    """What the machine code of loops depends on: Numba, and all that they may inline."""
-    digest = hashlib.sha256(metadata.version("numba").encode())
-    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
+    """What texts of steps and loops depend on: all that takes part in writing them."""
+    digest = hashlib.sha256()
+    solvers, kernel = Path(__file__).parents[1], Path(kept_code.__file__).parent
+    for path in sorted([*solvers.rglob("*.py"), *kernel.glob("*.py")]):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_clock, call_rates, compiled, floats, integers
+from linkages.kernel.code.operands import Whole, floats, integers
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.steps.stages import call_clock, call_rates
+from linkages.solvers.steps.views import WORD
 
 
-@compiled
-def evaluate_state(kernel: int, work: int) -> int:
+@printed
+def evaluate_state(code: Procedure, kernel: Whole, work: Whole) -> Whole:
     """Evaluate a kernel once; returns its status.
 
     Parameters
     ----------
+    code
+        What is printed.
     kernel
         Address of the addresses of `clock`, `rates` and the parameters, the number of entries of a
         state, and of what the kernel writes.
@@ -18,24 +24,26 @@ def evaluate_state(kernel: int, work: int) -> int:
         Address of the time in seconds, the state, and room for what `rates` and `clock` write.
     """
     words = integers(kernel)
-    state = work + 8
-    out = state + 8 * words[3]
-    timed = out + 8 * words[4]
+    state = work + WORD
+    out = state + WORD * words[3]
+    timed = out + WORD * words[4]
     status = call_clock(words[0], floats(work)[0], words[2], timed)
-    if status == 0:
-        status = call_rates(words[1], state, words[2], timed, out)
-    return status
+    with code.when(status != 0):
+        code.leave(status)
+    return call_rates(words[1], state, words[2], timed, out)
 
 
-@compiled
+@printed
 def evaluate_states(
-    clock: int, rates: int, parameters: int, timed: int, times: int, states: int, found: int,
-    count: int, size: int, written: int, refused: int,
-) -> int:  # fmt: skip
+    code: Procedure, clock: Whole, rates: Whole, parameters: Whole, timed: Whole, times: Whole,
+    states: Whole, found: Whole, count: Whole, size: Whole, written: Whole, refused: Whole,
+) -> Whole:  # fmt: skip
     """Evaluate a kernel at one state after the other; returns the status of the last one.
 
     Parameters
     ----------
+    code
+        What is printed.
     clock, rates, parameters, timed
         Addresses of the kernel and of what it needs.
     times, states, found
@@ -47,29 +55,29 @@ def evaluate_states(
         Address of an integer that takes the number of the first state that the kernel refuses, with
         a status other than 0; it is the last one that is evaluated.
     """
-    before = 0.0
-    for k in range(count):
+    before, status = code.variable(0.0), code.variable(0)
+    with code.count(count) as k:
         time = floats(times)[k]
-        status = 0
-        if k == 0 or time != before:
-            status = call_clock(clock, time, parameters, timed)
-            before = time
-        if status == 0:
-            state, out = states + 8 * k * size, found + 8 * k * written
-            status = call_rates(rates, state, parameters, timed, out)
-        if status != 0:
+        with code.when((k == 0) | (time != before)):
+            status.set(call_clock(clock, time, parameters, timed))
+            before.set(time)
+        with code.when(status == 0):
+            state, out = states + WORD * k * size, found + WORD * k * written
+            status.set(call_rates(rates, state, parameters, timed, out))
+        with code.when(status != 0):
             integers(refused)[0] = k
-            return status
-    return 0
+            code.leave(status)
+    return code.value(0)
 
 
-@compiled
+@printed
 def repeat(
-    clock: int, rates: int, state: int, parameters: int, timed: int, out: int, count: int
-) -> int:
+    code: Procedure, clock: Whole, rates: Whole, state: Whole, parameters: Whole, timed: Whole,
+    out: Whole, count: Whole,
+) -> Whole:  # fmt: skip
     """Evaluate many times at times 1 µs apart."""
-    status = 0
-    for i in range(count):
-        status |= call_clock(clock, 1e-6 * i, parameters, timed)
-        status |= call_rates(rates, state, parameters, timed, out)
-    return status
+    status = code.variable(0)
+    with code.count(count) as i:
+        status.set(status + call_clock(clock, 1e-6 * i.real, parameters, timed))
+        status.set(status + call_rates(rates, state, parameters, timed, out))
+    return code.value(status)

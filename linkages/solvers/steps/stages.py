@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import (
-    call_clock,
-    call_rates,
-    call_step,
-    compiled,
-    floats,
-    integers,
-)
+from typing import Any
+
+from linkages.kernel.code.operands import Real, Truth, Whole, choose, floats, integers
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.steps.views import (
     FROM,
     LARGEST_ANGLE,
@@ -24,68 +21,96 @@ from linkages.solvers.steps.views import (
 HALF, LOWER = 32, 2**32 - 1
 
 
-@compiled
-def address_of(system: SystemView, row: int) -> int:
+def address_of(system: SystemView, row: Whole | int) -> Any:
     """Address of a row of the workspace."""
     return system.rows + WORD * row * system.width
 
 
-@compiled
-def finite(system: SystemView, row: int, columns: int) -> bool:
+@printed
+def finite(code: Procedure, system: SystemView, row: Whole, columns: Whole) -> Truth:
     """Whether the first columns of a row are numbers that a motion can have."""
     values, rotates = floats(address_of(system, row)), integers(system.rotates)
-    for i in range(columns):
-        # Written so that nan, which compares false with everything, is caught.
-        if not abs(values[i]) < LARGEST_STATE:
-            return False
-    for i in range(system.n):  # noqa: SIM110 (compiled code has no generators)
-        if abs(values[i]) > LARGEST_ANGLE and rotates[i] != 0:
-            return False
-    return True
+    # Written so that nan, which compares false with everything, is caught.
+    with code.count(columns) as i, code.when(~(abs(values[i]) < LARGEST_STATE)):
+        code.leave(False)
+    with code.count(system.n) as i:
+        far = abs(values[i]) > LARGEST_ANGLE
+        with code.when((rotates[i] != 0) & far):
+            code.leave(False)
+    return code.value(True)
 
 
-@compiled
-def set_clock(system: SystemView, t: float) -> int:
+def call_clock(address: Any, t: Any, parameters: Any, timed: Any) -> Whole:
+    """Evaluate what depends on time alone; returns the status of a kernel."""
+    return address.code.call_at(address, Whole, t, parameters, timed)
+
+
+def call_rates(address: Any, state: Any, parameters: Any, timed: Any, out: Any) -> Whole:
+    """Evaluate a kernel; returns its status."""
+    return address.code.call_at(address, Whole, state, parameters, timed, out)
+
+
+def call_hook(address: Any, context: Any, t: Any, h: Any, t_end: Any) -> Real:
+    """Call what watches steps."""
+    return address.code.call_at(address, Real, context, t, h, t_end)
+
+
+def set_clock(system: Any, t: Real) -> Whole:
     """Evaluate what depends on time alone; returns the status of the kernel."""
     return call_clock(system.clock, t, system.parameters, system.timed)
 
 
-@compiled
-def evaluate(system: SystemView, row: int) -> int:
+@printed
+def evaluate(code: Procedure, system: SystemView, row: Whole) -> Whole:
     """Evaluate the kernel at the state in a row; 0, 1 + block, or NOT_FINITE."""
     state = address_of(system, row)
     out = state + WORD * 2 * system.n
     status = call_rates(system.rates, state, system.parameters, system.timed, out)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
-    if status != 0 and not finite(system, row, 2 * system.n):
-        return NOT_FINITE
+    with code.when(status != 0), code.when(~finite(system, row, 2 * system.n)):
+        code.leave(NOT_FINITE)
     return status
 
 
-@compiled
-def try_step(system: SystemView, t: float, h: float, t_end: float) -> int:
+@printed
+def evaluate_at(code: Procedure, system: SystemView, t: Real, row: Whole) -> Whole:
+    """Evaluate a row at a time; returns as `evaluate`."""
+    status = set_clock(system, t)
+    with code.when(status != 0):
+        code.leave(status)
+    return evaluate(system, row)
+
+
+def try_step(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
     """Step from row 0 to row `TableView.end`; 0, 1 + block, or NOT_FINITE."""
     return run(system, system.attempt, t, h, t_end)
 
 
-@compiled
-def further_stages(system: SystemView, t: float, h: float, t_end: float) -> int:
+def further_stages(system: SystemView, t: Any, h: Any, t_end: Any) -> Any:
     """Compute the rows behind the end of a step, which its dense output needs; as `try_step`."""
     return run(system, system.further, t, h, t_end)
 
 
-@compiled
-def run(system: SystemView, function: int, t: float, h: float, t_end: float) -> int:
+@printed
+def run(
+    code: Procedure, system: SystemView, function: Whole, t: Real, h: Real, t_end: Real
+) -> Whole:
     """Run a printed function over a time."""
     pace = floats(system.pace)
     pace[FROM], pace[LENGTH], pace[TO] = t, h, t_end
-    return status_of(system, call_step(function, system.frame))
+    return status_of(system, call_step(code, function, system.frame))
 
 
-@compiled
-def status_of(system: SystemView, found: int) -> int:
+def call_step(code: Procedure, function: Any, frame: Any) -> Whole:
+    """Call a function that takes an address."""
+    return code.call_at(function, Whole, frame)
+
+
+@printed
+def status_of(code: Procedure, system: SystemView, found: Whole) -> Whole:
     """Status of a printed function, which returns the row as well."""
-    if found <= 0:
-        return found
+    with code.when(found <= 0):
+        code.leave(found)
     # A kernel fed with infinities finds its blocks out of reach, which is not what went wrong.
-    return found & LOWER if finite(system, found >> HALF, 2 * system.n) else NOT_FINITE
+    fine = finite(system, found >> HALF, 2 * system.n)
+    return choose(fine, found & LOWER, NOT_FINITE)

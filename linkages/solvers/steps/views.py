@@ -87,7 +87,13 @@ class Lanes(NamedTuple):
     scale: int
     smallest: int
     turns: int
+    angles: int
+    values: int
+    levels: int
     size: int  # number of parameters
+    events: int  # their number e
+    functions: int  # (e, 4) of int64: as `Events.functions`, for W lanes
+    function_sizes: int  # (e,) of int64: numbers of their parameters
     advance: int  # address of the printed function that makes steps
     begin: int  # of the functions of `loops.adaptive_steps` that begin a motion
     conclude: int  # and finish a step that needs more than arithmetic
@@ -95,7 +101,7 @@ class Lanes(NamedTuple):
     number: int  # of motions
     outcomes: int  # (number,) of int64
     places: int  # (W,) of int64: the motion in each lane, or -1
-    control: int  # (2,) of float64: number of motions that have ended, and whether to stop
+    control: int  # (3,) of float64: motions that have ended, whether to stop, steps made alone
 
 
 class Nodes(NamedTuple):
@@ -115,6 +121,7 @@ class Nodes(NamedTuple):
     timed: int  # (s, timed_size) of float64: what `clock` wrote for each stage
     timed_size: int
     kept: int  # (max(n, s),) of float64: room for old values
+    changes: int  # (2,) of float64: largest change of an acceleration, and largest acceleration
     carry: int  # (2n,) of float64: what the state in row 0 is too small by
     next_carry: int  # (2n,) of float64
     held: int  # (2n,) of float64
@@ -247,18 +254,22 @@ class SwitchingView(NamedTuple):
 
 # Entries of `counters`.
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
-# Entries of `control`: the time reached, and whether to stop.
-NOW, STOP = range(2)
+# Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.
+NOW, STOP, ALONE = range(3)
+# Entries per event of `Events.functions` and `Events.values`.
+FUNCTION, VALUES = 4, 5
 # Arrays of a frame.
 # Those of a single motion alone.
 SINGLE = (
-    "counters", "times", "states", "sampled_turns", "accelerations", "angles", "ahead", "sampled",
+    "counters", "times", "states", "sampled_turns", "accelerations", "sampled",
 )  # fmt: skip
 FRAME = (
-    "clock", "rates", "parameters", "timed", "rows", "pace", "atol", "scale", "smallest", "turns",
-    *SINGLE,
+    "clock", "rates", "parameters", "held", "timed", "rows", "pace", "atol", "scale", "smallest",
+    "turns", "angles", "ahead", "functions", "values", "levels", *SINGLE,
 )  # fmt: skip
-TURNS = FRAME.index("turns")
+TURNS, ANGLES, FUNCTIONS, EVENT_VALUES, LEVELS = map(
+    FRAME.index, ("turns", "angles", "functions", "values", "levels")
+)
 # Entries of the pace, which says how a motion goes on. Where the step in the workspace begins, how
 # long it is, and where it ends; what the time there is too large by.
 FROM, LENGTH, TO, NEXT_CARRY = range(4)
@@ -276,9 +287,10 @@ TROUBLE, FRESH, KIND = range(16, 19)
 # rejected that are not counted yet.
 ALWAYS, ACTIVE, RTOL, TAKEN, REJECTIONS = range(19, 24)
 # Whether nothing watches the motion, so that printed code takes its samples; at which fraction of a
-# step the state is interpolated.
-PLAIN, THETA = range(24, 26)
-PACE = 26
+# step the state is interpolated; how often the step has been halved to see what modes do (an
+# integer).
+PLAIN, THETA, HALVED = range(24, 27)
+PACE = 27
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 NOT_FINITE = -1

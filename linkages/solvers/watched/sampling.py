@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import call_step, compiled, floats, integers
-from linkages.solvers.steps.stages import address_of, evaluate, further_stages, set_clock
+from typing import Any
+
+from linkages.kernel.code.operands import Real, Whole, choose, floats, integers, smaller_of
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.steps.stages import address_of, call_step, evaluate_at, further_stages
 from linkages.solvers.steps.turns import wrap_angles
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -21,42 +25,42 @@ from linkages.solvers.watched.counting import counted_angle, expect_between, exp
 SNAP = 1e-9
 
 
-@compiled
-def write_sample(system: SystemView, record: Record, row: int) -> None:
+@printed
+def write_sample(code: Procedure, system: SystemView, record: Record, row: Whole) -> None:
     """Write the state and the accelerations in a row as the next sample."""
     n, counters = system.n, integers(record.counters)
     k = counters[SAMPLES]
     source = floats(address_of(system, row))
     state = record.state + WORD * k * 2 * n
-    for i in range(2 * n):
+    with code.count(2 * n) as i:
         floats(state)[i] = source[i]
-    for i in range(n):
+    with code.count(n) as i:
         floats(record.acceleration)[k * n + i] = source[2 * n + i]
     wrap_angles(system, state, record.final_turns, record.turns + WORD * k * n)
-    for i in range(system.counted):
+    with code.count(system.counted) as i:
         floats(record.sampled)[k * system.counted + i] = counted_angle(system, record, row, i)
-    for i in range(system.holding):
+    with code.count(system.holding) as i:
         floats(record.sampled_held)[k * system.holding + i] = floats(system.held)[i]
     counters[SAMPLES] = k + 1
 
 
-@compiled
-def interpolate(system: SystemView, h: float, theta: float) -> None:
+def interpolate(system: Any, h: Real, theta: Real) -> None:
     """Write the state at the fraction theta of a step into the last row, by the dense output."""
-    floats(system.pace)[LENGTH], floats(system.pace)[THETA] = h, theta
-    call_step(system.interpolate, system.frame)
+    pace = floats(system.pace)
+    pace[LENGTH], pace[THETA] = h, theta
+    call_step(system.code, system.interpolate, system.frame)
 
 
-@compiled
+def left_of(h: Real, t_end: Real, time: Any) -> Any:
+    """How much of a step lies behind a time."""
+    return choose(h > 0.0, t_end - time, time - t_end)
+
+
+@printed
 def sample_between(
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    t: float,
-    h: float,
-    t_end: float,
-    slack: float,
-) -> int:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, t_end: Real, slack: Real,
+) -> Whole:  # fmt: skip
     """Take the samples within a step from t to t_end, of which there is one at least.
 
     Sample times within `slack` of the end take the state at the end as it is. The further
@@ -64,50 +68,42 @@ def sample_between(
     or the status of the kernel where a sample (or such a stage) cannot be evaluated.
     """
     counters = integers(record.counters)
-    more = table.rows - 1 - table.end
-    while counters[SAMPLES] < record.samples:
+    more = code.variable(table.rows - 1 - table.end)
+    with code.during(lambda: counters[SAMPLES] < record.samples):
         time = floats(record.time)[counters[SAMPLES]]
-        left = t_end - time if h > 0.0 else time - t_end
-        if left < -slack:
-            break
-        if left <= slack:
+        left = left_of(h, t_end, time)
+        with code.when(left < -slack):
+            code.stop()
+        with code.when(left <= slack):
             expect_end(system, table, record, h)
             write_sample(system, record, table.end)
-            continue
-        if more > 0:
+            code.again()
+        with code.when(more > 0):
             counters[EVALUATIONS] += more
             status = further_stages(system, t, h, t_end)
-            if status != 0:
-                return status
-            more = 0
-        theta = min((time - t) / h, 1.0)
+            with code.when(status != 0):
+                code.leave(status)
+            more.set(0)
+        theta = smaller_of((time - t) / h, 1.0)
         interpolate(system, h, theta)
         counters[EVALUATIONS] += 1
-        status = set_clock(system, time)
-        if status == 0:
-            status = evaluate(system, table.rows)
-        if status != 0:
-            return status
+        status = evaluate_at(system, time, table.rows)
+        with code.when(status != 0):
+            code.leave(status)
         expect_between(system, table, record, h, theta)
         write_sample(system, record, table.rows)
-    return 0
+    return code.value(0)
 
 
-@compiled
+@printed
 def take_samples(
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    t: float,
-    h: float,
-    t_end: float,
-    slack: float,
-) -> int:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    t: Real, h: Real, t_end: Real, slack: Real,
+) -> Whole:  # fmt: skip
     """Take all samples that fall within an accepted step; see `sample_between`."""
     k = integers(record.counters)[SAMPLES]
-    if k == record.samples:
-        return 0
-    time = floats(record.time)[k]
-    if (t_end - time if h > 0.0 else time - t_end) < -slack:
-        return 0
+    with code.when(k == record.samples):
+        code.leave(0)
+    with code.when(left_of(h, t_end, floats(record.time)[k]) < -slack):
+        code.leave(0)
     return sample_between(system, table, record, t, h, t_end, slack)

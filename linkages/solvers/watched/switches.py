@@ -1,4 +1,4 @@
-"""Find where within an accepted step a mode changes; compiled by the first run that has modes.
+"""Find where within an accepted step a mode changes.
 
 The functions of all switches and their rates are written by the kernel with every stage. Those at
 both ends of a step say whether one crosses zero within, or dips below it and comes back. The step
@@ -8,7 +8,22 @@ is left converge so fast that no dense output is needed.
 
 from __future__ import annotations
 
-from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
+from typing import Any
+
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    floats,
+    fused,
+    integers,
+    larger_of,
+    smaller_of,
+)
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
+from linkages.solvers.printed.modes import BELOW, FAR, ROUND_OFF, UNLIKE
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -19,143 +34,151 @@ from linkages.solvers.steps.views import (
     TableView,
 )
 
-system_at, table_at = tuple_at(SystemView), tuple_at(TableView)
-record_at, switches_at = tuple_at(Record), tuple_at(SwitchesView)
 SYSTEM_WORDS, TABLE_WORDS = len(SystemView._fields), len(TableView._fields)
 RECORD_WORDS = len(Record._fields)
 # What `look` returns where no mode changes.
 GO_ON = 2.0
 # Of the length of a step: as near to the change as times can be told apart.
 EXACT = 1e-14
-# Value of a function that is no more than round-off, beside its change in a step.
-ROUND_OFF = 1e-9
 # Repetitions of a step: far more than cubics need, enough to halve it down to its last digit.
 SEARCHES, DIPS = 60, 8
 # Where a rejected step is repeated up to a change, so that it lies within.
 BEHIND = 1.001
-# How far from a cubic a function may be at a stage beside its variation; how far from zero, beside
-# that, it does not matter; how often a step is halved for it: more is round-off. Measured on 260
-# random motions between two walls with friction: 0.1 missed releases of a tenth of a period.
-UNLIKE, FAR, HALVINGS = 0.03, 10.0, 8
-# A stage is this far below zero, beside the ends of its step, before it is looked at.
-BELOW = 1e-9
+# How often a step is halved to see what functions do: more is round-off.
+HALVINGS = 8
 
 
-@compiled
-def functions_of(system: SystemView, modes: int, row: int) -> int:
+def system_at(context: Whole) -> Any:
+    """The first part of a context: see `SwitchingView`."""
+    return context.code.fields_at(context, SystemView)
+
+
+def table_at(context: Whole) -> Any:
+    """Its tableau."""
+    return context.code.fields_at(context, TableView, SYSTEM_WORDS)
+
+
+def record_at(context: Whole) -> Any:
+    """Its record."""
+    return context.code.fields_at(context, Record, SYSTEM_WORDS + TABLE_WORDS)
+
+
+def switches_at(context: Whole) -> Any:
+    """Its switches."""
+    return context.code.fields_at(context, SwitchesView, SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS)
+
+
+def functions_of(system: SystemView, modes: Any, row: Any) -> Any:
     """Address of the functions of all switches in a row; their rates follow."""
     return address_of(system, row) + WORD * (system.width - 2 * modes)
 
 
-@compiled
-def seen(system: SystemView, modes: int, row: int, switch: int) -> tuple[float, float]:
+def seen(system: Any, modes: Any, row: Any, switch: Whole) -> tuple[Real, Real]:
     """Function of a switch and its rate, not negative as long as its mode is right."""
     mode, found = floats(system.held)[switch], floats(functions_of(system, modes, row))
-    if mode == 0.0:  # it sticks
-        mode = 1.0
+    mode = choose(mode == 0.0, 1.0, mode)  # where it sticks
     return mode * found[switch], mode * found[modes + switch]
 
 
-@compiled
-def first_zero(start: float, rise: float, end: float, fall: float) -> float:
+@printed
+def is_watched(code: Procedure, system: SystemView, switches: SwitchesView, k: Whole) -> Truth:
+    """Whether a switch is looked at: the mode that it depends on is +1."""
+    owner = integers(switches.active)[k]
+    with code.when(owner < 0):
+        code.leave(True)
+    return floats(system.held)[owner] > 0.0
+
+
+@printed
+def first_zero(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on [0, 1] the cubic with these values and rates at 0 and 1 becomes negative.
 
     The place 0 itself counts as positive.
     """
     change = end - start
     c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
-    low, high = 0.0, 1.0
-    for _ in range(50):
+    low, high = code.variable(0.0), code.variable(1.0)
+    with code.count(50):
         x = 0.5 * (low + high)
-        if start + x * (rise + x * (c2 + x * c3)) > 0.0:
-            low = x
-        else:
-            high = x
+        with code.when(start + x * (rise + x * (c2 + x * c3)) > 0.0) as case:
+            low.set(x)
+        with case.otherwise():
+            high.set(x)
     return 0.5 * (low + high)
 
 
-@compiled
-def least_place(start: float, rise: float, end: float, fall: float) -> float:
+@printed
+def least_place(code: Procedure, start: Real, rise: Real, end: Real, fall: Real) -> Real:
     """Where on [0, 1] such a cubic, which falls at 0 and rises at 1, is least."""
     change = end - start
     c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
-    low, high = 0.0, 1.0
-    for _ in range(30):
+    low, high = code.variable(0.0), code.variable(1.0)
+    with code.count(30):
         x = 0.5 * (low + high)
-        if rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0:
-            low = x
-        else:
-            high = x
+        with code.when(rise + x * (2.0 * c2 + x * 3.0 * c3) < 0.0) as case:
+            low.set(x)
+        with case.otherwise():
+            high.set(x)
     return 0.5 * (low + high)
 
 
-@compiled
-def try_part(
-    system: SystemView, table: TableView, record: Record, t: float, h: float, part: float
-) -> bool:
+def try_part(system: Any, table: Any, record: Any, t: Real, h: Real, part: Any) -> Truth:
     """Repeat a step in part; whether that is possible."""
     integers(record.counters)[EVALUATIONS] += table.end
     return try_step(system, t, part * h, t + part * h) == 0
 
 
-@compiled
+@printed
 def locate(
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    modes: int,
-    switch: int,
-    t: float,
-    h: float,
-    part: float,
-) -> float:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    modes: Whole, switch: Whole, t: Real, h: Real, part: Real,
+) -> Real:  # fmt: skip
     """Fraction of a step at which a function crosses zero, which is negative at `part` of it.
 
     The workspace is left with the step up to there.
     """
-    low, high = 0.0, part
-    start, rise = seen(system, modes, 0, switch)
-    end, fall = seen(system, modes, table.end, switch)
-    rise, fall = rise * h, fall * h
-    if start <= 0.0 and rise <= 0.0:  # as a run begins that ended here
-        try_part(system, table, record, t, h, 0.0)
-        return 0.0
-    width, theta, last = high - low, high, abs(end)
-    for search in range(SEARCHES):
-        theta = low + width * first_zero(start, width * rise, end, width * fall)
-        if search % 4 == 3:  # in case that cubics say nothing
-            theta = 0.5 * (low + high)
-        if not try_part(system, table, record, t, h, theta):
-            high = theta
-            width = high - low
-            continue
-        here, rate = seen(system, modes, table.end, switch)
-        rate *= h
-        if here == 0.0 or abs(here) <= EXACT * abs(rate):
-            break
-        if here > 0.0:
-            low, start, rise = theta, here, rate
-        else:
-            high, end, fall = theta, here, rate
+    start, rise = map(code.variable, seen(system, modes, 0, switch))
+    end, fall = map(code.variable, seen(system, modes, table.end, switch))
+    rise.set(rise * h)
+    fall.set(fall * h)
+    with code.when((start <= 0.0) & (rise <= 0.0)):  # as a run begins that ended here
+        try_part(system, table, record, t, h, code.value(0.0))
+        code.leave(0.0)
+    low, high = code.variable(0.0), code.variable(part)
+    theta, last = code.variable(part), code.variable(abs(end))
+    with code.count(SEARCHES) as search:
         width = high - low
+        theta.set(low + width * first_zero(start, width * rise, end, width * fall))
+        with code.when(search % 4 == 3):  # in case that cubics say nothing
+            theta.set(0.5 * (low + high))
+        with code.when(~try_part(system, table, record, t, h, theta)):
+            high.set(theta)
+            code.again()
+        here, rate = seen(system, modes, table.end, switch)
+        rate = rate * h
+        with code.when((here == 0.0) | (abs(here) <= EXACT * abs(rate))):
+            code.stop()
+        with code.when(here > 0.0) as case:
+            low.set(theta)
+            start.set(here)
+            rise.set(rate)
+        with case.otherwise():
+            high.set(theta)
+            end.set(here)
+            fall.set(rate)
         # where the function is round-off alone it ceases to shrink
-        if width < EXACT or (abs(here) >= 0.5 * last and abs(here) < ROUND_OFF * abs(rate)):
-            break
-        last = abs(here)
-    return theta
+        stays = (abs(here) >= 0.5 * last) & (abs(here) < ROUND_OFF * abs(rate))
+        with code.when((high - low < EXACT) | stays):
+            code.stop()
+        last.set(abs(here))
+    return code.value(theta)
 
 
-@compiled
+@printed
 def crossing(
-    system: SystemView,
-    table: TableView,
-    record: Record,
-    modes: int,
-    switch: int,
-    t: float,
-    h: float,
-    part: float,
-) -> float:
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    modes: Whole, switch: Whole, t: Real, h: Real, part: Real,
+) -> Real:  # fmt: skip
     """Fraction of a step at which a mode changes before `part` of it, which is in the workspace.
 
     If there is one the workspace is left with the step up to there, otherwise with any.
@@ -164,47 +187,67 @@ def crossing(
     end, fall = seen(system, modes, table.end, switch)
     rise, fall = rise * h, fall * h
     # where another change makes the step short, what began it is a round-off below zero
-    slack = max(ROUND_OFF * rise, -2.0 * start)
-    if end < 0.0:
-        if rise > 0.0 and fall > 0.0 and start < slack and -end < slack:
-            return GO_ON
-        return locate(system, table, record, modes, switch, t, h, part)
-    if start > 0.0 and rise < 0.0 and fall > 0.0:
-        low, high = 0.0, part
-        for _ in range(DIPS):
-            width = high - low
-            # it falls no deeper than where the tangents meet
-            if start + rise * (end - width * fall - start) / (rise - fall) >= 0.0:
-                return GO_ON
-            theta = low + width * least_place(start, width * rise, end, width * fall)
-            if not try_part(system, table, record, t, h, theta):
-                return GO_ON
-            here, rate = seen(system, modes, table.end, switch)
-            if here < 0.0:
-                return locate(system, table, record, modes, switch, t, h, theta)
-            if rate * h < 0.0:
-                low, start, rise = theta, here, rate * h
-            else:
-                high, end, fall = theta, here, rate * h
-        return GO_ON
-    least = -max(slack, BELOW * (abs(start) + end))
-    for row in range(1, table.end):
+    slack = larger_of(ROUND_OFF * rise, -2.0 * start)
+    with code.when(end < 0.0):
+        begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
+        with code.when(begins):
+            code.leave(GO_ON)
+        code.leave(locate(system, table, record, modes, switch, t, h, part))
+    with code.when((start > 0.0) & (rise < 0.0) & (fall > 0.0)):
+        code.leave(dip(system, table, record, modes, switch, t, h, part, start, rise, end, fall))
+    least = -larger_of(slack, BELOW * (abs(start) + end))
+    with code.count(table.end - 1) as before:
+        row = before + 1
         here, _ = seen(system, modes, row, switch)
-        if here < least:
+        with code.when(here < least):
             theta = floats(table.c)[row] * part
-            if not 0.0 < theta < part or not try_part(system, table, record, t, h, theta):
-                return GO_ON
+            with code.when(~((theta > 0.0) & (theta < part))):
+                code.leave(GO_ON)
+            with code.when(~try_part(system, table, record, t, h, theta)):
+                code.leave(GO_ON)
             here, _ = seen(system, modes, table.end, switch)
-            if here < 0.0:
-                return locate(system, table, record, modes, switch, t, h, theta)
-            return GO_ON
-    return GO_ON
+            with code.when(here < 0.0):
+                code.leave(locate(system, table, record, modes, switch, t, h, theta))
+            code.leave(GO_ON)
+    return code.value(GO_ON)
 
 
-@compiled
+@printed
+def dip(
+    code: Procedure, system: SystemView, table: TableView, record: Record,
+    modes: Whole, switch: Whole, t: Real, h: Real, part: Real,
+    at_start: Real, falls: Real, at_end: Real, rises: Real,
+) -> Real:  # fmt: skip
+    """Such a fraction, of a function that falls at the start of a step and rises at its end."""
+    start, rise, end, fall = map(code.variable, (at_start, falls, at_end, rises))
+    low, high = code.variable(0.0), code.variable(part)
+    with code.count(DIPS):
+        width = high - low
+        # it falls no deeper than where the tangents meet
+        with code.when(start + rise * (end - width * fall - start) / (rise - fall) >= 0.0):
+            code.leave(GO_ON)
+        theta = low + width * least_place(start, width * rise, end, width * fall)
+        with code.when(~try_part(system, table, record, t, h, theta)):
+            code.leave(GO_ON)
+        here, rate = seen(system, modes, table.end, switch)
+        with code.when(here < 0.0):
+            code.leave(locate(system, table, record, modes, switch, t, h, theta))
+        with code.when(rate * h < 0.0) as case:
+            low.set(theta)
+            start.set(here)
+            rise.set(rate * h)
+        with case.otherwise():
+            high.set(theta)
+            end.set(here)
+            fall.set(rate * h)
+    return code.value(GO_ON)
+
+
+@printed
 def unresolved(
-    system: SystemView, table: TableView, switches: SwitchesView, switch: int, h: float
-) -> bool:
+    code: Procedure, system: SystemView, table: TableView, switches: SwitchesView,
+    switch: Whole, h: Real,
+) -> Truth:  # fmt: skip
     """Whether a function varies so much within a step that its ends do not say if it crosses zero.
 
     At stages it is then far from the cubic through both ends, beside its own variation.
@@ -213,71 +256,70 @@ def unresolved(
     end, fall = seen(system, switches.modes, table.end, switch)
     rise, fall, change = h * rise, h * fall, end - start
     c2, c3 = 3.0 * change - 2.0 * rise - fall, rise + fall - 2.0 * change
-    low, high, apart = min(start, end), max(start, end), 0.0
-    for k in range(switches.compared):
+    low, high = code.variable(smaller_of(start, end)), code.variable(larger_of(start, end))
+    apart = code.variable(0.0)
+    with code.count(switches.compared) as k:
         row = integers(switches.rows)[k]
         x = floats(table.c)[row]
         here, _ = seen(system, switches.modes, row, switch)
-        apart = max(apart, abs(here - (start + x * (rise + x * (c2 + x * c3)))))
-        low, high = min(low, here), max(high, here)
-    return apart > UNLIKE * (high - low) and low < FAR * apart
+        cubic = fused(x, fused(x, fused(x, c3, c2), rise), start)
+        apart.set(larger_of(apart, abs(here - cubic)))
+        low.set(smaller_of(low, here))
+        high.set(larger_of(high, here))
+    return (apart > UNLIKE * (high - low)) & (low < FAR * apart)
 
 
-@compiled
-def look(context: int, t: float, h: float, t_end: float) -> float:
+@printed
+def look(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:
     """Find the first change of a mode within the accepted step in the workspace.
 
     Returns the fraction of the step, with the workspace holding the step up to there; or GO_ON,
     with the workspace as it was; or a number below zero where the step is too long to say.
     """
-    system = system_at(context)
-    table = table_at(context + WORD * SYSTEM_WORDS)
-    record = record_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS))
-    switches = switches_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS))
-    active, held = integers(switches.active), floats(system.held)
+    system, table = system_at(context), table_at(context)
+    record, switches = record_at(context), switches_at(context)
     evaluations, halved = integers(record.counters), integers(switches.halved)
-    if halved[0] < HALVINGS:
-        for switch in range(switches.modes):
-            watched = active[switch] < 0 or held[active[switch]] > 0.0
-            if watched and unresolved(system, table, switches, switch, h):
-                halved[0] += 1
-                return -1.0
+    with code.when(halved[0] < HALVINGS), code.count(switches.modes) as k:
+        watched = is_watched(system, switches, k)
+        with code.when(watched), code.when(unresolved(system, table, switches, k, h)):
+            halved[0] += 1
+            code.leave(-1.0)
     halved[0] = 0
-    part, last, switch = 1.0, -1, 0
-    while switch < switches.modes:
-        watched = active[switch] < 0 or held[active[switch]] > 0.0
-        if watched and switch != last:
+    part, last, switch = code.variable(1.0), code.variable(-1), code.variable(0)
+    with code.during(lambda: switch < switches.modes):
+        with code.when(is_watched(system, switches, switch) & (switch != last)):
             before = evaluations[EVALUATIONS]
             found = crossing(system, table, record, switches.modes, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
-            if found <= part if last < 0 else found < (1.0 - EXACT) * part:
-                part, last, switch = found, switch, 0
-                continue
-            if evaluations[EVALUATIONS] != before:
+            sooner = choose(last < 0, found <= part, found < (1.0 - EXACT) * part)
+            with code.when(sooner):
+                part.set(found)
+                last.set(switch)
+                switch.set(0)
+                code.again()
+            with code.when(evaluations[EVALUATIONS] != before):
                 evaluations[EVALUATIONS] += table.end
-                try_step(system, t, part * h, t_end if last < 0 else t + part * h)
-        switch += 1
-    if last < 0:
-        return GO_ON
+                until = choose(last < 0, t_end, t + part * h)
+                try_step(system, t, part * h, until)
+        switch.set(switch + 1)
+    with code.when(last < 0):
+        code.leave(GO_ON)
     integers(switches.pending)[0] = last
-    return part
+    return code.value(part)
 
 
-@compiled
-def guess(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
+@printed
+def guess(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:  # noqa: ARG001
     """About at which fraction of the rejected step in the workspace the first mode changes.
 
     A little behind it; more than 1 where none does.
     """
-    system = system_at(context)
-    table = table_at(context + WORD * SYSTEM_WORDS)
-    switches = switches_at(context + WORD * (SYSTEM_WORDS + TABLE_WORDS + RECORD_WORDS))
-    active, held = integers(switches.active), floats(system.held)
-    part = GO_ON
-    for switch in range(switches.modes):
-        if active[switch] < 0 or held[active[switch]] > 0.0:
-            start, rise = seen(system, switches.modes, 0, switch)
-            end, fall = seen(system, switches.modes, table.end, switch)
-            if start > 0.0 and end < 0.0:
-                part = min(part, BEHIND * first_zero(start, h * rise, end, h * fall))
-    return part
+    system, table, switches = system_at(context), table_at(context), switches_at(context)
+    part = code.variable(GO_ON)
+    with code.count(switches.modes) as switch, code.when(is_watched(system, switches, switch)):
+        start, rise = seen(system, switches.modes, 0, switch)
+        end, fall = seen(system, switches.modes, table.end, switch)
+        with code.when((start > 0.0) & (end < 0.0)):
+            zero = first_zero(start, h * rise, end, h * fall)
+            part.set(smaller_of(part, BEHIND * zero))
+    return code.value(part)

@@ -3,8 +3,7 @@
 The steps go on: nothing ends at such a time. Tangents obey linear equations, so what is done to
 them at a sample within a step may as well be done to those at its end. In between they are brought
 back at the end of a step wherever they have come so far apart that errors of a step would show in
-the shortest of them, so that exponents do not depend on how far samples are apart. Compiled by the
-first run that has tangents.
+the shortest of them, so that exponents do not depend on how far samples are apart.
 
 References
 ----------
@@ -15,13 +14,26 @@ References
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    floats,
+    integers,
+    larger_of,
+    library,
+    root_of,
+    smaller_of,
+)
+from linkages.kernel.code.printed import printed
+from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.renormalisation import MOST_DOUBT
-from linkages.solvers.steps.compiled import compiled, floats, integers, tuple_at
-from linkages.solvers.steps.stages import evaluate, set_clock
+from linkages.solvers.steps.stages import evaluate_at
 from linkages.solvers.steps.views import EVALUATIONS, SAMPLES, WORD, Record, SystemView, Tangents
 
-system_at, record_at, tangents_at = tuple_at(SystemView), tuple_at(Record), tuple_at(Tangents)
 SYSTEM_WORDS, RECORD_WORDS = len(SystemView._fields), len(Record._fields)
 
 # What is left of a tangent that has shrunk this far beside others is their round-off to so many
@@ -32,143 +44,168 @@ MOST_LOST = 1e-8
 TAKEN = 1e-7
 
 
-@compiled
-def product(n: int, size: int, placed: int, one: int, other: int) -> float:
+@printed
+def product(
+    code: Procedure, n: Whole, size: Whole, placed: Whole, one: Whole, other: Whole
+) -> Real:
     """Scalar product of two tangents at their addresses: places, then n words on their rates.
 
     Places behind the first `placed` ones mean nothing.
     """
-    a, b = floats(one), floats(other)
-    total = 0.0
-    for i in range(placed):
-        total += a[i] * b[i] + a[n + i] * b[n + i]
-    for i in range(placed, size):
-        total += a[n + i] * b[n + i]
-    return total
+    a, b, total = floats(one), floats(other), code.variable(0.0)
+    with code.count(placed) as i:
+        total.set(total + (a[i] * b[i] + a[n + i] * b[n + i]))
+    with code.count(size - placed) as k:
+        i = placed + k
+        total.set(total + a[n + i] * b[n + i])
+    return code.value(total)
 
 
-@compiled
-def subtract(n: int, parts: int, size: int, factor: float, one: int, other: int) -> None:
+@printed
+def subtract(
+    code: Procedure, n: Whole, parts: Whole, size: Whole, factor: Real, one: Whole, other: Whole
+) -> None:
     """Subtract a multiple of a tangent from another one, with their rates."""
     a, b = floats(one), floats(other)
-    for part in range(parts):
-        for i in range(size):
-            b[part * n + i] -= factor * a[part * n + i]
+    with code.count(parts) as part, code.count(size) as i:
+        b[part * n + i] -= factor * a[part * n + i]
 
 
-@compiled
-def scale(n: int, parts: int, size: int, factor: float, one: int) -> None:
+@printed
+def scale(code: Procedure, n: Whole, parts: Whole, size: Whole, factor: Real, one: Whole) -> None:
     """Multiply a tangent with its rates."""
     a = floats(one)
-    for part in range(parts):
-        for i in range(size):
-            a[part * n + i] *= factor
+    with code.count(parts) as part, code.count(size) as i:
+        a[part * n + i] *= factor
 
 
-@compiled
-def renormalise(system: SystemView, tangents: Tangents, samples: int, count: int) -> float:
+@printed
+def orthogonalise(
+    code: Procedure, system: SystemView, tangents: Tangents,
+    samples: Whole, count: Whole, column: Whole,
+) -> None:  # fmt: skip
+    """Subtract from a tangent its parts along those before it, at all samples and in row 0."""
+    n, size, memories = system.n, tangents.size, tangents.memories
+    begin = WORD * (n - tangents.columns * size)
+    here, first = system.rows + begin, samples + begin
+    at, own = choose(count > 0, first, here), WORD * column * size
+    moved = floats(tangents.moved)
+    with code.count(column) as before:
+        other = WORD * before * size
+        factor = product(n, size, tangents.placed, at + other, at + own)
+        with code.count(count) as k:
+            later = first + WORD * 2 * n * k
+            subtract(n, 2, size, factor, later + other, later + own)
+        subtract(n, 3, size, factor, here + other, here + own)
+        with code.count(memories) as r:
+            moved[column * memories + r] -= factor * moved[before * memories + r]
+
+
+@printed
+def shorten(
+    code: Procedure, system: SystemView, tangents: Tangents,
+    samples: Whole, count: Whole, column: Whole, length: Real,
+) -> None:  # fmt: skip
+    """Divide a tangent by its length, at all samples and in row 0; by infinity it is taken away."""
+    n, size, memories = system.n, tangents.size, tangents.memories
+    own = WORD * (n - tangents.columns * size + column * size)
+    with code.count(count) as k:
+        scale(n, 2, size, 1.0 / length, samples + own + WORD * 2 * n * k)
+    scale(n, 3, size, 1.0 / length, system.rows + own)
+    with code.count(memories) as r:
+        floats(tangents.moved)[column * memories + r] /= length
+
+
+@printed
+def renormalise(
+    code: Procedure, system: SystemView, tangents: Tangents, samples: Whole, count: Whole
+) -> Real:
     """Renormalise tangents at the first of some samples, in row 0 where there are none.
 
-    Those at the other samples and in row 0 follow. Adds the logarithms of their lengths to what
-    they have grown by, −∞ where a contact has taken a tangent away; returns the least length.
+    Those at the other samples and in row 0 follow, and what is remembered, which belongs to the
+    state, but has no part in lengths. Adds the logarithms of their lengths to what they have grown
+    by, −∞ where a contact has taken a tangent away; returns the least length.
     """
-    least = math.inf
     n, size, placed = system.n, tangents.size, tangents.placed
-    begin = WORD * (n - tangents.columns * size)
-    stride = WORD * 2 * n
-    here, first = system.rows + begin, samples + begin
-    at = first if count > 0 else here
-    grown = floats(tangents.grown)
-    # of what is remembered: it belongs to the state, but has no part in lengths
-    memories, moved = tangents.memories, floats(tangents.moved)
-    for column in range(tangents.columns):
-        own = WORD * column * size
-        total = 1.0
-        whole = product(n, size, placed, at + own, at + own) if tangents.loses > 0 else 0.0
-        for _ in range(1 + tangents.orthogonal):
-            for before in range(column * tangents.orthogonal):
-                other = WORD * before * size
-                factor = product(n, size, placed, at + other, at + own)
-                for k in range(count):
-                    later = first + stride * k
-                    subtract(n, 2, size, factor, later + other, later + own)
-                subtract(n, 3, size, factor, here + other, here + own)
-                for r in range(memories):
-                    moved[column * memories + r] -= factor * moved[before * memories + r]
-            length = math.sqrt(product(n, size, placed, at + own, at + own))
-            total *= length
-            taken = tangents.loses > 0 and total <= TAKEN * max(1.0, math.sqrt(whole))
-            factor = 0.0 if taken else 1.0 / length
-            for k in range(count):
-                scale(n, 2, size, factor, first + stride * k + own)
-            scale(n, 3, size, factor, here + own)
-            for r in range(memories):
-                place = column * memories + r
-                moved[place] = 0.0 if taken else moved[place] / length
-            if taken:
-                total = 0.0
-                break
-        if total > 0.0:
-            grown[column] += math.log(total)
-            least = min(least, total)
-        else:
+    at = choose(count > 0, samples, system.rows) + WORD * (n - tangents.columns * size)
+    least, grown = code.variable(math.inf), floats(tangents.grown)
+    with code.count(tangents.columns) as column:
+        own = at + WORD * column * size
+        total, whole = code.variable(1.0), product(n, size, placed, own, own)
+        with code.count(1 + tangents.orthogonal):
+            with code.when(tangents.orthogonal != 0):
+                orthogonalise(system, tangents, samples, count, column)
+            length = code.variable(root_of(product(n, size, placed, own, own)))
+            total.set(total * length)
+            taken = (tangents.loses > 0) & (total <= TAKEN * larger_of(root_of(whole), 1.0))
+            with code.when(taken):
+                total.set(0.0)
+                length.set(math.inf)
+            shorten(system, tangents, samples, count, column, length)
+            with code.when(taken):
+                code.stop()
+        with code.when(total > 0.0) as case:
+            grown[column] += library("log", total)
+            least.set(smaller_of(least, total))
+        with case.otherwise():
             grown[column] = -math.inf
-    return least
+    return code.value(least)
 
 
-@compiled
-def stretched(system: SystemView, tangents: Tangents) -> bool:
+@printed
+def stretched(code: Procedure, system: SystemView, tangents: Tangents) -> Truth:
     """Whether errors of the next steps would show in the shortest tangent in row 0."""
     n, size, columns = system.n, tangents.size, tangents.columns
     here, width = floats(system.rows + WORD * (n - columns * size)), columns * size
-    copy = floats(tangents.copy)
-    for i in range(width):
+    copy, placed = floats(tangents.copy), tangents.placed
+    with code.count(width) as i:
         copy[i], copy[width + i] = here[i], here[n + i]
-    least, longest = math.inf, 0.0
-    for column in range(columns):
+    least, longest = code.variable(math.inf), code.variable(0.0)
+    with code.count(columns) as column:
         own = tangents.copy + WORD * column * size
-        for before in range(column * tangents.orthogonal):
+        with code.count(column * tangents.orthogonal) as before:
             other = tangents.copy + WORD * before * size
-            square = product(width, size, tangents.placed, other, other)
-            if square > 0.0:
-                factor = product(width, size, tangents.placed, other, own) / square
+            square = product(width, size, placed, other, other)
+            with code.when(square > 0.0):
+                factor = product(width, size, placed, other, own) / square
                 subtract(width, 2, size, factor, other, own)
-        length = math.sqrt(product(width, size, tangents.placed, own, own))
-        longest = max(longest, length)
-        if length > 0.0 or tangents.loses == 0:
-            least = min(least, length)
+        length = root_of(product(width, size, placed, own, own))
+        longest.set(larger_of(longest, length))
+        with code.when((length > 0.0) | (tangents.loses == 0)):
+            least.set(smaller_of(least, length))
     rtol, atol = floats(tangents.tolerances)[0], floats(tangents.tolerances)[1]
-    return least > 0.0 and max(rtol * longest, atol) > MOST_DOUBT * least
+    doubt = larger_of(rtol * longest, atol)
+    return (least > 0.0) & (doubt > MOST_DOUBT * least)
 
 
-@compiled
-def renew(system: SystemView, record: Record, t: float) -> None:
+def renew(system: Any, record: Any, t: Real) -> None:
     """Evaluate row 0 again."""
     integers(record.counters)[EVALUATIONS] += 1
-    set_clock(system, t)
-    evaluate(system, 0)
+    evaluate_at(system, t, 0)
 
 
-@compiled
-def watch_tangents(context: int, t: float, h: float, t_end: float) -> float:  # noqa: ARG001
+@printed
+def watch_tangents(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:  # noqa: ARG001
     """Renormalise the tangents at samples that were taken since the last call, and if need be."""
-    system = system_at(context)
-    record = record_at(context + WORD * SYSTEM_WORDS)
-    tangents = tangents_at(context + WORD * (SYSTEM_WORDS + RECORD_WORDS))
+    system = code.fields_at(context, SystemView)
+    record = code.fields_at(context, Record, SYSTEM_WORDS)
+    tangents = code.fields_at(context, Tangents, SYSTEM_WORDS + RECORD_WORDS)
     seen, samples = integers(tangents.seen), integers(record.counters)[SAMPLES]
     grown, columns = floats(tangents.grown), tangents.columns
-    while seen[0] < samples:
+    with code.during(lambda: seen[0] < samples):
         number = seen[0] + tangents.offset + 1
-        if number % tangents.every == 0:
+        with code.when(number % tangents.every == 0):
             state = record.state + WORD * seen[0] * 2 * system.n
             least = renormalise(system, tangents, state, samples - seen[0])
             row = number // tangents.every - 1
-            for column in range(columns):
+            with code.count(columns) as column:
                 floats(tangents.lengths)[row * columns + column] = grown[column]
                 grown[column] = 0.0
-            if least < MOST_LOST:
+            with code.when(least < MOST_LOST):
                 renew(system, record, t_end)
         seen[0] += 1
-    if stretched(system, tangents) and renormalise(system, tangents, 0, 0) < MOST_LOST:
-        renew(system, record, t_end)
-    return 0.0
+    with code.when(stretched(system, tangents)):
+        least = renormalise(system, tangents, code.value(0), 0)
+        with code.when(least < MOST_LOST):
+            renew(system, record, t_end)
+    return code.value(0.0)

@@ -1,0 +1,242 @@
+"""Functions that write themselves: what they compute is what Python computes with numbers."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from linkages.kernel.code.machine import MachineCode
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    choose_of,
+    floats,
+    floor_of,
+    fused,
+    integers,
+    larger_of,
+    library,
+    root_of,
+    rounded,
+    smaller_of,
+    with_sign_of,
+)
+from linkages.kernel.code.printed import printed, text_of
+from linkages.kernel.code.procedure import Procedure
+
+VALUES = [0.0, -0.0, 1.0, -1.5, 2.5, 3.5, 1e-300, -7e200, math.inf, -math.inf, math.nan]
+PAIRS = [(a, b) for a in VALUES for b in VALUES]
+
+
+@cache
+def code_of(function):
+    """Machine code, which lives as long as the tests."""
+    return MachineCode(text_of(function))
+
+
+def compiled(function):
+    return code_of(function).function(function.__name__)
+
+
+def evaluated(function, *given):
+    """What a function of numbers writes to an array, of which it has the address."""
+    found = np.zeros(32)
+    compiled(function)(*given, found.ctypes.data)
+    return found
+
+
+@printed
+def arithmetic(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
+    found = floats(out)
+    results = (
+        a + b, a - b, a * b, a / b, 1.0 + a, 1.0 - a, 2 * a, 1.0 / a, -a, abs(a),
+        smaller_of(a, b), larger_of(a, b), choose(a > b, a, 5.0), with_sign_of(2.0, a), rounded(a),
+        fused(a, b, 0.1),
+    )  # fmt: skip
+    for place, result in enumerate(results):
+        found[place] = result
+
+
+@pytest.mark.parametrize(("a", "b"), PAIRS)
+def test_arithmetic_is_that_of_numpy_to_the_last_bit(a, b):
+    found = evaluated(arithmetic, a, b)
+    with np.errstate(all="ignore"):
+        x, y = np.float64(a), np.float64(b)
+        expected = [
+            x + y, x - y, x * y, x / y, 1.0 + x, 1.0 - x, 2 * x, 1.0 / x, -x, abs(x),
+            y if y < x else x, y if y > x else x, x if x > y else 5.0, np.copysign(2.0, x),
+            np.rint(x),
+        ]  # fmt: skip
+    np.testing.assert_array_equal(found[: len(expected)], expected)
+
+
+def test_a_fused_sum_is_rounded_once():
+    """(1 + ε)(1 - ε) = 1 - ε² differs from 1 by less than half a unit in the last place."""
+    small = 2.0**-30
+    assert evaluated(arithmetic, 1.0 + small, 1.0 - small)[15] == 1.0 + 0.1 - small**2
+    product = printed(exact_product)
+    assert evaluated(product, 1.0 + small, 1.0 - small)[0] == -(small**2)
+
+
+def exact_product(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
+    floats(out)[0] = fused(a, b, -1.0)
+
+
+@printed
+def relations(_code: Procedure, a: Real, b: Real, out: Whole) -> None:
+    found = floats(out)
+    holds = (a < b, a <= b, a > b, a >= b, a == b, a != b)
+    for place, truth in enumerate((*holds, ~holds[0], holds[0] | holds[4], holds[1] & holds[3])):
+        found[place] = truth.real
+
+
+@pytest.mark.parametrize(("a", "b"), PAIRS)
+def test_relations_are_false_of_what_is_no_number(a, b):
+    holds = [a < b, a <= b, a > b, a >= b, a == b, a != b, not a < b, a <= b, a == b]
+    assert evaluated(relations, a, b)[:9].tolist() == [float(x) for x in holds]
+
+
+@printed
+def whole(_code: Procedure, a: Whole, b: Whole, out: Whole) -> None:
+    found = integers(out)
+    results = (a + b, a - b, 3 - a, a * b, a & 7, a >> 1, a % b, a // b, (a < b).whole)
+    for place, result in enumerate(results):
+        found[place] = result
+
+
+def test_integers():
+    found = np.zeros(9, dtype=np.int64)
+    compiled(whole)(45, 7, found.ctypes.data)
+    assert found.tolist() == [52, 38, -42, 315, 5, 22, 3, 6, 0]
+
+
+@printed
+def functions(_code: Procedure, x: Real, out: Whole) -> None:
+    found = floats(out)
+    found[0], found[1], found[2] = root_of(x), floor_of(-x).real, library("atan2", x, 2.0 * x)
+
+
+def test_functions():
+    assert evaluated(functions, 6.25)[:3].tolist() == [2.5, -7.0, math.atan2(1.0, 2.0)]
+
+
+@printed
+def collatz(code: Procedure, start: Whole, most: Whole) -> Whole:
+    """Steps to 1, or -1 if there are too many."""
+    n, steps = code.variable(start), code.variable(0)
+    with code.during(lambda: n != 1):
+        with code.when(steps == most):
+            code.leave(-1)
+        steps.set(steps + 1)
+        with code.when(n % 2 == 0):
+            n.set(n // 2)
+            code.again()
+        n.set(3 * n + 1)
+    return code.value(steps)
+
+
+@pytest.mark.parametrize(("start", "steps"), [(1, 0), (6, 8), (27, 111), (97, -1)])
+def test_loops_that_begin_again_and_functions_that_are_left(start, steps):
+    """Lengths of Collatz' sequences, OEIS A006577."""
+    assert compiled(collatz)(start, 115) == steps
+
+
+@printed
+def below(code: Procedure, limit: Whole, i: Whole) -> Truth:  # noqa: ARG001
+    return i * i < limit
+
+
+@printed
+def squares(code: Procedure, limit: Whole, count: Whole) -> Whole:
+    """Number of square pairs (i, j < i) below a limit, and 1000 where there is none."""
+    found = code.variable(0)
+    with code.count(count) as i:
+        with code.when(~below(limit, i)):
+            code.stop()
+        with code.count(i) as j:
+            with code.when(below(limit, i + j)) as case:
+                found.set(found + 1)
+            with case.otherwise():
+                code.stop()
+    with code.when(found == 0) as case:
+        code.leave(1000)
+    with case.otherwise():
+        code.leave(found)
+    return code.value(0)
+
+
+@pytest.mark.parametrize(("limit", "count"), [(1, 9), (2, 9), (30, 9), (1000, 9), (1000, 0)])
+def test_loops_cases_and_calls(limit, count):
+    pairs = [(i, j) for i in range(count) for j in range(i) if i * i < limit > (i + j) ** 2]
+    assert compiled(squares)(limit, count) == (len(pairs) or 1000)
+
+
+class Sides(NamedTuple):
+    first: int
+    second: int
+    place: int
+
+
+@printed
+def second_side(code: Procedure, sides: Sides, factor: Whole) -> Whole:  # noqa: ARG001
+    return sides.second * factor
+
+
+@printed
+def from_sides(code: Procedure, words: Whole, further: Whole) -> Real:
+    """Fields where the function begins, of a tuple further on, and of one found on the way."""
+    sides = code.fields_at(words, Sides)
+    other = code.fields_at(words, Sides, len(Sides._fields))
+    found = code.fields_at(integers(further)[0], Sides, lasting=False)
+    before = found.first
+    integers(sides.place)[0] = 40
+    return (100 * second_side(sides, other.first) + found.first - before).real
+
+
+def test_fields_of_tuples_at_addresses():
+    target = np.array([4, 0, 0])
+    words = np.array([1, 2, target.ctypes.data, 30, 0, 0])
+    further = np.array([target.ctypes.data])
+    assert compiled(from_sides)(words.ctypes.data, further.ctypes.data) == 6000 + 36
+
+
+@printed
+def confused(_code: Procedure, a: Real, n: Whole) -> Real:
+    return a + n
+
+
+@printed
+def undecided(_code: Procedure, a: Real) -> Real:
+    return a if a > 0.0 else -a
+
+
+@printed
+def short_of_one(_code: Procedure, limit: Whole) -> Truth:
+    return below(limit)
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        (confused, "expected Real, found Whole"),
+        (undecided, "use `Procedure.when`"),
+        (short_of_one, "below takes 2 arguments, found 1"),
+    ],
+)
+def test_what_cannot_be_written(function, message):
+    with pytest.raises(TypeError, match=message):
+        text_of(function)
+
+
+def test_constants_of_both_arms():
+    @printed
+    def sign(_code: Procedure, a: Real) -> Real:
+        return choose_of(Real, a < 0.0, -1, 1)
+
+    assert [compiled(sign)(x) for x in (-3.0, 0.0, 2.0)] == [-1.0, 1.0, 1.0]

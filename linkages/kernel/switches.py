@@ -319,9 +319,20 @@ class Switches:
             affine = all(bend is zero for row in bends for bend in row)
             pairs = zip(slopes[number], effects, strict=True)
             felt = any(slope is not zero and effect is not zero for slope, effect in pairs)
+            if self.switches[number].stick and not affine:
+                self._refuse(number)
             if self.switches[number].stick or (affine and felt):
                 found.append(number)
         return found
+
+    def _refuse(self, number: int) -> None:
+        """Raise where a block in its guide rubs beside other friction that sticks."""
+        model, name = self._model, self.switches[number].name
+        message = (
+            f"{name!r} sticks as well: where two corners of a block hold, nothing says what each "
+            "takes; expected one friction that sticks, and a law such as tanh(v/v0) for others"
+        )
+        raise model.mechanism.error([(rough.path, message) for rough in model.walls.rough.values()])
 
     def sticking(self, changes: list[Scalar]) -> list[Scalar]:
         """`changes` of a model with the values that modes of 0 stand for.

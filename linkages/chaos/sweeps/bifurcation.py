@@ -254,7 +254,7 @@ class _Request(Question):
             count=1,
         )
         exponents = run_exponents(first.system(mechanism), options)
-        return float(exponents.values[0]), float(exponents.errors[0])
+        return exponents.largest
 
 
 @takes(BifurcationOptions)

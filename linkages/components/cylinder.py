@@ -9,7 +9,7 @@ from linkages.components.contributed.component import Component, Section, compon
 from linkages.components.contributed.functions import Function, Number, X, applied
 from linkages.components.contributed.measures import Distance, Load, damper_law
 from linkages.components.contributed.references import References
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Path
 from linkages.components.laws.law import PressureLaw, function_of
 from linkages.components.spring import ends, two_joints
 from linkages.spec import quantities
@@ -36,13 +36,10 @@ class _Cylinder(Component):
         """The joints."""
         return References(joints=ends((*self.path, "between"), self.between))
 
-    def _number(self, key: str) -> Number:
-        return Number(Parameter((*self.path, key), getattr(self, key)))
-
     @property
     def _area(self) -> Function:
         """Of the piston."""
-        return self._number("bore") ** 2 * (math.pi / 4)
+        return self.operand("bore") ** 2 * (math.pi / 4)
 
 
 @component
@@ -139,16 +136,16 @@ class GasCylinder(_Cylinder):
 
     def terms(self) -> tuple[Load, ...]:
         """Over-pressure times area, and the energy of gas and surroundings, zero at `length`."""
-        pressure, volume = self._number("gas_pressure"), self._number("volume")
+        pressure, volume = self.operand("gas_pressure"), self.operand("volume")
         ambient = Number(self.number("ambient"))
-        way = X - self._number("length")
+        way = X - self.operand("length")
         logarithm = applied("log", 1 + self._area * way / volume)
         outside = ambient * self._area * way
         power: Any = logarithm
         if self.exponent == 1.0:
             energy = outside - pressure * volume * logarithm
         else:
-            exponent = self._number("exponent")
+            exponent = self.operand("exponent")
             power = exponent * logarithm
             growth = applied("exp", logarithm - power) - 1
             energy = outside + pressure * volume * growth / (exponent - 1)

@@ -27,7 +27,7 @@ from linkages.components.contributed.listed import ListedComponent, turning, two
 from linkages.components.contributed.measures import Bearing, JointFriction, Load, Slide
 from linkages.components.contributed.references import References
 from linkages.components.contributed.state_laws import negated
-from linkages.components.contributed.terms import Parameter, Path, axis_label
+from linkages.components.contributed.terms import Path, axis_label
 from linkages.spec.quantities import (
     Damping,
     Name,
@@ -95,16 +95,16 @@ class _Dry(ListedComponent):
         size: Function = Number(self.number(self.size))
         if self.static is not None and self.stribeck_speed is not None:
             static = Number(self.number("static"))
-            size = stribeck(size, static, self._number("stribeck_speed"))
+            size = stribeck(size, static, self.operand("stribeck_speed"))
         if self.bristle_stiffness is not None:
             return self._bristles(size, self.bristle_stiffness)
         if self.slip_speed is None:
             return _Law(law=applied("neg", size * applied("sign", V)))
-        return _Law(law=applied("neg", size * applied("tanh", V / self._number("slip_speed"))))
+        return _Law(law=applied("neg", size * applied("tanh", V / self.operand("slip_speed"))))
 
     def _bristles(self, size: Function, stiffness: float) -> _Law:
         path, unit = (*self.path, "bristle"), {"torque": "rad", "force": "m"}[self.size]
-        force = self._number("bristle_stiffness") * value_of(path)
+        force = self.operand("bristle_stiffness") * value_of(path)
         rate = V - force * applied("abs", V) / size
         state = InternalState(path, unit, rate, scale=getattr(self, self.size) / stiffness)
         return _Law(
@@ -112,9 +112,6 @@ class _Dry(ListedComponent):
             stores=constant(0.5) * force * state.value,
             states=(state,),
         )
-
-    def _number(self, key: str) -> Number:
-        return Number(Parameter((*self.path, key), getattr(self, key)))
 
 
 @component
@@ -223,13 +220,10 @@ class _Pressed(ListedComponent):
 
     def _friction(self, *factors: str) -> Function:
         """Return −μ·P·tanh(v/v_slip), with further factors of the definition."""
-        size: Function = self._parameter("coefficient") * PRESSED
+        size: Function = self.operand("coefficient") * PRESSED
         for key in factors:
-            size = self._parameter(key) * size
-        return negated(size * applied("tanh", V / self._parameter("slip_speed")))
-
-    def _parameter(self, key: str) -> Number:
-        return Number(Parameter((*self.path, key), getattr(self, key)))
+            size = self.operand(key) * size
+        return negated(size * applied("tanh", V / self.operand("slip_speed")))
 
 
 @component

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from linkages.components.contributed.component import Section, component
-from linkages.components.contributed.functions import Number, V, constant
+from linkages.components.contributed.functions import V, constant
 from linkages.components.contributed.internal import InternalState, value_of
 from linkages.components.contributed.listed import (
     TURNING,
@@ -22,7 +22,7 @@ from linkages.components.contributed.listed import (
 from linkages.components.contributed.measures import Distance, Load, Measure, Slide, Turn
 from linkages.components.contributed.references import References
 from linkages.components.contributed.state_laws import negated
-from linkages.components.contributed.terms import Parameter, Path
+from linkages.components.contributed.terms import Path
 from linkages.components.spring import ends, two_joints
 from linkages.spec.quantities import (
     Angle,
@@ -43,10 +43,7 @@ class _Series(ListedComponent):
     deflection: float
 
     def _along(self, measure: Measure) -> tuple[Load, ...]:
-        stiffness, damping = (
-            Number(Parameter((*self.path, key), getattr(self, key)))
-            for key in ("stiffness", "damping")
-        )
+        stiffness, damping = self.operand("stiffness"), self.operand("damping")
         path, unit = (*self.path, "deflection"), "rad" if measure.unit == "N m" else "m"
         force = stiffness * value_of(path)
         state = InternalState(path, unit, V - force / damping, initial=self.deflection)

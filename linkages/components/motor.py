@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from linkages.components.contributed.component import Component, Section, component
-from linkages.components.contributed.functions import Function, Number, V
+from linkages.components.contributed.functions import Function, V
 from linkages.components.contributed.functions import constant as constant_of
 from linkages.components.contributed.internal import InternalState, value_of
 from linkages.components.contributed.listed import TURNING
@@ -78,18 +78,15 @@ class _Motor(Component):
             points=((joint, self.bar, self.joint),) if self.joint else (),
         )
 
-    def _number(self, key: str) -> Number:
-        return Number(Parameter((*self.path, key), getattr(self, key)))
-
     def _falling(self, start: Function, fall: Function) -> Function:
         """A torque start − fall·speed of the rotor, both behind the gear."""
-        gear = self._number("gear_ratio")
+        gear = self.operand("gear_ratio")
         return gear * start - gear * gear * fall * V
 
     def _terms(self, law: Function, **electric: Any) -> tuple[Load | Body | Relation, ...]:
         """A torque on the bar, and the rotor itself."""
         against = None if self.against == GROUND else self.against
-        gear, turn = self._number("gear_ratio"), Turn(self.bar, against)
+        gear, turn = self.operand("gear_ratio"), Turn(self.bar, against)
         load = Load(turn, law, self.path, called="motor", applied=True, **electric)
         if self.rotor_inertia == 0 or self.joint is None:
             return (load,)
@@ -98,7 +95,7 @@ class _Motor(Component):
             kind="plate",
             path=self.path,
             points={self.joint: (ZERO, ZERO)},
-            inertia=self._number("rotor_inertia").parameter,
+            inertia=self.operand("rotor_inertia").parameter,
         )
         parts: tuple[tuple[str, Parameter], ...] = ((self.bar, gear.parameter),)
         if against is not None:
@@ -136,7 +133,7 @@ class Motor(_Motor):
 
     def terms(self) -> tuple[Load | Body | Relation, ...]:
         """The torque on the bar, and the rotor if it has inertia."""
-        torque, speed = self._number("stall_torque"), self._number("no_load_speed")
+        torque, speed = self.operand("stall_torque"), self.operand("no_load_speed")
         return self._terms(self._falling(torque, torque / speed))
 
 
@@ -180,13 +177,13 @@ class ElectricMotor(_Motor):
 
         The current is (U − k·ω)/R or, with an inductance, L·di/dt = U − k·ω − R·i.
         """
-        constant, resistance = self._number("torque_constant"), self._number("resistance")
+        constant, resistance = self.operand("torque_constant"), self.operand("resistance")
         voltage = function_of(self.voltage, (*self.path, "voltage"))
         if self.inductance is None:
             fall = constant * constant / resistance
             return self._terms(self._falling(voltage * constant / resistance, fall))
-        inductance, path = self._number("inductance"), (*self.path, "current")
-        gear = self._number("gear_ratio")
+        inductance, path = self.operand("inductance"), (*self.path, "current")
+        gear = self.operand("gear_ratio")
         drop = voltage - constant * gear * V - resistance * value_of(path)
         current = InternalState(path, "A", drop / inductance, initial=self.current)
         stored = constant_of(0.5) * inductance * current.value**2

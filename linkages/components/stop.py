@@ -11,7 +11,7 @@ from typing import ClassVar
 from linkages.components.contributed.component import Section, component
 from linkages.components.contributed.contacts import RigidContact
 from linkages.components.contributed.ends import End
-from linkages.components.contributed.functions import Function, Number, V, X, applied
+from linkages.components.contributed.functions import Function, V, X, applied
 from linkages.components.contributed.listed import (
     ListedComponent,
     reference,
@@ -88,22 +88,19 @@ class _Stop(ListedComponent):
             for limit in [Parameter((*self.path, key), getattr(self, key))]
         )
 
-    def _number(self, key: str) -> Number:
-        return Number(Parameter((*self.path, key), getattr(self, key)))
-
     def _load(self, measure: Measure) -> Load:
         """A spring and a damper at each end, which push back and never pull."""
         depths = []
         if self.upper is not None:
-            depths.append((X - self._number("upper"), -1.0))
+            depths.append((X - self.operand("upper"), -1.0))
         if self.lower is not None:
-            depths.append((self._number("lower") - X, 1.0))
-        stiffness = self._number("stiffness")
+            depths.append((self.operand("lower") - X, 1.0))
+        stiffness = self.operand("stiffness")
         pushes, energies = [], []
         for depth, sense in depths:
             push = stiffness * depth
             if self.damping:
-                push = push - sense * self._number("damping") * V
+                push = push - sense * self.operand("damping") * V
                 push = applied("where", depth, applied("max", push, 0), 0)
                 pushes.append(sense * push)
             else:

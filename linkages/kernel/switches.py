@@ -43,6 +43,8 @@ class Switch:
     stick
         Whether the motion may stay on the zero of its function: where it is pushed back from both
         sides, the mode is 0 and stands for the value between −1 and 1 that keeps the function zero.
+    shakes
+        Whether functions of other switches may jump where this one changes.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Switch:
     active: int | None = None
     jump: tuple[Scalar, ...] = ()
     stick: bool = False
+    shakes: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +102,8 @@ class Switches:
         self._called: dict[str, int] = {}
         self._collecting = 0
         self._coupled = 0
+        self._pressed: list[int] = []
+        self._holds: dict[int, tuple[Scalar, Scalar]] = {}
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
@@ -117,6 +122,7 @@ class Switches:
         active: Scalar | None = None,
         jump: Sequence[Scalar] = (),
         stick: bool = False,
+        shakes: bool = False,
     ) -> Scalar:
         """The mode of a function, +1.0 or −1.0; equal functions have one mode.
 
@@ -138,6 +144,8 @@ class Switches:
             That the motion may stay where the function is zero (Filippov's sliding, Coulomb's
             sticking), for accelerations are affine in the mode there. Where they are so everywhere,
             as those of ``force·mode``, this is found without; `select` on a mode is not.
+        shakes
+            That functions of other switches may jump where this one changes.
         """
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
@@ -156,7 +164,8 @@ class Switches:
             known = len(self.switches)
             self._known[function.index, owner] = known
             behind = (*jump, *self._model.internal) if jump else ()
-            self.switches.append(Switch(self._unused(name), function, owner, behind, stick))
+            own = Switch(self._unused(name), function, owner, behind, stick, shakes)
+            self.switches.append(own)
         self._called.setdefault(name, known)
         return self._model.inputs.mode(known)
 
@@ -175,8 +184,10 @@ class Switches:
         names: Sequence[str],
         active: Sequence[Scalar],
         functions: Callable[[Sequence[Scalar]], Sequence[Scalar]],
+        *,
+        shakes: bool = False,
     ) -> list[Scalar]:
-        """Modes whose functions depend on each other's modes.
+        """Modes whose functions, forces that press, depend on each other's modes.
 
         Parameters
         ----------
@@ -186,6 +197,8 @@ class Switches:
             As `add` takes them, one for each.
         functions
             Of the modes: the functions.
+        shakes
+            As `add` takes it, for all of them.
         """
         if not self._collecting:
             _ = self._model.free_accelerations
@@ -195,11 +208,23 @@ class Switches:
         self._coupled = max(self._coupled, len(names) if len(names) > 1 else 0)
         for name, owner in zip(names, active, strict=True):
             self._called[name] = len(self.switches)
-            self.switches.append(Switch(self._unused(name), zero, self._number(owner)))
+            self._pressed.append(len(self.switches))
+            self.switches.append(
+                Switch(self._unused(name), zero, self._number(owner), shakes=shakes)
+            )
         modes = [self._model.inputs.mode(first + k) for k in range(len(names))]
         for k, function in enumerate(functions(modes), first):
             self.switches[k] = replace(self.switches[k], function=function)
         return modes
+
+    def holds(self, mode: Scalar, over: Scalar, under: Scalar) -> None:
+        """Say what a mode of 0 stands for, a ratio, for forces that know themselves what holds."""
+        if self._collecting:
+            self._holds[self._number(mode)] = over, under
+
+    def stuck(self, mode: Scalar) -> Scalar:
+        """Not negative where a mode is 0."""
+        return 0.5 - mode * mode
 
     def next_mode(self, further: int = 0) -> Scalar:
         """The mode that `add` will give, for a function that depends on its own mode.
@@ -257,16 +282,23 @@ class Switches:
 
         The accelerations have been built.
         """
-        found = self.functions
-        for number, value in self.equivalent.items():
-            within = 1.0 - value * value
-            found[number] = self._model.graph.select(self._stuck(number), within, found[number])
+        found, graph = self.functions, self._model.graph
+        stuck = {k: self.stuck(mode) for k, mode in enumerate(self._modes)}
+        values = dict(self.equivalent)
+        for number, (over, under) in self._holds.items():
+            least = graph.select(stuck[number], self._completed(under), graph.one)
+            values[number] = self._completed(over) / least
+        for number, value in values.items():
+            found[number] = graph.select(stuck[number], 1.0 - value * value, found[number])
         return found
 
-    def _stuck(self, number: int) -> Scalar:
-        """Not negative where a mode is 0."""
-        mode = self._model.inputs.mode(number)
-        return 0.5 - mode * mode
+    @property
+    def _modes(self) -> list[Scalar]:
+        return [self._model.inputs.mode(number) for number in range(len(self.switches))]
+
+    def _completed(self, node: Scalar) -> Scalar:
+        """A node that is affine in modes that stick, with what these stand for."""
+        return node + self.held(node) if self.equivalent else node
 
     def _sticky(self, changes: list[Scalar]) -> list[int]:
         """Switches on whose zeros motions may stay: those whose rates are affine in the mode."""
@@ -276,7 +308,9 @@ class Switches:
         moved = [
             number
             for number, switch in enumerate(self.switches)
-            if not switch.jump and any(slope is not zero for slope in slopes[number])
+            if not switch.jump
+            and number not in self._holds
+            and any(slope is not zero for slope in slopes[number])
         ]
         modes, found = [inputs.mode(number) for number in moved], []
         for number, mode in zip(moved, modes, strict=True):
@@ -285,9 +319,20 @@ class Switches:
             affine = all(bend is zero for row in bends for bend in row)
             pairs = zip(slopes[number], effects, strict=True)
             felt = any(slope is not zero and effect is not zero for slope, effect in pairs)
+            if self.switches[number].stick and not affine:
+                self._refuse(number)
             if self.switches[number].stick or (affine and felt):
                 found.append(number)
         return found
+
+    def _refuse(self, number: int) -> None:
+        """Raise where a block in its guide rubs beside other friction that sticks."""
+        model, name = self._model, self.switches[number].name
+        message = (
+            f"{name!r} sticks as well: where two corners of a block hold, nothing says what each "
+            "takes; expected one friction that sticks, and a law such as tanh(v/v0) for others"
+        )
+        raise model.mechanism.error([(rough.path, message) for rough in model.walls.rough.values()])
 
     def sticking(self, changes: list[Scalar]) -> list[Scalar]:
         """`changes` of a model with the values that modes of 0 stand for.
@@ -306,9 +351,12 @@ class Switches:
                1988; V. I. Utkin, Sliding Modes in Control and Optimization, Springer 1992.
         """
         sticky = self._sticky(changes)
+        may = {*sticky, *self._holds}
+        self.switches = [replace(s, stick=k in may) for k, s in enumerate(self.switches)]
+        if self._holds:  # forces of contacts jump with any other friction
+            self.switches = [replace(s, shakes=s.shakes or s.stick) for s in self.switches]
         if not sticky:
             return changes
-        self.switches = [replace(s, stick=k in sticky) for k, s in enumerate(self.switches)]
         graph, inputs = self._model.graph, self._model.inputs
         modes = [inputs.mode(number) for number in sticky]
         functions = [self.switches[number].function for number in sticky]
@@ -316,13 +364,16 @@ class Switches:
         slopes = derivative(rates, modes)
         matrix, right = [], []
         for row, number in enumerate(sticky):
-            stuck = self._stuck(number)
+            stuck = self.stuck(inputs.mode(number))
             unit = [graph.one if row == column else graph.zero for column in range(len(sticky))]
             pairs = zip(slopes[row], unit, strict=True)
             matrix.append([graph.select(stuck, slope, other) for slope, other in pairs])
             right.append(graph.select(stuck, -rates[row], graph.zero))
         values = [right[0] / matrix[0][0]] if len(sticky) == 1 else graph.solve(matrix, right)
         self.equivalent = dict(zip(sticky, values, strict=True))
+        for number in self._pressed:
+            own = self.switches[number]
+            self.switches[number] = replace(own, function=self._completed(own.function))
         effects = derivative(changes, modes)
         return [
             change + graph.total(e * v for e, v in zip(row, values, strict=True))

@@ -100,6 +100,7 @@ def switching(
         owners=memory.integers(own.owners),
         jumps=memory.integers(own.jumps),
         sticks=memory.integers(own.sticks),
+        shakes=memory.integers(own.shakes),
         transition=memory.integers(transition),
         written=memory.floats(np.zeros(own.written)),
         before=memory.floats(np.zeros(3 * n)),

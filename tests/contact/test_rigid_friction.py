@@ -223,8 +223,6 @@ def test_a_jammed_contact_ends_the_motion():
          "expected no 'static'"),
         ("pin_radius: 0.009, ", "", "missing key 'pin_radius'"),
         ("contact: restitution", "contact: exact, stiffness: 1e9, slip: 1e-3", "has no 'impact'"),
-        ("clearances:", "stops: [{bars: [arm, ground], upper: 3, restitution: 1}]\nclearances:",
-         "several rigid contacts share impacts"),
     ],
 )  # fmt: skip
 def test_what_is_refused(old, new, expected):
@@ -233,12 +231,37 @@ def test_what_is_refused(old, new, expected):
         linkages.compile(linkages.loads(text.replace(old, new)))
 
 
-def test_one_friction_sticks():
-    """Two that stick at once would not be affine in their modes."""
-    text = ENGINE.replace("FRICTION", "pin_radius: 8 mm, friction: 0.2")
-    rough = linkages.loads(f"{text}friction: [{{slider: piston, force: 5 N}}]\n")
-    with pytest.raises(InputError, match=r"depends on 'friction\[0\].*', which sticks as well"):
-        linkages.simulate(rough, end=0.01)
+FREE = (
+    ENGINE.split("drives:")[0].replace("FRICTION", "pin_radius: 8 mm, friction: 0.2")
+    + "free: {crank: {angle: 0.3, speed: 5}}\nassembly: {B: [0.18, 0]}\n"
+)
+
+
+def test_a_slider_that_sticks_beside_a_pin_that_sticks():
+    """Forces of both follow from one system; smooth friction tends to it with its width."""
+    dry, smooth, smoother = (
+        linkages.simulate(
+            linkages.loads(f"{FREE}{key}: [{{slider: piston, {law}}}]\n"), end=0.5, samples=501,
+            outputs="all",
+        )
+        for key, law in (
+            ("friction", "force: 1 N"),
+            ("loads", "force: -1 N*tanh(piston.speed/(2 mm/s))"),
+            ("loads", "force: -1 N*tanh(piston.speed/(0.5 mm/s))"),
+        )
+    )  # fmt: skip
+    data, changes = dry.data, dry.motion.changes
+    assert {name for name in changes if changes[name].count} >= {"gap: touch", "gap: slip"}
+    energy = float(abs(data.kinetic_energy + data.potential_energy).max())
+    assert float(abs(data.energy_residual).max()) < 1e-10 * energy
+    still = np.abs(data.slider_velocity[:, 0]) < 1e-12
+    held = abs(data.clearance_slip[:, 0]) < 1e-12
+    assert still.any()
+    assert held.any()
+    rubbed = abs(data.clearance_friction) - 0.2 * data.clearance_force
+    assert float(rubbed.max()) < 1e-12
+    off = [float(abs(d.data.bar_angle - data.bar_angle).max()) for d in (smooth, smoother)]
+    assert off[1] < 0.4 * off[0] < 0.01
 
 
 def test_exponents_of_a_pin_that_sticks_again_and_again():

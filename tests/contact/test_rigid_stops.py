@@ -5,7 +5,7 @@ import pytest
 from tangent_differences import differences
 
 import linkages
-from linkages.errors import ComputationError, InputError
+from linkages.errors import InputError
 
 G = 9.81
 BALL = f"""
@@ -207,8 +207,14 @@ def test_tangents_through_bounces():
 
 
 def test_a_ball_at_rest_leaves_no_neighbours():
-    with pytest.raises(ComputationError, match="left no neighbours of the motion"):
-        linkages.lyapunov(linkages.loads(BALL + "simulate: {end: 0.1}\n"), periods=64)
+    """Both exponents are −∞, and the verdict on the motion is rest."""
+    data = linkages.lyapunov(linkages.loads(BALL + "simulate: {end: 0.1}\n"), periods=64)
+    assert data.sizes["index"] == 0
+    assert data.attrs["lost"] == 2
+    assert data.attrs["settled"] == 1
+    report = linkages.verdict(linkages.loads(BALL + "simulate: {end: 0.1}\n"), periods=200, skip=0)
+    assert report.verdict == "at rest"
+    assert "all exponents are −∞" in report.reasons[0]
 
 
 def test_a_driven_slider_does_not_bounce():

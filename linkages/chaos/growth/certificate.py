@@ -74,6 +74,8 @@ def certificate(
     skip
         Intervals before its average began.
     """
+    if not exponents.some:
+        return ()
     volumes, intervals = Volumes(tangents.system), len(exponents.growth)
     parts = 1 if volumes.conservative else min(tangents.parts, samples_within(intervals))
     between = tangents.parts // parts

@@ -223,7 +223,7 @@ class _Request(Question):
             count=1,
         )
         exponents = yield from exponents_of(first.system(mechanism), options)
-        return float(exponents.values[0]), float(exponents.errors[0])
+        return exponents.largest
 
 
 @takes(BifurcationOptions)

@@ -172,7 +172,7 @@ class _Mapped(Question):
             exponents = lyapunov_spectrum(
                 grown, intervals=steps[0], interval=steps[1], count=1, skip=skip
             )
-            value, error = float(exponents.values[0]), float(exponents.errors[0])
+            value, error = exponents.largest
             told = sign_of(exponents)
         else:
             deque(grown.grow(skip, steps[1]), maxlen=0)
@@ -215,9 +215,11 @@ def sign_of(exponents: Exponents) -> int:
     length changes by more than that of a power of time while time doubles: regular motions have
     such tangents, and finite-time exponents that are positive but fall to zero.
     """
+    if not exponents.some:
+        return -1
     growth = exponents.growth[:, 0] * np.diff(exponents.times)
     doubling = float(growth[len(growth) // 2 :].sum()) / math.log(2.0)
-    value, error = exponents.values[0], exponents.errors[0]
+    value, error = exponents.largest
     if abs(value) <= BEYOND * error or abs(doubling) <= CHAOTIC_POWER or doubling * value < 0:
         return 0
     return 1 if value > 0 else -1

@@ -175,8 +175,8 @@ def _report(
         tighter={
             "how": _how(tight),
             "verdict": found.verdict_again,
-            "exponent": float(exponents.values[0]),
-            "error": float(exponents.errors[0]),
+            "exponent": exponents.largest[0],
+            "error": exponents.largest[1],
         },
         run={
             "method": solution.motion.method,

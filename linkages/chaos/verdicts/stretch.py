@@ -79,13 +79,13 @@ class Evidence:
 
     @property
     def law(self) -> Verdict:
-        """How tangents grow; those that shrink grow like a power of time, too."""
-        return self._law(1.0)
+        """How tangents grow; those that shrink grow like a power of time, too, and so do none."""
+        return self._law(1.0) if self.exponents.some else Verdict.REGULAR
 
     @property
     def shrinks(self) -> bool:
         """Whether all tangents shrink exponentially: the motion attracts its neighbours."""
-        return self._law(-1.0) is Verdict.CHAOTIC
+        return not self.exponents.some or self._law(-1.0) is Verdict.CHAOTIC
 
     @property
     def neutral(self) -> int:

@@ -72,7 +72,8 @@ def _aperiodic(
 ) -> str | None:
     """Chaotic, quasi-periodic, or neither."""
     exponents, curves = evidence.exponents, evidence.curves
-    significant = exponents.values[0] > SIGNIFICANT * exponents.errors[0]
+    value, error = exponents.largest
+    significant = value > SIGNIFICANT * error
     if evidence.law is Verdict.CHAOTIC:
         return "chaotic" if significant and tested > CHAOTIC_GROWTH else None
     steady = evidence.steady[0] <= DRIFTING
@@ -113,6 +114,8 @@ def transient(evidence: Evidence) -> str:
 
 def _growth(evidence: Evidence) -> str:
     """The largest exponent, and the law of its tangents."""
+    if not evidence.exponents.some:
+        return "Contacts that closed leave no neighbours of the motion: all exponents are −∞."
     how = {
         Verdict.CHAOTIC: "grow exponentially, as along chaotic motions",
         Verdict.REGULAR: "grow like a power of time, as along regular motions",
@@ -120,7 +123,7 @@ def _growth(evidence: Evidence) -> str:
     }[evidence.law]
     if evidence.shrinks:
         how = "shrink exponentially, as along motions that attract their neighbours"
-    value, error = evidence.exponents.values[0], evidence.exponents.errors[0]
+    value, error = evidence.exponents.largest
     return f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents {how}."
 
 

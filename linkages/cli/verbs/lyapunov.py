@@ -46,12 +46,13 @@ def run(request: Request) -> int:
         screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
         cells = [[r["index"], r["sign"], r["value"], f"{r['error']:.2g}"] for r in rows]
         heads = ["exponent", "sign", "value (1/s)", "standard error"]
-        screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
-        screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
+        if rows:
+            screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
+            screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
         if said["lost"]:
             screen.print(
-                f"{said['lost']} more are −∞: rigid contacts that close leave no neighbours off "
-                "their walls"
+                f"{said['lost']}{' more' if rows else ''} are −∞: rigid contacts that close leave "
+                "no neighbours off their walls"
             )
         if "least_touch" in said:
             screen.print(

@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass as validated_dataclass
 
 from linkages.components.contributed.contacts import Contact
 from linkages.components.contributed.ends import End
+from linkages.components.contributed.functions import Number
 from linkages.components.contributed.measures import Friction, Load
 from linkages.components.contributed.references import References
 from linkages.components.contributed.terms import (
@@ -121,6 +122,10 @@ class Component:
     def number(self, key: str) -> Parameter:
         """The number at a key; exactly zero is structure."""
         return Parameter((*self.path, key), getattr(self, key), structural=True)
+
+    def operand(self, key: str) -> Number:
+        """The number at a key in a law; zero is a value like others."""
+        return Number(Parameter((*self.path, key), getattr(self, key)))
 
     def pair(self, values: tuple[float, float], *place: str) -> tuple[Parameter, Parameter]:
         """Two numbers at a place of the entry; exactly zero is structure."""

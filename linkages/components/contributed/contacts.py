@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from linkages.components.contributed.functions import Function
 from linkages.components.contributed.terms import Parameter, Path, Play
@@ -38,6 +39,10 @@ class NormalForce:
     least_rate: Parameter | None = None
 
 
+Impact = Literal["newton", "poisson", "moreau"]
+"""Laws of impacts under friction."""
+
+
 @dataclass(frozen=True)
 class RigidContact:
     """Impacts by which the rate d' of the indentation becomes −e·d', or 0 where that is slow.
@@ -52,15 +57,17 @@ class RigidContact:
         An impact that would bounce with less than this (m/s) closes the contact.
     friction
         Coulomb's coefficient μ of friction; None without any.
-    poisson
-        Whether e is the ratio of the impulses behind and before the end of compression, as
-        Poisson has it; otherwise it is that of the rates. Without friction both are the same.
+    impact
+        With friction, whose e it is, and how an impact goes in which no other contact takes part:
+        the ratio of rates (``newton``) or that of impulses behind and before the end of compression
+        (``poisson``), along the path of impulses; or that of rates, and Coulomb's law for the slip
+        behind (``moreau``).
     """
 
     restitution: Parameter
     least_rate: Parameter
     friction: Parameter | None = None
-    poisson: bool = False
+    impact: Impact = "newton"
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated
 
 from linkages.components.contributed.component import Component, component
 from linkages.components.contributed.contact_laws import ContactName, contact_laws
-from linkages.components.contributed.contacts import Across, RigidContact
+from linkages.components.contributed.contacts import Across, Impact, RigidContact
 from linkages.components.contributed.friction_laws import (
     FRICTION_KEYS,
     FrictionName,
@@ -83,8 +83,8 @@ class Touching(Component):
     stribeck_speed
         Velocity of slip over which it falls from there, in m/s.
     impact
-        Whose the restitution of a rigid contact with friction is: of rates (``newton``), or of
-        impulses (``poisson``).
+        Whose the restitution of a rigid contact with friction is: of rates (``newton``), of
+        impulses (``poisson``), or of rates with Coulomb's law for the slip behind (``moreau``).
     """
 
     name: Name
@@ -102,7 +102,7 @@ class Touching(Component):
     least_slip: PositiveSpeed | None = None
     static: Ratio | None = None
     stribeck_speed: PositiveSpeed | None = None
-    impact: Literal["newton", "poisson"] = "newton"
+    impact: Impact = "newton"
 
     @property
     def law(self) -> ContactLaw:
@@ -211,7 +211,7 @@ class Touching(Component):
         )
         if isinstance(found, RigidContact) and not self.number("friction").absent:
             friction = Parameter((*self.path, "friction"), self.friction)
-            return replace(found, friction=friction, poisson=self.impact == "poisson")
+            return replace(found, friction=friction, impact=self.impact)
         return found
 
     @property

@@ -6,8 +6,6 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
-from linkages.components.contributed.contacts import RigidContact
-from linkages.components.contributed.ends import End
 from linkages.components.contributed.friction import ambiguity, meeting
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Body, Displacement, Path, Relation
@@ -36,7 +34,6 @@ def findings(components: Sequence[Component], declared: Declared) -> list[Findin
     found += _misplaced_clearances(declared)
     found += _rubbing_in_the_open(declared)
     found += _pressed_in_the_open(declared)
-    found += _rough_with_others(declared)
     found += loose_sliders(declared)
     found += circular_guides(declared)
     found += coordinate_findings(declared)
@@ -186,19 +183,6 @@ def _pressed_in_the_open(declared: Declared) -> list[Finding]:
             )
             found.append((path, message))
     return found
-
-
-def _rough_with_others(declared: Declared) -> Iterator[Finding]:
-    """Friction of a rigid contact that is not the only one."""
-    names = ", ".join(own.name for own in declared.rigid)
-    rough = (own.law if isinstance(own, End) else own.normal for own in declared.rigid)
-    paths = {law.friction.path for law in rough if isinstance(law, RigidContact) and law.friction}
-    for path in sorted(paths, key=str) if len(declared.rigid) > 1 else ():
-        yield (
-            path,
-            f"several rigid contacts share impacts, which friction does not follow: {names}; "
-            "expected no friction, or the law of a force",
-        )
 
 
 def _only_one_at(joint: str, declared: Declared) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
-from linkages.components.contributed.contacts import Contact, RigidContact
+from linkages.components.contributed.contacts import Contact, Geometry, RigidContact
 from linkages.kernel.forces.contacts import ContactNodes
 from linkages.kernel.forces.loads import Acting, Velocities
 from linkages.kernel.forces.rubbing import Rubbing
@@ -67,6 +67,8 @@ class Unilateral(Acting):
         Its numbers.
     rubbing
         Friction along it, if there is any.
+    geometry
+        What touches what; None for ends of ways.
     """
 
     model: Model
@@ -75,6 +77,7 @@ class Unilateral(Acting):
     gap: Touchable
     law: RigidContact
     rubbing: Rubbing | None = None
+    geometry: Geometry | None = None
 
     @property
     def touch(self) -> str:
@@ -96,18 +99,42 @@ class Unilateral(Acting):
         return REST * self._slow
 
     @property
+    def _approach(self) -> Scalar:
+        """The speed; nothing pulls a pin that comes to rest near the wall while it leaves."""
+        return self.graph.select(self.speed, self.speed, self.graph.zero)
+
+    @property
+    def _restitution(self) -> Scalar:
+        return self.model.inputs.parameter(self.law.restitution)
+
+    @property
     def fall(self) -> Scalar:
         """By how much an impact lowers the rate; a slow one closes the contact."""
-        inputs = self.model.inputs
-        # nothing pulls a pin that comes to rest near the wall while it leaves
-        speed = self.graph.select(self.speed, self.speed, self.graph.zero)
-        restitution = inputs.parameter(self.law.restitution)
-        rough = self.rubbing
-        rebound = restitution * speed if rough is None else rough.rebound(restitution, speed)
+        speed, rough = self._approach, self.rubbing
+        if rough is None:
+            return self._falls(speed, self._restitution * speed)
+        return self._falls(speed, rough.rebound(self._restitution, speed))
+
+    @property
+    def shared_fall(self) -> Scalar:
+        """The same by Newton's law in impacts that contacts share."""
+        return self._shared(self._restitution * self._approach)
+
+    @property
+    def stopping_fall(self) -> Scalar:
+        """The same without restitution."""
+        return self._shared(self.graph.zero)
+
+    def _shared(self, rebound: Scalar) -> Scalar:
+        # one that leaves may be kept from it by others, and closes then
+        kept = self.speed - self.slowest
+        return self.graph.select(self.speed, self._falls(self._approach, rebound), kept)
+
+    def _falls(self, speed: Scalar, rebound: Scalar) -> Scalar:
+        """A speed and its rebound; none where that is slow."""
         # a rate of 0 might be one of −1e-20, which is thrown back; it is the same for neighbours
         rest = self.graph.select(self.slowest - speed, speed, self.slowest)
-        rebound = self.graph.select(rebound - self._slow, rebound, -rest)
-        return speed + rebound
+        return speed + self.graph.select(rebound - self._slow, rebound, -rest)
 
     @property
     def together(self) -> Scalar:
@@ -115,16 +142,23 @@ class Unilateral(Acting):
         return self.gap.smooth + TOGETHER * self.gap.size
 
     @property
+    def met(self) -> Scalar:
+        """Not negative where it takes part in an impact, also in its own."""
+        return self.nearness + TOGETHER * self.gap.size
+
+    @property
     def impulses(self) -> list[Scalar]:
-        """Impulses of all contacts in an impact of this one."""
+        """Impulses of all contacts in an impact of this one: normal ones, then frictions."""
         return self.model.walls.impulses(self)
 
     @property
     def rates_behind(self) -> list[Scalar]:
         """Rates of the free coordinates behind an impact."""
-        pairs = list(zip(self.model.walls.moved, self.impulses, strict=True))
-        if self.rubbing is not None:
-            pairs.append((self.rubbing.moved, -self.rubbing.along(self.impulses[0])))
+        walls = self.model.walls
+        impulses, count = self.impulses, len(walls.contacts)
+        pairs = list(zip(walls.moved, impulses[:count], strict=True))
+        rough = zip(walls.rough.values(), impulses[count:], strict=True)
+        pairs += [(rubbing.moved, -impulse) for rubbing, impulse in rough]
         return [
             self.model.inputs.rate(i) - self.graph.total(part[i] * p for part, p in pairs)
             for i in range(len(self.model.topology.free))
@@ -153,10 +187,9 @@ class Unilateral(Acting):
         touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
         least = self.graph.lift(LEAST)
         held = self.graph.select(pressed - least, pressed, least)
-        # beside tangents that friction makes shrink, its own would grow without end
-        alike = self.rubbing is not None
         pace = self.graph.sqrt(held / self.gap.size)
-        swing = self.model.switches.memory(self.touch, pace, alike=alike)
+        # it has no effect on the motion: beside tangents that shrink, its own would grow
+        swing = self.model.switches.memory(self.touch, pace, alike=True)
         settling = swing * (2.0 * self.speed + swing * self.gap.indentation)
         return self.graph.select(touching, pressed + settling, pressed)
 
@@ -170,7 +203,7 @@ class Unilateral(Acting):
     def force(self) -> Scalar:
         """Normal force of a closed contact."""
         walls = self.model.walls
-        return walls.forces[walls.place(self)]
+        return walls.force(walls.place(self))
 
     @property
     def potential(self) -> Scalar:
@@ -190,11 +223,14 @@ class RigidNodes(Unilateral, ContactNodes):
 
     def __init__(self, model: Model, contact: Contact, law: RigidContact) -> None:
         super().__init__(model, contact)
-        self.law, self.name = law, contact.name
+        self.law, self.name, self.geometry = law, contact.name, contact.geometry
         if law.friction is not None:
-            self.rubbing = Rubbing(model, self.name, self.gap, law, law.friction)
+            self.rubbing = Rubbing(self, self.gap, law.friction)
 
     @cached_property
     def friction(self) -> Scalar:
         """Force of friction along the direction of slip."""
-        return self.graph.zero if self.rubbing is None else self.model.walls.rubbed[1]
+        walls = self.model.walls
+        if self.rubbing is None:
+            return self.graph.zero
+        return walls.force(walls.along(walls.place(self)))

@@ -1,4 +1,4 @@
-"""Coulomb friction of a rigid contact: while it is closed, and in its impacts.
+"""Coulomb friction of a rigid contact, and its impacts while no other one touches.
 
 A normal force λ and friction f along the slip change the rate d' of the indentation and the slip
 w by d″ = … − W_nn λ + W_nt f and w' = … − W_nt λ + W_tt f, with the derivatives N and T of
@@ -18,38 +18,32 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from linkages.kernel.graph.differentiation import derivative
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.symmetric import solve_symmetric
 
 if TYPE_CHECKING:
-    from linkages.components.contributed.contacts import RigidContact
     from linkages.components.contributed.terms import Parameter
     from linkages.kernel.forces.gaps import Gap
-    from linkages.kernel.model import Model
+    from linkages.kernel.forces.impacts import Unilateral
 
 
 class Rubbing:
-    """Friction of the only rigid contact of a model.
+    """Friction of a rigid contact, and its impacts while no other one touches.
 
     Parameters
     ----------
-    model, name
-        Whose contact it is, and what modes are called by.
+    contact
+        Whose friction it is.
     gap
         Along which it slips.
-    law
-        Of its impacts.
     friction
         Coulomb's coefficient.
     """
 
-    def __init__(
-        self, model: Model, name: str, gap: Gap, law: RigidContact, friction: Parameter
-    ) -> None:
-        self.model, self.graph, self.name, self.gap, self.law = model, model.graph, name, gap, law
-        self.path = friction.path
-        self.friction = model.inputs.parameter(friction)
+    def __init__(self, contact: Unilateral, gap: Gap, friction: Parameter) -> None:
+        self.model, self.graph, self.gap = contact.model, contact.graph, gap
+        self.contact, self.law, self.path = contact, contact.law, friction.path
+        self.friction = self.model.inputs.parameter(friction)
 
     @cached_property
     def slip(self) -> Scalar:
@@ -57,18 +51,20 @@ class Rubbing:
         return self.gap.slip(self.model.velocities)
 
     @cached_property
-    def _along(self) -> list[Scalar]:
+    def along_slip(self) -> list[Scalar]:
+        """T, the derivatives of the slip by the rates of the free coordinates."""
         return [self.gap.slip(partial) for partial in self.model.partials]
 
     @cached_property
     def moved(self) -> list[Scalar]:
         """J⁻¹Tᵀ."""
-        return solve_symmetric(self.model.mass_matrix, self._along)
+        return solve_symmetric(self.model.mass_matrix, self.along_slip)
 
     @cached_property
     def normal(self) -> Scalar:
         """W_nn."""
-        return self.model.walls.mobility(0, 0)
+        place = self.model.walls.place(self.contact)
+        return self.model.walls.mobility(place, place)
 
     @cached_property
     def mixed(self) -> Scalar:
@@ -79,7 +75,7 @@ class Rubbing:
     @cached_property
     def tangential(self) -> Scalar:
         """W_tt."""
-        found = self.graph.total(a * b for a, b in zip(self._along, self.moved, strict=True))
+        found = self.graph.total(a * b for a, b in zip(self.along_slip, self.moved, strict=True))
         # concentric, as for W_nn: what touches slips
         return self.graph.select(-found, self.graph.one, found)
 
@@ -88,47 +84,6 @@ class Rubbing:
         """Positive where W_nn < μ |W_nt|: no finite force keeps a sliding contact closed."""
         pushed = self.friction * self.mixed
         return pushed * pushed - self.normal * self.normal
-
-    def forces(self, needed: Scalar, touching: Scalar, pressing: Scalar) -> tuple[Scalar, Scalar]:
-        """Normal force and friction along the slip of a closed contact, affine in the mode of slip.
-
-        Parameters
-        ----------
-        needed
-            d″ without contact that they take away.
-        touching, pressing
-            Modes of the contact.
-        """
-        self._sticks_alone(needed)
-        graph, switches = self.graph, self.model.switches
-        jammed = switches.add(f"{self.name}: jam", self.jamming, active=touching)
-        sense = switches.add(f"{self.name}: slip", self.slip, active=pressing, stick=True)
-        pushed = self.friction * self.mixed
-        # infinite where it is jammed, so that the motion ends
-        along, against = (
-            needed / graph.select(jammed, graph.zero, slope)
-            for slope in (self.normal + pushed, self.normal - pushed)
-        )
-        both, more = 0.5 * (along + against), 0.5 * (along - against)
-        force, friction = both + more * sense, -(self.friction * (more + both * sense))
-        return (
-            graph.select(pressing, force, graph.zero),
-            graph.select(pressing, friction, graph.zero),
-        )
-
-    def _sticks_alone(self, needed: Scalar) -> None:
-        """Raise if what keeps the contact closed depends on other friction that may stick."""
-        model = self.model
-        speeds = [model.inputs.rate(i) for i in range(len(model.topology.free))]
-        for number, switch in enumerate(model.switches.switches):
-            ((felt,),) = derivative([needed], [model.inputs.mode(number)])
-            slopes = derivative([switch.function], speeds)[0]
-            if felt is not self.graph.zero and any(s is not self.graph.zero for s in slopes):
-                message = (
-                    f"what presses here depends on {switch.name!r}, which sticks as well; "
-                    "expected one friction that sticks, and a law such as tanh(v/v0) for others"
-                )
-                raise model.mechanism.error([(self.path, message)])
 
     @cached_property
     def _sense(self) -> Scalar:
@@ -181,7 +136,7 @@ class Rubbing:
 
     def rebound(self, restitution: Scalar, speed: Scalar) -> Scalar:
         """Rate at which it leaves, of an impact at a speed."""
-        if self.law.poisson:
+        if self.law.impact == "poisson":
             whole = (1.0 + restitution) * self.impulse(speed)
             beyond = whole - self._until
             later = self._first * self._until + self._second * beyond

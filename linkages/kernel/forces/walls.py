@@ -12,20 +12,27 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from linkages.components.contributed.contacts import CornerAtWall
+from linkages.kernel.forces.collisions import Collision
+from linkages.kernel.forces.resting import Resting
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.symmetric import solve_symmetric
 
 if TYPE_CHECKING:
     from linkages.kernel.forces.impacts import Unilateral
+    from linkages.kernel.forces.rubbing import Rubbing
     from linkages.kernel.model import Model
 
 DEPENDENT = 1e-10
 """Part of W_ii that is left of a pivot below which closed contacts count as dependent."""
+
+PROXIMAL = 1e-7
+"""Part of W_ii by which impulses that depend on each other are told apart."""
 
 
 class Walls:
@@ -41,19 +48,22 @@ class Walls:
 
     def __init__(self, model: Model, contacts: Sequence[Unilateral]) -> None:
         self.model, self.graph, self.contacts = model, model.graph, list(contacts)
+        self.rough: dict[int, Rubbing] = {
+            k: c.rubbing for k, c in enumerate(self.contacts) if c.rubbing is not None
+        }
 
     @cached_property
     def moved(self) -> list[list[Scalar]]:
         """J⁻¹N_iᵀ of all contacts."""
-        return [solve_symmetric(self.model.mass_matrix, own) for own in self._along]
+        return [solve_symmetric(self.model.mass_matrix, own) for own in self._across]
 
     @cached_property
-    def _along(self) -> list[list[Scalar]]:
+    def _across(self) -> list[list[Scalar]]:
         return [[c.gap.rate(partial) for partial in self.model.partials] for c in self.contacts]
 
     def mobility(self, one: int, other: int) -> Scalar:
         """W_ij of two contacts."""
-        pairs = zip(self._along[one], self.moved[other], strict=True)
+        pairs = zip(self._across[one], self.moved[other], strict=True)
         found = self.graph.total(a * b for a, b in pairs)
         if one != other:
             return found
@@ -68,42 +78,144 @@ class Walls:
         """Place of a contact among all."""
         return self.contacts.index(contact)
 
+    def along(self, place: int) -> int:
+        """Place of the friction of a contact among all forces: normal ones, then frictions."""
+        return len(self.contacts) + list(self.rough).index(place)
+
+    def product(self, one: int, other: int) -> Scalar:
+        """By how much a force changes what another one acts along: −d', or the slip."""
+        count, rough = len(self.contacts), list(self.rough)
+        if one < count and other < count:
+            return self.mobility(*sorted((one, other)))
+        if one < count:
+            one, other = other, one
+        own = self.rough[rough[one - count]]
+        if other < count:
+            pairs = zip(self._across[other], own.moved, strict=True)
+            return -self.graph.total(a * b for a, b in pairs)
+        if one == other:
+            return own.tangential
+        pairs = zip(self.rough[rough[other - count]].along_slip, own.moved, strict=True)
+        return self.graph.total(a * b for a, b in pairs)
+
+    def pushed(self, place: int, forces: Sequence[Scalar]) -> Scalar:
+        """By how much forces change −d″, or the rate of a slip; and impulses rates."""
+        return self.graph.total(self.product(place, k) * f for k, f in enumerate(forces))
+
+    def pushed_all(self, forces: Sequence[Scalar]) -> list[Scalar]:
+        """The same of all."""
+        return [self.pushed(place, forces) for place in range(len(forces))]
+
+    def slip_rate(self, place: int) -> Scalar:
+        """Rate of a slip as if no rigid contact pressed."""
+        model, slip = self.model, self.rough[place].slip
+        known = [*model.unheld_accelerations, *([self.graph.zero] * len(model.internal))]
+        return model.switches.rates([slip], model.integrated_accelerations(known))[0]
+
+    def pressed(
+        self,
+        pressing: Sequence[Scalar],
+        senses: Mapping[int, Scalar],
+        stuck: Mapping[int, Scalar],
+        right: Sequence[Scalar],
+        before: Sequence[Scalar] | None = None,
+    ) -> list[Scalar]:
+        """Forces of all contacts, or impulses: normal ones, then frictions.
+
+        Parameters
+        ----------
+        pressing
+            Not negative for contacts that press; others have no forces.
+        senses
+            +1 or −1 for each with friction: that of its slip.
+        stuck
+            Not negative for those that hold; what is missing slips.
+        right
+            What normal forces change −d″ by, and frictions of contacts that hold rates of slips.
+        before
+            If given, of forces that depend on each other those nearest to these are found
+            (proximal point).
+        """
+        graph, count = self.graph, len(self.contacts)
+        size = count + len(self.rough)
+        unit = [[graph.one if i == j else graph.zero for j in range(size)] for i in range(size)]
+        rows, sides = [], []
+
+        def constraint(place: int) -> tuple[list[Scalar], Scalar]:
+            row, side = [self.product(place, j) for j in range(size)], right[place]
+            if before is None:
+                return row, side
+            little = PROXIMAL * row[place]
+            row[place] = row[place] + little
+            return row, side + little * before[place]
+
+        for k, presses in enumerate(pressing):
+            own, side = constraint(k)
+            rows.append(self._either(presses, own, unit[k]))
+            sides.append(graph.select(presses, side, graph.zero))
+        for k, rubbing in self.rough.items():
+            place = self.along(k)
+            slips = list(unit[place])
+            slips[k] = rubbing.friction * senses[k]
+            slips = [rubbing.tangential * value for value in slips]
+            side = graph.zero
+            if k in stuck:
+                held, holding = constraint(place)
+                slips = self._either(stuck[k], held, slips)
+                side = graph.select(stuck[k], holding, side)
+            rows.append(self._either(pressing[k], slips, unit[place]))
+            sides.append(graph.select(pressing[k], side, graph.zero))
+        return graph.solve(rows, sides)
+
+    def _either(self, mode: Scalar, one: list[Scalar], other: list[Scalar]) -> list[Scalar]:
+        return [self.graph.select(mode, a, b) for a, b in zip(one, other, strict=True)]
+
+    def apart(self, one: int, other: int) -> bool:
+        """Whether two contacts never touch at once: corners on one side of a block."""
+        first, second = (self.contacts[k].geometry for k in (one, other))
+        if not (isinstance(first, CornerAtWall) and isinstance(second, CornerAtWall)):
+            return False
+        return first.play == second.play and first.along == second.along
+
     @cached_property
-    def _closed(self) -> list[Scalar]:
+    def closed(self) -> list[Scalar]:
+        """The same before what impacts do is known."""
         return [self.model.switches.add(c.touch, c.nearness) for c in self.contacts]
 
     @cached_property
     def touching(self) -> list[Scalar]:
         """Modes: which contacts are closed."""
-        for mode, contact in zip(self._closed, self.contacts, strict=True):
+        for mode, contact in zip(self.closed, self.contacts, strict=True):
             self.model.switches.jumps(mode, contact.rates_behind)
-        return self._closed
+        return self.closed
 
     @cached_property
     def pressing(self) -> list[Scalar]:
         """Modes: which closed contacts press."""
         names = [f"{c.name}: press" for c in self.contacts]
-        return self.model.switches.together(names, self.touching, self._needed)
+        return self.model.switches.together(
+            names, self.touching, self._needed, shakes=bool(self.rough) and len(names) > 1
+        )
 
     @cached_property
-    def forces(self) -> list[Scalar]:
-        """Forces of closed contacts that press; 0 of others."""
-        if len(self.contacts) == 1 and self.contacts[0].rubbing is not None:
-            return [self.rubbed[0]]
+    def _forces(self) -> list[Scalar]:
+        """Normal forces of all contacts, then frictions."""
+        pressing = self.pressing
+        if self.rough:
+            return Resting(self, pressing).forces
         if len(self.contacts) == 1:
-            (mode,), graph = self.pressing, self.graph
+            (mode,), graph = pressing, self.graph
             return [graph.select(mode, self._needed([mode])[0], graph.zero)]
-        return self._solved(self.pressing)
+        return self._solved(pressing)
 
-    @cached_property
-    def rubbed(self) -> tuple[Scalar, Scalar]:
-        """Normal force and friction of the only contact."""
-        (contact,), (pressing,), (touching,) = self.contacts, self.pressing, self.touching
-        assert contact.rubbing is not None
-        return contact.rubbing.forces(contact.needed, touching, pressing)
+    def force(self, place: int) -> Scalar:
+        """Force of a contact, if it is closed and presses; otherwise 0."""
+        return self._forces[place]
 
     def _needed(self, modes: Sequence[Scalar]) -> list[Scalar]:
-        """The force that would keep each contact closed, where others press as modes say."""
+        """What is positive where a contact has to press, where others do as modes say."""
+        if self.rough:
+            return Resting(self, modes).needed()
         if len(self.contacts) == 1:
             (contact,) = self.contacts
             return [self.mass(0) * contact.needed]
@@ -134,15 +246,36 @@ class Walls:
 
         return found
 
+    @cached_property
+    def _collision(self) -> Collision:
+        return Collision(self)
+
     def impulses(self, contact: Unilateral) -> list[Scalar]:
-        """Impulses of all contacts in an impact of one.
+        """Impulses of all contacts in an impact of one: normal ones, then those of friction.
 
         Others that are closed, or touched at the same time, press as well or part; impulses of
         those that are open are 0. Newton's law holds for all that press [1]_.
         """
-        own = self.place(contact)
-        if contact.rubbing is not None:
-            return [contact.rubbing.impulse(contact.fall)]
+        own, zero = self.place(contact), self.graph.zero
+        if not self.rough:
+            return self._smooth(own)
+        alone = [zero] * (len(self.contacts) + len(self.rough))
+        if (rubbing := contact.rubbing) is None:
+            alone[own] = contact.fall * self.mass(own)
+        else:
+            alone[own] = rubbing.impulse(contact.fall)
+            alone[self.along(own)] = rubbing.along(alone[own])
+        others = [k for k in range(len(self.contacts)) if k != own and not self.apart(own, k)]
+        if contact.law.impact == "moreau":
+            return self._collision.impulses
+        for k in others:
+            there = self._collision.taking[k]
+            alone = self._either(there, self._collision.impulses, alone)
+        return alone
+
+    def _smooth(self, own: int) -> list[Scalar]:
+        """The same without friction."""
+        contact = self.contacts[own]
         if len(self.contacts) == 1:
             return [contact.fall * self.mass(0)]
         others = [k for k in range(len(self.contacts)) if k != own]
@@ -150,10 +283,7 @@ class Walls:
         for pressing in _subsets(others):
             impulses, fits = self._tried(own, pressing)
             chosen = found or impulses
-            found = [
-                self.graph.select(fits, one, other)
-                for one, other in zip(impulses, chosen, strict=True)
-            ]
+            found = self._either(fits, impulses, chosen)
         return found
 
     def _tried(self, own: int, pressing: tuple[int, ...]) -> tuple[list[Scalar], Scalar]:
@@ -169,7 +299,7 @@ class Walls:
         for k, contact in enumerate(self.contacts):
             if k == own:
                 continue
-            there = select(self._closed[k], graph.one, contact.together)
+            there = select(self.closed[k], graph.one, contact.together)
             if k in pressing:
                 holds = select(there, impulses[k], -graph.one)
             else:

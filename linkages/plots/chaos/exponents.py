@@ -20,6 +20,9 @@ HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
 SETTLING = 0.1
 """Part of the run at the beginning that may lie outside the picture."""
 
+NONE = "all exponents are −∞: contacts that closed leave no neighbours"
+"""What is written where there is nothing to draw."""
+
 
 @styled
 def figure(data: xr.Dataset) -> Figure:
@@ -70,8 +73,12 @@ def draw(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
     ax.set_xlabel(scale.label("time"))
     ax.set_ylabel("exponent up to then [1/s]")
-    lines, texts = zip(*entries, strict=True)
-    ax.legend(lines, texts, **legend_above(heading), ncols=2)
+    if entries:
+        lines, texts = zip(*entries, strict=True)
+        ax.legend(lines, texts, **legend_above(heading), ncols=2)
+        return ax
+    ax.set_title(heading)
+    ax.text(0.5, 0.75, NONE, ha="center", va="center", transform=ax.transAxes)
     return ax
 
 
@@ -79,8 +86,8 @@ def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
     """Show what exponents do once they settle; the first of them may be much larger."""
     late = history[int(SETTLING * len(history)) :]
     last = history[-1]
-    low = min(0.0, late.min(), (last - BAND * errors).min())
-    high = max(0.0, late.max(), (last + BAND * errors).max())
+    low = min(late.min(initial=0.0), (last - BAND * errors).min(initial=0.0))
+    high = max(late.max(initial=0.0), (last + BAND * errors).max(initial=0.0))
     margin = 0.06 * (high - low) or 1.0
     ax.set_ylim(low - margin, high + margin)
 

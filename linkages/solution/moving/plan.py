@@ -98,6 +98,7 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         owners=tuple(memory.owner for memory in switches.memories),
         jumps=jump_places(model),
         sticks=tuple(switch.stick for switch in switches.switches),
+        shakes=tuple(switch.shakes for switch in switches.switches),
         free=layout.moved,
         tangents=layout.tangents,
     )

@@ -13,6 +13,7 @@ from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
 from linkages.solution.values.episodes import STATES, Episodes, episodes, rests
+from linkages.solution.values.near_misses import nearest_miss
 
 DEEPEST = 0.1
 """Indentation over size above which the laws of small areas of contact are extrapolated."""
@@ -29,6 +30,9 @@ LASTING = 0.5
 
 GRAZING = 0.01
 """Part of the rate of the touch before it below which a touch grazes: no chatter is that fast."""
+
+MISSED = 0.01
+"""Part of the size that a gap closes to, and opens again, for a motion that nearly touches."""
 
 
 def contact_notes(motion: Motion) -> list[str]:
@@ -58,6 +62,17 @@ def _grazes(found: Episodes, unit: str = "m/s") -> Iterator[str]:
         )
 
 
+def _misses(motion: Motion, nodes: GapNodes, found: Episodes, size: float) -> Iterator[str]:
+    """Where neighbours touch and the motion does not."""
+    miss = nearest_miss(motion, nodes, found)
+    if miss is not None and miss[0] < MISSED * size:
+        gap, time = miss
+        yield (
+            f"{found.name} nearly touches at t = {time:.6g} s: the gap closes to {gap:.3g} m, and "
+            "neighbours that touch the wall move otherwise, so exponents converge slowly"
+        )
+
+
 def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -> Iterator[str]:
     name, normal, size = found.name, contact.normal, contact.size.value
     deepest = max(
@@ -69,6 +84,7 @@ def _notes(motion: Motion, nodes: GapNodes, contact: Contact, found: Episodes) -
         return
     yield f"clearance {name}: {_summary(motion, found)}"
     yield from _grazes(found)
+    yield from _misses(motion, nodes, found, size)
     if deepest > DEEPEST * size:
         yield (
             f"clearance {name}: the indentation reaches {deepest:.3g} m, {deepest / size:.0%} of "

@@ -37,18 +37,16 @@ def losses_of_impacts(motion: Motion) -> Floats:
     """
     walls = motion.pieces[0].system.model.walls
     found = np.zeros((len(motion.time), len(walls.contacts)))
-    speeds = [contact.speed for contact in walls.contacts]
+    count, rough = len(walls.contacts), walls.rough
+    rates = [-contact.speed for contact in walls.contacts]
+    rates += [rubbing.slip for rubbing in rough.values()]
+    places = [*range(count), *rough]
     for contact in walls.contacts:
         for piece, rises in _impacts(motion, contact):
             impulses = evaluate_nodes(piece, contact.impulses)
-            rates = evaluate_nodes(piece, speeds) + evaluate_nodes(behind(piece, contact), speeds)
-            for place, lost in enumerate(0.5 * impulses * rates):
+            both = evaluate_nodes(piece, rates) + evaluate_nodes(behind(piece, contact), rates)
+            for place, lost in zip(places, -0.5 * impulses * both, strict=True):
                 found[:, place] += _since(motion, piece.time[rises], lost[rises])
-            if (rough := contact.rubbing) is not None:
-                rubbed = evaluate_nodes(piece, [rough.along(contact.impulses[0])])
-                slips = (evaluate_nodes(at, [rough.slip]) for at in (piece, behind(piece, contact)))
-                (lost,) = -0.5 * rubbed * sum(slips)
-                found[:, walls.place(contact)] += _since(motion, piece.time[rises], lost[rises])
     return found
 
 

@@ -120,14 +120,36 @@ def wake(
 
 
 @printed
-def rethink(
+def take_side(
     code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
     switch: Whole, forward: Real, t: Real,
 ) -> Whole:  # fmt: skip
-    """Set the modes of functions whose values rates have made jump; returns the kernel's status.
+    """Give a mode that stuck the side to which its function leaves; returns the kernel's status."""
+    held = floats(system.held)
+    functions = floats(functions_of(system, switches.modes, 0))
+    held[switch] = -1.0
+    status = code.variable(arrive_at(system, switches, record, t))
+    down = -forward * functions[switches.modes + switch]
+    held[switch] = 1.0
+    with code.when(status == 0):
+        status.set(arrive_at(system, switches, record, t))
+    up = forward * functions[switches.modes + switch]
+    with code.when((status == 0) & (up < down)):
+        held[switch] = -1.0
+        status.set(arrive_at(system, switches, record, t))
+    return code.value(status)
 
-    One mode after the other, for other functions may depend on it; those that stuck stick no more.
-    Modes with jumps of their own wait for their functions to rise.
+
+@printed
+def rethink(
+    code: Procedure, system: SystemView, switches: SwitchesView, record: Record,
+    switch: Whole, forward: Real, jumped: Truth, t: Real,
+) -> Whole:  # fmt: skip
+    """Set the modes of functions whose values have jumped; returns the kernel's status.
+
+    One mode after the other, for other functions may depend on it. Those that stuck stick no more
+    if rates have jumped, or if that would take more than there is. Modes with jumps of their own
+    wait for their functions to rise.
     """
     held = floats(system.held)
     functions = floats(functions_of(system, switches.modes, 0))
@@ -137,6 +159,10 @@ def rethink(
         with code.count(switches.modes) as k:
             passed = (k == switch) | (integers(switches.jumps)[k] >= 0)
             with code.when(passed | ~is_watched(system, switches, k)):
+                code.again()
+            with code.when((held[k] == 0.0) & ~jumped):
+                with code.when(functions[k] < -GRAZING):
+                    status.set(take_side(system, switches, record, k, forward, t))
                 code.again()
             with code.when(held[k] == 0.0):
                 held[k] = 1.0
@@ -221,17 +247,7 @@ def release(
 ) -> Whole:  # fmt: skip
     """Leave the zero of a function on which the motion has stuck; returns an `Outcome`."""
     held = floats(system.held)
-    functions = floats(functions_of(system, switches.modes, 0))
-    held[switch] = -1.0
-    status = code.variable(arrive_at(system, switches, record, t))
-    down = -forward * functions[switches.modes + switch]
-    held[switch] = 1.0
-    with code.when(status == 0):
-        status.set(arrive_at(system, switches, record, t))
-    up = forward * functions[switches.modes + switch]
-    with code.when((status == 0) & (up < down)):
-        held[switch] = -1.0
-        status.set(arrive_at(system, switches, record, t))
+    status = take_side(system, switches, record, switch, forward, t)
     with code.when(status != 0):
         code.leave(outcome_of(record, status))
     settle(system)
@@ -296,7 +312,9 @@ def change_at(
         with code.when(integers(switches.sticks)[switch] == 0):
             code.leave(SLIDING)
         held[switch] = 0.0
-        status = arrive_at(system, switches, record, t)
+        status = code.variable(arrive_at(system, switches, record, t))
+        with code.when((status == 0) & (integers(switches.shakes)[switch] != 0)):
+            status.set(rethink(system, switches, record, switch, forward, False, t))
         with code.when(status != 0):
             code.leave(outcome_of(record, status))
         # round-off alone may ask for a little more than holds
@@ -326,6 +344,7 @@ def follow(
         status.set(arrive_at(system, switches, record, t))
     with code.when(status == 0), code.when(wake(system, switches, switch, forward)):
         status.set(arrive_at(system, switches, record, t))
-    with code.when((status == 0) & jumps):
-        status.set(rethink(system, switches, record, switch, forward, t))
+    shakes = integers(switches.shakes)[switch] != 0
+    with code.when((status == 0) & (jumps | shakes)):
+        status.set(rethink(system, switches, record, switch, forward, jumps, t))
     return code.value(status)

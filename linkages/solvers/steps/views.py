@@ -178,6 +178,7 @@ class SwitchesView(NamedTuple):
     owners: int  # (memories,) of int64
     jumps: int  # (m,) of int64
     sticks: int  # (m,) of int64, 0 or 1
+    shakes: int  # (m,) of int64, 0 or 1
     transition: int  # (4,) of int64: clock, rates, parameters, timed; zeros if there is none
     written: int  # what it wrote, of float64
     before: int  # (3n,) of float64: state and accelerations before a change

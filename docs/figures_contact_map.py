@@ -13,13 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from figures import STATIC, write_small
+from figures import STATIC
 from figures_contact_published import LAWS, mechanism
 from figures_stability import write
 from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos import maps
+from linkages.plots.figures import write_figure
 from linkages.plots.style import panels, styled
 
 SPEEDS, SIZES = "500rpm:6000rpm", "0.01mm:0.5mm"
@@ -55,7 +56,9 @@ def figure(data: xr.Dataset) -> Figure:
         panel.set_title("")
         if panel.get_legend() is not None:
             panel.get_legend().remove()
-        drawn.colorbar(panel.collections[0], ax=panel, label=text, location="top", pad=0.02)
+        drawn.colorbar(
+            panel.collections[0], ax=panel, label=text, location="top", pad=0.02, format="%g"
+        )
     axes[1].set_ylabel("")
     return drawn
 
@@ -86,7 +89,7 @@ def main() -> None:
     parser.add_argument("--store", type=Path, help="folder that keeps what is done")
     given = parser.parse_args()
     data = computed(given.points, given.store)
-    write_small(figure(data), STATIC / "contact-map.png")
+    write_figure(figure(data), STATIC / "contact-map.png")
     write("contact-map.md", table(data))
 
 

@@ -66,7 +66,8 @@ def touch_page(data: xr.Dataset, contact: str) -> Figure:
     """How often something is touched, as an image with a colour bar, whatever it shows."""
     result, ax, bar = _page(0.0)
     draw_touches(ax, data, contact)
-    result.colorbar(ax.collections[0], cax=bar, label=str(data["touches"].attrs["long_name"]))
+    label = str(data["touches"].attrs["long_name"])
+    result.colorbar(ax.collections[0], cax=bar, label=label, format="%g")
     return result
 
 

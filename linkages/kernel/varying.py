@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from linkages.errors import InputError
 from linkages.kernel.assembly.settling import Settled, Settling
 from linkages.kernel.numbers.parameters import NEAREST, nearest_distance, numbers_in, structure_key
 from linkages.kernel.system import System
+from linkages.reading.columns import Column, values_of
 
 Floats = NDArray[np.float64]
 
@@ -26,6 +27,12 @@ Overrides = Mapping[str, object]
 
 MOST_READ = 4096
 """Components that are remembered: those along the axes of a grid are needed again and again."""
+
+_FEWEST = 8
+"""Mechanisms from which on their numbers are read together."""
+
+_CHECKED = 64
+"""Of numbers that are read together, one in so many is compared with what it is by itself."""
 
 
 class _Read(NamedTuple):
@@ -67,25 +74,42 @@ class _Base:
     def enter(
         self, terms: tuple[Term, ...], numbers: Floats, given: Floats, hints: dict[str, Floats]
     ) -> None:
-        """Enter the numbers of a component."""
+        """Enter the numbers of a component, shape (p,) or (p, sets), and so on."""
         for path, value in numbers_in(terms):
             if path in self.places:
-                numbers[self.places[path]] = value
+                numbers[self.places[path]] = values_of(value)
         for term in terms:
             if isinstance(term, Initial) and term.body in self.coordinates:
                 row = self.coordinates[term.body]
-                given[row], given[self.half + row] = term.position, term.speed
+                given[row] = values_of(term.position)
+                given[self.half + row] = values_of(term.speed)
             elif isinstance(term, Load | JointFriction):
                 for state in term.states:
-                    given[self.half + self.coordinates[state.name]] = state.initial
+                    row = self.half + self.coordinates[state.name]
+                    given[row] = values_of(state.initial)
             elif isinstance(term, Hint) and term.position is not None:
-                hints[term.joint] = np.array(term.position, dtype=float)
+                place = np.broadcast_arrays(*map(values_of, term.position))
+                hints[term.joint] = np.array(place, dtype=float)
+
+    def moves(self, read: Iterable[_Read]) -> bool:
+        """Whether components change how near places may be that round-off alone tells apart."""
+        shapes = (Body, GroundPin, Displacement)
+        terms = (term for found in read for term in found.terms)
+        return NEAREST in self.places and any(isinstance(term, shapes) for term in terms)
 
 
 class _Numbers(NamedTuple):
     """Numbers of a definition with other values, before it is assembled."""
 
     mechanism: Mechanism
+    parameters: Floats
+    given: Floats
+    hints: Mapping[str, Floats]
+
+
+class _Sets(NamedTuple):
+    """Numbers of definitions with other values, one column for each."""
+
     parameters: Floats
     given: Floats
     hints: Mapping[str, Floats]
@@ -99,8 +123,6 @@ class Along:
     ----------
     varying, points
         What is varied, and the overrides of each mechanism.
-    numbers
-        Of each mechanism that differs in numbers only.
     settled
         Those of one structure, column by column; None if there are none.
     columns
@@ -109,7 +131,6 @@ class Along:
 
     varying: Varying
     points: Sequence[Overrides]
-    numbers: Sequence[_Numbers | None]
     settled: Settled | None
     columns: Sequence[int | None]
 
@@ -124,10 +145,11 @@ class Along:
         InputError
             If a path names nothing, a value cannot be used or the mechanism not be assembled.
         """
-        column, numbers = self.columns[index], self.numbers[index]
-        base = self.varying.base
-        if column is None or numbers is None or self.settled is None or base is None:
+        column, base = self.columns[index], self.varying.base
+        if column is None or self.settled is None or base is None:
             return self.varying.built(self.points[index])
+        numbers = self.varying.numbers_at(self.points[index])
+        assert numbers is not None
         return base.system.bound(
             numbers.mechanism,
             numbers.parameters,
@@ -162,7 +184,7 @@ class Varying:
 
     def mechanism_at(self, overrides: Overrides) -> Mechanism:
         """The mechanism with other values; raises as `Mechanism.with_values` does."""
-        found = self._numbers(overrides)
+        found = self.numbers_at(overrides)
         return self.mechanism.with_values(overrides) if found is None else found.mechanism
 
     def built(self, overrides: Overrides) -> System:
@@ -176,24 +198,64 @@ class Varying:
         """Systems with many sets of other values, assembled together."""
         if self.base is None:
             self._look_for_base(points)
-        numbers = [self._numbers(point) for point in points]
-        chosen = [found for found in numbers if found is not None]
         columns: list[int | None] = [None] * len(points)
-        if not chosen or self.base is None:
-            return Along(self, points, numbers, None, columns)
-        settled = self.base.settling(
-            np.array([found.parameters for found in chosen]).T,
-            np.array([found.given for found in chosen]).T,
-            self.base.system.time,
-            {
-                joint: np.array([found.hints[joint] for found in chosen]).T
-                for joint in self.base.hints
-            },
-        )
-        places = [index for index, found in enumerate(numbers) if found is not None]
+        if self.base is None:
+            return Along(self, points, None, columns)
+        sets = self._together(points)
+        places = [*range(len(points))]
+        if sets is None:
+            numbers = [self.numbers_at(point) for point in points]
+            places = [index for index in places if numbers[index] is not None]
+            if not places:
+                return Along(self, points, None, columns)
+            sets = _side_by_side([found for found in numbers if found is not None])
+        time = self.base.system.time
+        settled = self.base.settling(sets.parameters, sets.given, time, sets.hints)
         for column, index in enumerate(places):
             columns[index] = column if settled.sound[column] else None
-        return Along(self, points, numbers, settled, columns)
+        return Along(self, points, settled, columns)
+
+    def _together(self, points: Sequence[Overrides]) -> _Sets | None:
+        """Numbers of all mechanisms, read at once; None if they have to be read one by one."""
+        base, paths = self.base, points[0].keys() if points else ()
+        alike = all(
+            point.keys() == paths and all(type(value) is float for value in point.values())
+            for point in points
+        )
+        if base is None or len(points) < _FEWEST or not alike:
+            return None
+        rows = {path: np.array([point[path] for point in points], dtype=float) for path in paths}
+        try:
+            with np.errstate(all="ignore"):
+                found = self._entered({p: Column(row) for p, row in rows.items()}, len(points))
+        except (TypeError, ValueError):  # they differ in more than numbers, or in ways unknown here
+            return None
+        if found is None:
+            return None
+        for index in {*range(0, len(points), _CHECKED), len(points) - 1}:
+            one = self.numbers_at(points[index])
+            if one is None or not _same(found, index, one):
+                return None
+        return found
+
+    def _entered(self, overrides: Overrides, count: int) -> _Sets | None:
+        """The columns of numbers that come of columns of values."""
+        base, read = self.base, self._fitting(overrides)
+        if base is None or read is None:
+            return None
+        numbers, given = (
+            np.repeat(own[:, None], count, axis=1) for own in (base.numbers, base.given)
+        )
+        hints = dict(base.hints)
+        for found in read.values():
+            base.enter(found.terms, numbers, given, hints)
+        if base.moves(read.values()):
+            nearest = nearest_distance(self._exchanging(read))
+            numbers[base.places[NEAREST]] = values_of(nearest)
+        entered = [place.reshape(2, -1) for place in hints.values()]
+        if not all(np.isfinite(each).all() for each in (numbers, given, *entered)):
+            return None
+        return _Sets(numbers, given, hints)
 
     def _look_for_base(self, points: Sequence[Overrides]) -> None:
         """Build the first system that can be built."""
@@ -208,26 +270,30 @@ class Varying:
         """Without what belongs to this process."""
         return Varying, (self.mechanism,)
 
-    def _numbers(self, overrides: Overrides) -> _Numbers | None:
+    def numbers_at(self, overrides: Overrides) -> _Numbers | None:
         """Numbers of a definition with other values; None if more changes than numbers."""
-        base = self.base
-        if base is None:
+        base, read = self.base, self._fitting(overrides)
+        if base is None or read is None:
             return None
-        read = self._changed(overrides)
-        if read is None or not base.different <= set(read):
-            return None
-        if any(found.key != base.keys[place] for place, found in read.items()):
-            return None
-        mechanism = self.mechanism.exchanging({p: (f.component, f.terms) for p, f in read.items()})
+        mechanism = self._exchanging(read)
         numbers, given, hints = base.numbers.copy(), base.given.copy(), dict(base.hints)
         for found in read.values():
             base.enter(found.terms, numbers, given, hints)
-        shapes = (Body, GroundPin, Displacement)
-        if NEAREST in base.places and any(
-            isinstance(term, shapes) for found in read.values() for term in found.terms
-        ):
+        if base.moves(read.values()):
             numbers[base.places[NEAREST]] = nearest_distance(mechanism)
         return _Numbers(mechanism, numbers, given, hints)
+
+    def _exchanging(self, read: Mapping[int, _Read]) -> Mechanism:
+        return self.mechanism.exchanging({p: (f.component, f.terms) for p, f in read.items()})
+
+    def _fitting(self, overrides: Overrides) -> dict[int, _Read] | None:
+        """What overrides make of components, where that leaves the structure as it is."""
+        base, read = self.base, self._changed(overrides)
+        if base is None or read is None or not base.different <= set(read):
+            return None
+        if any(found.key != base.keys[place] for place, found in read.items()):
+            return None
+        return read
 
     def _changed(self, overrides: Overrides) -> dict[int, _Read] | None:
         """Place of each component that overrides touch → what it is then."""
@@ -257,6 +323,25 @@ class Varying:
         if simple and len(self._read) < MOST_READ:
             self._read[key] = made
         return made
+
+
+def _side_by_side(numbers: Sequence[_Numbers]) -> _Sets:
+    hints = {
+        joint: np.array([each.hints[joint] for each in numbers]).T for joint in numbers[0].hints
+    }
+    parameters, given = (
+        [getattr(each, name) for each in numbers] for name in ("parameters", "given")
+    )
+    return _Sets(np.array(parameters).T, np.array(given).T, hints)
+
+
+def _same(sets: _Sets, column: int, one: _Numbers) -> bool:
+    """Whether one of many sets of numbers is equal to another one in all bits."""
+    pairs = [(sets.parameters[:, column], one.parameters), (sets.given[:, column], one.given)]
+    for joint, place in one.hints.items():
+        many = sets.hints[joint]
+        pairs.append((many if many.ndim == 1 else many[:, column], place))
+    return all(found.tobytes() == alone.tobytes() for found, alone in pairs)
 
 
 def _key(mechanism: Mechanism, component: Component) -> Hashable:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from linkages.errors import InputError, Problem
+from linkages.reading.columns import Column
 from linkages.reading.decoding import decode
 from linkages.reading.document import Document
 from linkages.reading.nodes import MAX_DEPTH, plain
 from linkages.reading.paths import Path, dotted, split, value_at
 from linkages.reading.wording import nearest, shown
+
+NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
+"""A comma before another assignment; commas within a value are followed by no equals sign."""
 
 
 class _RefusedError(Exception):
@@ -172,7 +177,7 @@ def _raw(value: Any, depth: int) -> Any:
     """Return a Python value in the terms of a document; arrays become lists."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if value is None or isinstance(value, str | int | float):
+    if value is None or isinstance(value, str | int | float | Column):
         return value
     if depth > MAX_DEPTH:
         raise _RefusedError(f"the value is nested more than {MAX_DEPTH} deep")

@@ -6,6 +6,7 @@ import math
 import numbers
 from functools import lru_cache
 
+from linkages.reading.columns import Column
 from linkages.reading.wording import shown
 from linkages.spec.arithmetic import NumberError, leading_number
 from linkages.spec.dimensions import ANGULAR_SPEED, KNOWN, Bound, Dimension
@@ -53,11 +54,13 @@ def parse_quantity(
     try:
         if isinstance(value, str):
             number = _from_text(value, dimension)
+        elif isinstance(value, Column):
+            number = value
         elif isinstance(value, numbers.Real) and not isinstance(value, bool):
             number = float(value)
         else:
             raise refused()
-        if not math.isfinite(number):
+        if not abs(number) < math.inf:
             raise NumberError("not a finite number")
         if abs(number) > dimension.largest:
             raise NumberError(f"beyond {dimension.largest:g} rad its direction is lost in rounding")

@@ -19,8 +19,11 @@ from linkages.solution.values.series import TIME, Series
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-AT_ONCE = 8192
+AT_ONCE = 16384
 """Values of a node that are computed at once: few enough to stay in the cache."""
+
+_MOST_LOOKS = 65536
+"""Times at which a motion is looked at for what may stop it, beside which it goes one by one."""
 
 
 def serves(system: System, series: Mapping[str, Series]) -> bool:
@@ -37,9 +40,58 @@ def serves(system: System, series: Mapping[str, Series]) -> bool:
         turned = variable.angle and next(iter(each.place.values())) not in topology.driven
         if variable.whole or turned:
             return False
-    evaluated = [each for each in series.values() if each.variable != TIME]
-    nodes = [node for each in evaluated for node in _nodes(system, each)]
-    return not system.model.evaluator([*_checked(system), *nodes]).switched
+    nodes = [*_checked(system), *_Wanted(system, series).nodes]
+    return not system.model.evaluator(nodes).switched
+
+
+class _Wanted:
+    """What series are computed from, side by side.
+
+    Parameters
+    ----------
+    system
+        Of their structure.
+    series
+        Name → series.
+    """
+
+    def __init__(self, system: System, series: Mapping[str, Series]) -> None:
+        self._model, self._series = system.model, series
+        self.nodes: list[Scalar] = []
+        self._spans: dict[str, slice] = {}
+        for name, each in series.items():
+            own = [] if each.variable == TIME else _nodes(system, each)
+            self._spans[name] = slice(len(self.nodes), len(self.nodes) + len(own))
+            self.nodes += own
+
+    def of(self, values: Floats, times: Floats) -> dict[str, Floats]:
+        """Name → series.
+
+        Parameters
+        ----------
+        values
+            Of the nodes, shape (nodes, …).
+        times
+            In a shape that broadcasts to that.
+        """
+        found = {}
+        for name, each in self._series.items():
+            rows = values[self._spans[name]]
+            if each.variable == TIME:
+                found[name] = np.broadcast_to(times, values.shape[1:])
+            elif (reduced := VARIABLES[each.variable].reduced) is None:
+                found[name] = rows[0]
+            else:
+                flat = reduced(rows.reshape(len(rows), -1))[each.index(self._model)]
+                found[name] = flat.reshape(rows.shape[1:])
+        return found
+
+
+def _nodes(system: System, series: Series) -> list[Scalar]:
+    """Its own node, or all of a variable that reduces them."""
+    if VARIABLES[series.variable].reduced is None:
+        return [series.node(system.model)]
+    return VARIABLES[series.variable].evaluated(system.model)
 
 
 class DrivenMotions:
@@ -55,74 +107,62 @@ class DrivenMotions:
         Sample times, shape (samples,).
     series
         Name → series that measures name.
+    sampled
+        Name → the series at the samples, shape (motions, samples).
     """
 
     def __init__(
-        self, system: System, parameters: Floats, time: Floats, series: Mapping[str, Series]
+        self,
+        system: System,
+        parameters: Floats,
+        time: Floats,
+        series: Mapping[str, Series],
+        sampled: Mapping[str, Floats],
     ) -> None:
-        self._system, self._parameters = system, parameters
-        self._time, self._series = time, series
-        self._sampled: dict[str, Floats] = {}
-
-    @property
-    def count(self) -> int:
-        """Number of motions."""
-        return self._parameters.shape[1]
-
-    @property
-    def time(self) -> Floats:
-        """Sample times, shape (samples,)."""
-        return self._time
+        self._system, self._parameters = system, _Parameters(parameters)
+        self._series, self._sampled = series, sampled
+        self.count, self.time = parameters.shape[1], time
 
     def sampled(self, series: str) -> Floats:
         """A series at the samples, shape (motions, samples)."""
-        if series not in self._sampled:
-            shape = self.count, len(self._time)
-            if self._series[series].variable == TIME:
-                self._sampled[series] = np.broadcast_to(self._time, shape)
-                return self._sampled[series]
-            nodes = _nodes(self._system, self._series[series])
-            found = evaluated(self._system, nodes, self._parameters, self._time)
-            self._sampled[series] = self._picked(series, found.reshape(len(nodes), -1))
-            self._sampled[series] = self._sampled[series].reshape(shape)
         return self._sampled[series]
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series anywhere in some of the motions, shape (places,) each."""
-        interval = np.minimum(places.astype(int), len(self._time) - 2)
-        step = self._time[interval + 1] - self._time[interval]
-        times = self._time[interval] + (places - interval) * step
-        nodes: list[Scalar] = []
-        spans: dict[str, slice] = {}
-        for name in series:
-            if self._series[name].variable == TIME:
-                continue
-            own = _nodes(self._system, self._series[name])
-            spans[name] = slice(len(nodes), len(nodes) + len(own))
-            nodes += own
-        values = np.empty((len(nodes), len(places)))
+        interval = np.minimum(places.astype(int), len(self.time) - 2)
+        step = self.time[interval + 1] - self.time[interval]
+        times = self.time[interval] + (places - interval) * step
+        wanted = _Wanted(self._system, {name: self._series[name] for name in series})
+        found = {name: np.empty(len(places)) for name in series}
         for start in range(0, len(places), AT_ONCE):
             part = slice(start, start + AT_ONCE)
-            inputs = self._parameters[:, which[part]], times[None, part]
-            values[:, part] = _evaluated(self._system, nodes, *inputs)
-        return [
-            self._picked(name, values[spans[name]]) if name in spans else times for name in series
-        ]
-
-    def _picked(self, name: str, rows: Floats) -> Floats:
-        """The series out of values of its nodes."""
-        series = self._series[name]
-        reduced = VARIABLES[series.variable].reduced
-        if reduced is None:
-            return rows[0]
-        return reduced(rows)[series.index(self._system.model)]
+            values = _evaluated(
+                self._system, wanted.nodes, self._parameters.of(which[part]), times[part]
+            )
+            for name, row in wanted.of(values, times[part]).items():
+                found[name][part] = row
+        return [found[name] for name in series]
 
 
-def _nodes(system: System, series: Series) -> list[Scalar]:
-    """What a series is computed from: its own node, or all of a variable that reduces them."""
-    if VARIABLES[series.variable].reduced is None:
-        return [series.node(system.model)]
-    return VARIABLES[series.variable].evaluated(system.model)
+class _Parameters:
+    """Parameters of many motions; those that all share are stored once.
+
+    So what follows from these and from time alone is computed once for all motions.
+
+    Parameters
+    ----------
+    values
+        Shape (p, motions).
+    """
+
+    def __init__(self, values: Floats) -> None:
+        bits = values.view(np.int64)
+        shared = (bits == bits[:, :1]).all(axis=1)
+        self._rows = [row[:1] if one else row for row, one in zip(values, shared, strict=True)]
+
+    def of(self, which: Whole | slice) -> list[Floats]:
+        """Those of some motions, of shape (motions,) or (1,) each."""
+        return [row if len(row) == 1 else row[which] for row in self._rows]
 
 
 def _checked(system: System) -> list[Scalar]:
@@ -133,9 +173,13 @@ def _checked(system: System) -> list[Scalar]:
 
 
 def undisturbed(
-    system: System, parameters: Floats, scales: Floats, run: SimulationOptions
-) -> NDArray[np.bool_]:
-    """Which driven motions go on to their end without any doubt, shape (motions,).
+    system: System,
+    parameters: Floats,
+    scales: Floats,
+    run: SimulationOptions,
+    series: Mapping[str, Series],
+) -> tuple[NDArray[np.bool_], DrivenMotions]:
+    """Which driven motions go on to their end without any doubt, shape (motions,), and these.
 
     The others may stop, or pass change points: they are followed one by one.
 
@@ -147,53 +191,81 @@ def undisturbed(
         Of the motions, shape (p, motions), and sizes of their margins, (blocks, motions).
     run
         How long, and with how many samples.
+    series
+        Name → series that measures name.
     """
     model, count = system.model, parameters.shape[1]
-    times = np.linspace(0.0, run.end, run.samples)
-    turned = abs(run.end) * _fastest(system, parameters, run.end) / GRID_ANGLE
-    if not turned <= min(run.most_steps, AT_ONCE * 8):
-        return np.zeros(count, dtype=bool)
-    if turned > len(times):
-        grid = np.linspace(0.0, run.end, math.ceil(turned) + 1)
-        times = np.unique(np.concatenate([times, grid]))[:: -1 if run.end < 0 else 1]
+    samples = np.linspace(0.0, run.end, run.samples)
+    sound = np.zeros(count, dtype=bool)
+    rows = {name: np.empty((count, run.samples)) for name in series}
+    times = _looked_at(system, parameters, run, samples)
+    sampled = np.searchsorted(abs(times), abs(samples))
     radicands = [reach.radicand for reach in model.reaches]
-    margins, rates = [*model.margins], [*model.margin_rates]
-    finite = _checked(system)
-    nodes = [*radicands, *margins, *rates, *finite]
-    found = np.zeros(count, dtype=bool)
+    margins, rates, finite = model.margins, model.margin_rates, _checked(system)
+    wanted = _Wanted(system, series)
+    nodes = [*radicands, *margins, *rates, *finite, *wanted.nodes]
+    ends = np.cumsum([len(radicands), len(margins), len(rates), len(finite)])
+    split = _Parameters(parameters[:, :, None])
     for part in _blocks(count, len(times)):
-        values = evaluated(system, nodes, parameters[:, part], times)
-        ends = np.cumsum([len(radicands), len(margins), len(rates)])
-        reach, margin, rate, other = np.split(values, ends)
-        margin, rate = margin / scales[:, part, None], rate / scales[:, part, None]
-        with np.errstate(invalid="ignore"):
-            sound = (reach >= 0.0).all(axis=(0, 2)) & np.isfinite(other).all(axis=(0, 2))
-            sound &= (np.abs(margin) >= LEAST_MARGIN).all(axis=(0, 2))
-            if len(margin):
-                sound &= ~suspicious(times, margin, rate).any(axis=-1)
-        found[part] = sound
-    return found
+        found = _evaluated(system, nodes, split.of(part), times[None])
+        # motions that do not differ at all are evaluated as one
+        shape = len(nodes), len(range(count)[part]), len(times)
+        values = np.broadcast_to(found, shape)
+        reach, margin, rate, other, asked = np.split(values, ends)
+        for name, row in wanted.of(asked, times).items():
+            rows[name][part] = row if times is samples else row[:, sampled]
+        relative = margin / scales[:, part, None], rate / scales[:, part, None]
+        sound[part] = _goes_on(times, reach, *relative, other)
+    kept = rows if sound.all() else {name: row[sound] for name, row in rows.items()}
+    return sound, DrivenMotions(system, parameters[:, sound], samples, series, kept)
 
 
-def evaluated(system: System, nodes: Sequence[Scalar], parameters: Floats, times: Floats) -> Floats:
-    """Values of nodes of all motions at all times, shape (nodes, motions, times)."""
-    found = np.empty((len(nodes), parameters.shape[1], len(times)))
-    for part in _blocks(parameters.shape[1], len(times)):
-        found[:, part] = _evaluated(system, nodes, parameters[:, part, None], times[None, None, :])
-    return found
+def _goes_on(
+    times: Floats, radicands: Floats, margins: Floats, rates: Floats, finite: Floats
+) -> NDArray[np.bool_]:
+    """Where nothing is in doubt, shape (motions,); the others have (…, motions, times)."""
+    with np.errstate(invalid="ignore"):
+        good = (radicands >= 0.0).all(axis=(0, 2)) & np.isfinite(finite).all(axis=(0, 2))
+        least = np.abs(margins).min(axis=2, initial=np.inf)
+        good &= (least >= LEAST_MARGIN).all(axis=0)
+        # by no more can a margin change within an interval, as `suspicious` has it
+        most = (
+            1.1 * np.abs(np.diff(times)).max(initial=0.0) * np.abs(rates).max(axis=2, initial=0.0)
+        )
+        doubtful = good & ~(least > most).all(axis=0)
+        if doubtful.any():
+            headed = suspicious(times, margins[:, doubtful], rates[:, doubtful])
+            good[doubtful] = ~headed.any(axis=-1)
+    return np.asarray(good)
+
+
+def _looked_at(
+    system: System, parameters: Floats, run: SimulationOptions, samples: Floats
+) -> Floats:
+    """The samples, and times between them so that no drive turns far; none if they are too many."""
+    turned = abs(run.end) * _fastest(system, parameters, run.end) / GRID_ANGLE
+    if not turned <= min(run.most_steps, _MOST_LOOKS):
+        return samples[:0]
+    if turned <= len(samples):
+        return samples
+    grid = np.linspace(0.0, run.end, math.ceil(turned) + 1)
+    return np.unique(np.concatenate([samples, grid]))[:: -1 if run.end < 0 else 1]
 
 
 def _blocks(count: int, samples: int) -> list[slice]:
-    size = max(1, AT_ONCE // samples)
-    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+    """Motions that are evaluated at once; none without samples."""
+    size = max(1, AT_ONCE // max(1, samples))
+    return [slice(start, start + size) for start in range(0, count if samples else 0, size)]
 
 
 def _evaluated(
-    system: System, nodes: Sequence[Scalar], parameters: Floats, times: Floats
+    system: System, nodes: Sequence[Scalar], parameters: Sequence[Floats], times: Floats
 ) -> Floats:
-    nothing = np.zeros((0, *np.broadcast_shapes(parameters.shape[1:], times.shape[1:])))
-    values = system.model.evaluator(nodes)(t=times, y=nothing, a=nothing, p=parameters)
-    found = np.empty((len(nodes), *nothing.shape[1:]))
+    """Values of nodes, shape (nodes, …), from parameters and times that broadcast to that."""
+    shape = np.broadcast_shapes(*(row.shape for row in parameters), times.shape)
+    nothing = np.zeros((0, *shape))
+    values = system.model.evaluator(nodes)(t=times[None], y=nothing, a=nothing, p=parameters)
+    found = np.empty((len(nodes), *shape))
     for row, value in zip(found, values, strict=True):
         row[...] = value
     return found
@@ -204,8 +276,8 @@ def _fastest(system: System, parameters: Floats, end: float) -> float:
     nodes = [system.model.known_rates[name] for name in system.topology.driven]
     inputs = {node.arguments[0] for node in reachable(nodes) if node.operation == "input"}
     times = np.linspace(0.0, end, 20001) if "t" in inputs else np.zeros(1)
-    largest = 0.0
+    largest, rows = 0.0, _Parameters(parameters[:, :, None])
     for part in _blocks(parameters.shape[1], len(times)):
-        values = np.abs(evaluated(system, nodes, parameters[:, part], times))
+        values = np.abs(_evaluated(system, nodes, rows.of(part), times[None]))
         largest = max(largest, float(values.max(initial=0.0)))
     return largest

@@ -39,7 +39,7 @@ from linkages.solution.values.series import TIME, Series
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
-from linkages.sweeps.driven import DrivenMotions, serves, undisturbed
+from linkages.sweeps.driven import serves, undisturbed
 from linkages.sweeps.points import Points
 from linkages.sweeps.pointwise import SIDE_BY_SIDE, answered, evaluations, first_system, stop_code
 from linkages.sweeps.running import stopping
@@ -189,11 +189,10 @@ class MeasureQuestion(Question):
         columns = {k: column for k, column in enumerate(along.columns) if column is not None}
         chosen = np.array([*columns.values()], dtype=int)
         parameters, scales = settled.parameters[:, chosen], settled.margin_scale[:, chosen]
-        sound = undisturbed(base.system, parameters, scales, self._run)
+        sound, motions = undisturbed(base.system, parameters, scales, self._run, self._series)
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
-        motions = DrivenMotions(base.system, parameters[:, sound], self._times, self._series)
         values = {name: reduced(each, motions) for name, each in self.measures.items()}
         found = {}
         for row, place in enumerate(places):

@@ -14,6 +14,7 @@ from linkages.kernel.assembly.settling import Settling
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.reading.document import Document
+from linkages.spec.units import UnitError, unit
 
 NAMES = sorted(file.stem for file in (Path(__file__).parents[2] / "mechanisms").glob("*.yaml"))
 FREE = """
@@ -100,6 +101,46 @@ def test_every_number_of_a_definition_can_be_bound(name):
         assert agree(outcome(lambda given=overrides: varying.at(given)), expected), path
         tried += 1
     assert tried > 3
+
+
+TOGETHER = {
+    "slider-crank": 11,
+    "four-bar": 14,
+    "ninebar": 28,
+    "slider-crank-contact": 11,
+    "andrews": 42,
+}
+"""Mechanism → numbers whose values are read together, at least."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_numbers_that_are_read_together_are_those_read_one_by_one(name):
+    """In all bits, whatever follows from them."""
+    mechanism = linkages.load(name)
+    varying = Varying(mechanism)
+    varying.at({})
+    if varying.base is None:
+        pytest.skip("solved by iteration, or redundant: assembled one by one")
+    together = 0
+    for path, written in paths_of(mechanism).items():
+        number, _, measured = str(written).partition(" ")
+        try:
+            value = unit(measured).convert(float(number)) if measured else float(number)
+        except (ValueError, UnitError):
+            continue
+        points = [{path: 1e-3 * (k - 1) + (1.0 + 0.003 * k) * value} for k in range(9)]
+        found = varying.along(points)
+        together += varying._together(points) is not None
+        if found.settled is None:
+            continue
+        for index, column in enumerate(found.columns):
+            if column is None or index % 3:
+                continue
+            alone = varying.along(points[index : index + 1])
+            for array in ("parameters", "state", "margin_scale"):
+                own = getattr(found.settled, array)[:, column]
+                assert own.tobytes() == getattr(alone.settled, array)[:, 0].tobytes(), path
+    assert together >= TOGETHER.get(name, 1)
 
 
 @pytest.mark.parametrize("name", NAMES)

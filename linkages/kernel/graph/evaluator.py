@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -38,13 +39,14 @@ class Evaluator:
             if argument not in kept:
                 self._drop.setdefault(user, []).append(argument)
 
-    def __call__(self, **inputs: np.ndarray) -> list[np.ndarray]:
+    def __call__(self, **inputs: Any) -> list[np.ndarray]:
         """Values of the roots.
 
         Parameters
         ----------
         inputs
-            Input name → array whose first axis is the input's index; further axes broadcast.
+            Input name → array whose first axis is the input's index, or a list of arrays; further
+            axes broadcast.
 
         Returns
         -------

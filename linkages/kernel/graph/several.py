@@ -229,7 +229,7 @@ SEVERAL = {
 }
 
 
-def evaluate(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Any:
+def evaluate(node: Scalar, values: Values, inputs: Mapping[str, Any]) -> Any:
     """The value of a node by NumPy, given those of its operands; all results if it has several."""
     match node.operation:
         case "constant":

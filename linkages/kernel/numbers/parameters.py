@@ -19,6 +19,7 @@ from linkages.components.contributed.interpolation import polynomials
 from linkages.components.contributed.measures import Distance, Turn
 from linkages.components.contributed.terms import Guide, Parameter, Path, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.reading.columns import Column
 from linkages.topology.orientation import is_unit
 from linkages.topology.topology import Topology
 
@@ -41,7 +42,7 @@ def right_angle(angle: Parameter) -> int | None:
 def structure_key(item: object) -> Hashable:
     """What is left of a term without its numbers; equal for equal structures."""
     match item:
-        case float():
+        case float() | Column():
             return float
         case Parameter(path, value):
             return (path, item.absent, item.kept) if path else value
@@ -78,7 +79,7 @@ def numbers_in(item: object) -> Iterator[tuple[Path, float]]:
         case Mapping():
             for part in item.values():
                 yield from numbers_in(part)
-        case str() | float() | int() | None:
+        case str() | float() | int() | Column() | None:
             return
         case _:
             for part in _parts(item):

@@ -42,15 +42,16 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
         Rows and places in them, shape (n,) each → values there.
     """
     finite = np.asarray(np.isfinite(samples).all(axis=1))
-    values = np.where(finite[:, None], samples, 0.0)
+    values = samples if finite.all() else np.where(finite[:, None], samples, 0.0)
     best = np.argmax(values, axis=1)
-    top = values[np.arange(len(values)), best]
+    top, bottom = values[np.arange(len(values)), best], values.min(axis=1)
     rows, starts = _candidates(values, top)
-    kept = finite[rows]
+    kept = (finite & (bottom < top))[rows]
     rows, starts = rows[kept], starts[kept]
     place = best.astype(float)
     if len(rows):
-        heights, places = _looked_at(values, rows, starts.astype(float), between)
+        sizes = np.maximum(top, -bottom)
+        heights, places = _looked_at(values, sizes, rows, starts.astype(float), between)
         top, place = _first_of_highest(top, place, rows, heights, places)
     return Extremes(np.where(finite, top, np.nan), place)
 
@@ -60,22 +61,20 @@ def _candidates(values: Floats, top: Floats) -> tuple[Whole, Whole]:
     count = values.shape[1]
     if count < 3:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
-    bend = np.zeros_like(values)
-    bend[:, 1:-1] = 2 * values[:, 1:-1] - values[:, :-2] - values[:, 2:]
-    bend[:, 0], bend[:, -1] = bend[:, 1], bend[:, -2]
-    # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
-    reach = values + 0.5 * np.abs(bend)
     higher = np.ones_like(values, dtype=bool)
     higher[:, 1:] &= values[:, 1:] >= values[:, :-1]
     higher[:, :-1] &= values[:, :-1] >= values[:, 1:]
-    flat = np.ptp(values, axis=1) == 0.0
-    found = higher & (reach >= top[:, None]) & ~flat[:, None]
-    rows, starts = np.nonzero(found)
-    return rows, starts
+    rows, starts = np.nonzero(higher)
+    inner = np.clip(starts, 1, count - 2)
+    bend = 2 * values[rows, inner] - values[rows, inner - 1] - values[rows, inner + 1]
+    # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
+    found = values[rows, starts] + 0.5 * np.abs(bend) >= top[rows]
+    return rows[found], starts[found]
 
 
 def _looked_at(
     values: Floats,
+    sizes: Floats,
     rows: Whole,
     places: Floats,
     between: Callable[[Whole, Floats], Floats],
@@ -83,7 +82,7 @@ def _looked_at(
     """Peaks beside samples, closer and closer: heights and places, shape (peaks,)."""
     last = values.shape[1] - 1.0
     heights = values[rows, places.astype(int)].copy()
-    size = np.abs(values).max(axis=1)[rows]
+    size = sizes[rows]
     reach, parts = 1.0, np.arange(-_PARTS, _PARTS + 1) / _PARTS
     open_ = np.arange(len(rows))
     for look in range(_LOOKS):

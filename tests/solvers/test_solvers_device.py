@@ -14,6 +14,7 @@ from linkages.kernel.code.ptx import UnprintedError
 from linkages.kernel.system import System
 from linkages.solution.moving.plan import Plan
 from linkages.solvers import accelerated as accelerated_motions
+from linkages.solvers import launches
 from linkages.solvers.accelerated import Accelerator, accelerated
 from linkages.solvers.flow import Flow
 from linkages.solvers.integration import integrate, request
@@ -191,7 +192,7 @@ def test_order_and_length_of_launches_do_not_matter(driver, monkeypatch):
     given = motions("ninebar", 9, [0.0, 0.02, 0.05])
     expected = alone(given)
     for most in (1, 3, 50):
-        monkeypatch.setattr(accelerated_motions, "MOST_TICKS", most)
+        monkeypatch.setattr(launches, "MOST_TICKS", most)
         require_equal(there(asked(given[::-1]), driver), expected[::-1])
 
 

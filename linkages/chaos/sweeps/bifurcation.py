@@ -293,12 +293,12 @@ def bifurcation(
     # compiled here, once, and not by every thread that waits for it
     Plan.of(system).bind(system)
     shape = len(initial), len(values)
-    separate = asked.start == "same"
+    same = asked.start == "same"
     with (
         placed(question, device, executor) as where,
-        stored(store, mechanism, question, None if separate else len(initial)) as place,
+        stored(store, mechanism, question, None if same else len(initial)) as place,
     ):
-        if separate:
+        if same:
             found = computed(question, executor=where, store=place, watch=watch)
         else:
             found = continued(question, asked.start == "forward", where, place, watch)

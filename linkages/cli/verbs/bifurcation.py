@@ -33,10 +33,8 @@ def run(
     from linkages.sweeps.running import Threads
 
     axis, states = ranges("--vary", vary), initial_states(initial or [])
-    data = _compute(
-        request, axis, states, str(start),
-        store=store, executor=Threads(cores), device=str(device),
-    )  # fmt: skip
+    where: dict[str, Any] = {"store": store, "executor": Threads(cores), "device": str(device)}
+    data = _compute(request, axis, states, str(start), **where)
     values = _values(data)
 
     def made() -> Iterator[File]:

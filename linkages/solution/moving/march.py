@@ -110,8 +110,8 @@ class March:
     ) -> None:
         """Go on with the coordinates of a system, from its initial state.
 
-        `angles` are those of its bodies with all the turns that they have made, `tangents` the first
-        directions if they are not given, `held` its modes and what is remembered by their names, if
+        `angles` are those of its bodies with all the turns that they have made, `tangents` the
+        axes if they are not given, `held` its modes and what is remembered by their names, if
         any.
         """
         self.system = system

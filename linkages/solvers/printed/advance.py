@@ -14,7 +14,7 @@ from typing import NamedTuple
 from linkages.kernel.closure.dyads import LEAST_MARGIN
 from linkages.kernel.code.instructions import Instructions, PrintedLoop
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.printed.control import Judged, judge
+from linkages.solvers.printed.control import SHRINK_TURNING, Judged, judge
 from linkages.solvers.printed.counting import end_weights, write_counted, write_expected
 from linkages.solvers.printed.crossings import CrossedLevels
 from linkages.solvers.printed.modes import Modes
@@ -40,7 +40,6 @@ from linkages.solvers.steps.views import (
     FACTOR,
     FIRST,
     FROM,
-    HALVED,
     LARGEST_STATE,
     LENGTH,
     NEXT_CARRY,
@@ -103,15 +102,20 @@ class Advance:
         sound = code.give(f"icmp eq {code.integer} {status}, {code.whole(0)}")
         accepted = code.all_of([sound, judged.accepted])
         active = self._above(ACTIVE)
-        flagged = code.all_of([active, self._needs_more(trial, judged, sound, accepted)])
-        sampled = code.all_of([active, self._is_sampled(trial), accepted])
+        modes = Modes(code, self._tableau, self._shape, memory, trial.h)
+        flagged, halved = self._needs_more(modes, trial, judged, sound, accepted)
+        flagged, halved = (code.all_of([active, where]) for where in (flagged, halved))
+        sampled = code.all_of([active, self._is_sampled(trial), accepted, code.opposite(halved)])
         set_whole(code, status, memory["pace"], STATUS)
         memory.set_pace(judged.error, ERROR)
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
         flagged = self._sample(sampled, flagged)
         goes_on = code.all_of([active, code.opposite(flagged)])
-        self._go_on(trial, judged, accepted, goes_on)
+        factor = code.select(halved, code.constant(SHRINK_TURNING), judged.factor)
+        accepted = code.all_of([accepted, code.opposite(halved)])
+        modes.halve(halved, code.all_of([goes_on, accepted]))
+        self._go_on(trial, judged._replace(factor=factor), accepted, goes_on)
         (tick,) = loop.values
         following = code.give(f"add i64 {tick}, 1")
         more = code.give(f"icmp ult i64 {following}, %ticks")
@@ -161,17 +165,22 @@ class Advance:
         forward = code.compare("oge", h, code.constant(0.0))
         return Trial(h, end, next_carry, finest, forward)
 
-    def _needs_more(self, trial: Trial, judged: Judged, sound: str, accepted: str) -> str:
-        """In which lanes the step must be finished elsewhere."""
+    def _needs_more(
+        self, modes: Modes, trial: Trial, judged: Judged, sound: str, accepted: str
+    ) -> tuple[str, str]:
+        """In which lanes the step must be finished elsewhere, and in which it is to be halved."""
         code = self._code
         special = code.any_of(self._margins_fall(trial), self._tangents_fade())
-        of = code, self._tableau, self._shape, self._memory, trial.h
         special = code.any_of(special, self._levels.need_more(trial.h, trial.end))
         shorter = code.absolute(code.multiply(trial.h, judged.factor))
         small = code.compare("olt", shorter, trial.finest)
         found = code.select(accepted, special, small, code.truth)
-        found = code.any_of(found, Modes(*of).need_more(accepted))
-        return code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
+        found = code.any_of(code.any_of(found, code.opposite(sound)), self._above(ALWAYS))
+        looked, too_long = modes.need_more(accepted)
+        half = code.absolute(code.multiply(trial.h, code.constant(SHRINK_TURNING)))
+        possible = code.compare("oge", half, trial.finest)
+        halved = code.all_of([too_long, code.opposite(found), possible])
+        return code.any_of(found, code.all_of([looked, code.opposite(halved)])), halved
 
     def _is_sampled(self, trial: Trial) -> str:
         """In which lanes a sample lies within the step."""
@@ -285,7 +294,6 @@ class Advance:
         self._keep(goes_on, code.multiply(trial.h, grown), H)
         for value, entry in (
             (trial.end, T), (trial.carry, CARRY), (judged.error, BEFORE), (zero, TROUBLE),
-            (zero, HALVED),
         ):  # fmt: skip
             self._keep(commits, value, entry)
         self._keep(goes_on, code.select(accepted, zero, one), REJECTED_BEFORE)

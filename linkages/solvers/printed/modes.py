@@ -8,8 +8,15 @@ from __future__ import annotations
 
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.printed.shape import Shape, StepMemory, larger, smaller
-from linkages.solvers.steps.views import FRESH, REJECTED_BEFORE
+from linkages.solvers.printed.shape import (
+    Shape,
+    StepMemory,
+    larger,
+    set_whole,
+    smaller,
+    whole_row,
+)
+from linkages.solvers.steps.views import FRESH, HALVED, REJECTED_BEFORE
 
 # Value of a function that is no more than round-off, beside its change in a step.
 ROUND_OFF = 1e-9
@@ -17,6 +24,8 @@ ROUND_OFF = 1e-9
 # beside that, it does not matter. Measured on 260 random motions between two walls with friction:
 # 0.1 missed releases of a tenth of a period.
 UNLIKE, FAR = 0.03, 10.0
+# How often a step is halved to see what functions do: more is round-off.
+HALVINGS = 8
 # A stage is this far below zero, beside the ends of its step, before it is looked at.
 BELOW = 1e-9
 
@@ -38,19 +47,44 @@ class Modes:
         self._code, self._tableau, self._shape, self._memory = code, tableau, shape, memory
         self._h, self._zero = h, code.constant(0.0)
 
-    def need_more(self, accepted: str) -> str:
-        """In which lanes a step, accepted or not, is to be looked at, or follows a change."""
-        code, zero = self._code, self._zero
-        found = no = code.compare("ogt", zero, zero)
-        for switch in range(len(self._shape.active)):
-            changes, ahead = self._switch(switch)
-            again = code.compare("ogt", self._memory.pace(REJECTED_BEFORE), zero)
-            ahead = code.select(again, no, ahead, code.truth)
-            seen = code.select(accepted, changes, ahead, code.truth)
-            found = code.any_of(found, code.all_of([self._watched(switch), seen]))
+    def need_more(self, accepted: str) -> tuple[str, str]:
+        """In which lanes a step, accepted or not, is to be looked at; in which it is too long.
+
+        It is also looked at where it follows a change. Where it is too long to say what functions
+        do, it is halved and nothing else, unless a change ahead says where to end it.
+        """
+        code, zero, pace = self._code, self._zero, self._memory.pace
+        no = changes = ahead = unresolved = code.compare("ogt", zero, zero)
         if not self._shape.active:
-            return no
-        return code.any_of(found, code.compare("ogt", self._memory.pace(FRESH), zero))
+            return no, no
+        for switch in range(len(self._shape.active)):
+            watched = self._watched(switch)
+            here = [code.all_of([watched, where]) for where in self._switch(switch)]
+            changes, ahead, unresolved = (
+                code.any_of(one, other)
+                for one, other in zip((changes, ahead, unresolved), here, strict=True)
+            )
+        fresh, again = (
+            code.compare("ogt", pace(entry), zero) for entry in (FRESH, REJECTED_BEFORE)
+        )
+        ahead = code.all_of([ahead, code.opposite(again)])
+        halved = whole_row(code, self._memory["pace"], HALVED)
+        left = code.give(f"icmp slt {code.integer} {halved}, {code.whole(HALVINGS)}")
+        plain = code.opposite(code.any_of(ahead, fresh))
+        too_long = code.all_of([accepted, unresolved, left, plain])
+        found = code.select(accepted, code.any_of(changes, unresolved), ahead, code.truth)
+        return code.any_of(found, fresh), too_long
+
+    def halve(self, where: str, commits: str) -> None:
+        """Count how often steps are halved, in some lanes; it ends with a step that counts."""
+        code, memory = self._code, self._memory
+        if not self._shape.active:
+            return
+        before = whole_row(code, memory["pace"], HALVED)
+        more = code.on_integers("add", before, code.whole(1))
+        found = code.select(where, more, before, code.integer)
+        found = code.select(commits, code.whole(0), found, code.integer)
+        set_whole(code, found, memory["pace"], HALVED)
 
     def _held(self, switch: int) -> str:
         return self._code.load(self._memory["held"], switch)
@@ -79,8 +113,8 @@ class Modes:
         sticks = code.compare("oeq", mode, self._zero)
         return code.select(sticks, code.constant(1.0), mode)
 
-    def _switch(self, switch: int) -> tuple[str, str]:
-        """Where it may change within an accepted step, and where one too long crosses its zero."""
+    def _switch(self, switch: int) -> tuple[str, str, str]:
+        """Where it may change within an accepted step, crosses its zero, or cannot be told of."""
         code, zero, end = self._code, self._zero, self._tableau.stages
         start, rise = self._seen(switch, 0), self._moving(switch, 0)
         stop, fall = self._seen(switch, end), self._moving(switch, end)
@@ -97,8 +131,8 @@ class Modes:
         for row in range(1, end):
             depth = smaller(code, depth, self._seen(switch, row))
         found = code.any_of(found, code.compare("olt", depth, least))
-        found = code.any_of(found, self._unresolved(switch, start, rise, stop, fall))
-        return found, code.all_of([positive, negative])
+        unresolved = self._unresolved(switch, start, rise, stop, fall)
+        return found, code.all_of([positive, negative]), unresolved
 
     def _dips(self, start: str, rise: str, stop: str, fall: str) -> str:
         """Where it may be below zero between the ends: no deeper than where the tangents meet."""

@@ -23,7 +23,7 @@ from linkages.kernel.code.operands import (
 )
 from linkages.kernel.code.printed import printed
 from linkages.kernel.code.procedure import Procedure
-from linkages.solvers.printed.modes import BELOW, FAR, ROUND_OFF, UNLIKE
+from linkages.solvers.printed.modes import BELOW, FAR, HALVINGS, ROUND_OFF, UNLIKE
 from linkages.solvers.steps.stages import address_of, try_step
 from linkages.solvers.steps.views import (
     EVALUATIONS,
@@ -44,8 +44,6 @@ EXACT = 1e-14
 SEARCHES, DIPS = 60, 8
 # Where a rejected step is repeated up to a change, so that it lies within.
 BEHIND = 1.001
-# How often a step is halved to see what functions do: more is round-off.
-HALVINGS = 8
 
 
 def system_at(context: Whole) -> Any:

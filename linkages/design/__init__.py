@@ -1,1 +1,1 @@
-"""Which length, which mass, which tolerance: derivatives of motions, and what is decided by them."""
+"""Which length, which mass, which tolerance: derivatives, and what is decided by them."""

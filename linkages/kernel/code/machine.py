@@ -17,9 +17,10 @@ from linkages.kernel.code.cache import digest_of, kept
 
 LOGGER = logging.getLogger(__name__)
 
-_FORMAT = "2"  # of what is kept
+_FORMAT = "3"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
+_VARIABLE = re.compile(r" = alloca \w+$", re.MULTILINE)
 _DECLARED = re.compile(r"^declare double @(\w+)\(", re.MULTILINE)  # intrinsics have dots
 _NEEDED = ("fma", "floor", "rint", "fmod", "pow", "memset", "memcpy", "memmove")
 """By intrinsics, where the processor has no instruction for them."""
@@ -106,12 +107,25 @@ def _compiled(text: str) -> bytes:
     """A line of what it defines, a line of what it needs, and its machine code."""
     module = _llvm().parse_assembly(text)
     module.verify()
+    if _VARIABLE.search(text):
+        _keep_in_registers(module)
     defined = [
         " ".join([name, result, *(argument.split()[0] for argument in arguments.split(","))])
         for result, name, arguments in _DEFINED.findall(text)
     ]
     lines = f"{';'.join(defined)}\n{' '.join([*_DECLARED.findall(text), *_NEEDED])}\n"
     return lines.encode() + bytes(_target().emit_object(module))
+
+
+def _keep_in_registers(module: Any) -> None:
+    """Take variables out of memory; no operation changes."""
+    llvm = _llvm()
+    passes, options = llvm.create_new_function_pass_manager(), llvm.create_pipeline_tuning_options()
+    passes.add_sroa_pass()
+    builder = llvm.create_pass_builder(_target(), options)
+    for function in module.functions:
+        if not function.is_declaration:
+            passes.run(function, builder)
 
 
 @cache

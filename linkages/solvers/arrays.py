@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,8 @@ class Memory:
 
     def _keep(self, array: NDArray) -> int:
         self.arrays.append(array)
-        return array.ctypes.data
+        address: int = array.__array_interface__["data"][0]  # much faster than array.ctypes
+        return address
 
 
 def pace(job: Job) -> NDArray[np.float64]:
@@ -168,12 +170,19 @@ def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArr
 
 def table(memory: Memory, tableau: Tableau, flow: Flow) -> TableView:
     """Coefficients of a tableau for the workspace of a flow."""
-    A, end = tableau.extended_A, tableau.stages
+    found, own = _table(tableau, flow.coordinates, workspace_width(flow))
+    memory.keep(own)
+    return found
+
+
+@lru_cache(maxsize=256)
+def _table(tableau: Tableau, n: int, width: int) -> tuple[TableView, Memory]:
+    """The same, which only reads it, for all flows of a size."""
+    memory, A, end = Memory(), tableau.extended_A, tableau.stages
     rows, columns = np.nonzero(A)
-    width = workspace_width(flow)
-    return TableView(
+    found = TableView(
         starts=memory.integers(np.searchsorted(rows, np.arange(len(A) + 1))),
-        places=memory.integers(columns * width + flow.coordinates),
+        places=memory.integers(columns * width + n),
         weights=memory.floats(A[rows, columns]),
         c=memory.floats(tableau.extended_c),
         dense=memory.floats(tableau.dense),
@@ -181,6 +190,7 @@ def table(memory: Memory, tableau: Tableau, flow: Flow) -> TableView:
         end=end,
         degree=tableau.dense.shape[1],
     )
+    return found, memory
 
 
 def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:

@@ -197,6 +197,7 @@ OWN = {
     "map": [
         ({"indicator": "exponent"}, {"indicator": "fli"}),
         ({"periods": 4}, {"periods": 5}),
+        ({"skip": 0}, {"skip": 1}),
     ],
 }
 OWN_CASES = [(verb, *pair) for verb, pairs in OWN.items() for pair in pairs]

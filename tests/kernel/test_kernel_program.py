@@ -246,5 +246,5 @@ def test_a_label_stands_for_every_parameter():
 
 
 def test_statements_are_coarse():
-    """Numba needs about 3 ms a statement: the nine-bar must stay below 400."""
+    """People read programs: what belongs together is one statement."""
     assert statements(program(system("ninebar")).text) < 400

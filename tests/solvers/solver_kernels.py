@@ -11,7 +11,15 @@ import numpy as np
 from scipy.special import ellipj, ellipk
 
 from linkages.kernel.code.machine import MachineCode
-from linkages.kernel.code.operands import Real, Whole, choose, choose_of, floats, library, root_of
+from linkages.kernel.code.operands import (
+    Real,
+    Whole,
+    choose,
+    choose_of,
+    elementary,
+    floats,
+    root_of,
+)
 from linkages.kernel.code.printed import printed, text_of
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers import Companion, Flow
@@ -44,11 +52,11 @@ def rates(function):
 
 
 def sin(x):
-    return library("sin", x)
+    return elementary("sin", x)
 
 
 def cos(x):
-    return library("cos", x)
+    return elementary("cos", x)
 
 
 def cube_of(square):

@@ -169,7 +169,7 @@ def run_exponents(
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")
     length = options.interval or characteristic_period(system.mechanism)
 
-    parts = max(PARTS, math.ceil(FEWEST_INTERVALS / periods))
+    parts = parts_of(options)
     if log is not None:
         log.restart(since=system.time + skip * length)
     needed = samples_needed(system, periods * parts) if columns == whole else 0
@@ -188,6 +188,11 @@ def run_exponents(
         watch=watch,
     )
     return replace(found, touch=tangents.slowest)
+
+
+def parts_of(options: ExponentOptions) -> int:
+    """Intervals of a period."""
+    return max(PARTS, math.ceil(FEWEST_INTERVALS / options.periods))
 
 
 def samples_needed(system: System, intervals: int) -> int:

@@ -7,10 +7,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.systems import Growth, Watch
+from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
+from linkages.chaos.growth.lyapunov import characteristic_period, parts_of
+from linkages.chaos.growth.systems import Growth, Watch, start_tangents
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.errors import ComputationError, LinkagesError
-from linkages.solution.moving.many import march_many
+from linkages.chaos.sections.free_states import require_free
+from linkages.errors import LinkagesError
+from linkages.kernel.system import System
+from linkages.options.exponents import ExponentOptions
+from linkages.solution.moving.many import Going, side_by_side
 from linkages.solution.moving.renormalising import Renormalised
 
 Floats = NDArray[np.float64]
@@ -66,6 +71,21 @@ def _batches(
     yield from system.batches(intervals, length, orthogonal)
 
 
+def growing(
+    system: LinkageTangents, intervals: int, length: float, *, orthogonal: bool, skip: int = 0
+) -> Going[Grown]:
+    """Grow the tangents of a linkage by integrations that it asks for; see `grow_together`."""
+    found = Grown(system)
+    try:
+        for times, renormalised in _batches(system, skip, intervals, length, orthogonal):
+            motion = yield from system.march.advancing(times, renormalised=renormalised)
+            found.parts.append(system.taken(motion, renormalised, length))
+            system.require(motion)
+    except LinkagesError as error:
+        found.error = error
+    return found
+
+
 def grow_together(
     systems: Sequence[LinkageTangents],
     intervals: int,
@@ -90,31 +110,26 @@ def grow_together(
     watch
         Called now and then; what it raises ends all of them.
     """
-    found = [Grown(system) for system in systems]
-    kinds: dict[tuple[int, int], list[int]] = {}
-    for index, (system, length) in enumerate(zip(systems, lengths, strict=True)):
-        kinds.setdefault(system.sampling(length), []).append(index)
-    for indices in kinds.values():
-        plans = [_batches(systems[k], skip, intervals, lengths[k], orthogonal) for k in indices]
-        for batch in zip(*plans, strict=True):
-            going = [
-                (k, *part) for k, part in zip(indices, batch, strict=True) if not found[k].error
-            ]
-            if not going:
-                break
-            motions = march_many(
-                [systems[k].march for k, _, _ in going],
-                np.stack([times for _, times, _ in going]),
-                renormalised=[each for _, _, each in going],
-                watch=watch,
-            )
-            for (k, _, renormalised), motion in zip(going, motions, strict=True):
-                if isinstance(motion, LinkagesError):
-                    found[k].error = motion
-                    continue
-                found[k].parts.append(systems[k].taken(motion, renormalised, lengths[k]))
-                try:
-                    systems[k].require(motion)
-                except ComputationError as error:
-                    found[k].error = error
-    return found
+    going = [
+        growing(system, intervals, length, orthogonal=orthogonal, skip=skip)
+        for system, length in zip(systems, lengths, strict=True)
+    ]
+    found = side_by_side(going, watch)
+    return [grown for grown in found if isinstance(grown, Grown)]
+
+
+def exponents_of(system: System, options: ExponentOptions) -> Going[Exponents]:
+    """The largest exponents of a motion, by integrations that it asks for.
+
+    As `linkages.chaos.growth.lyapunov.run_exponents` has them, where these are not all of them.
+    """
+    assert options.count is not None
+    require_free(system)
+    parts, length = parts_of(options), options.interval or characteristic_period(system.mechanism)
+    tangents = LinkageTangents(system, options.count, options)
+    start_tangents(tangents, options.count)
+    intervals, interval, skip = options.periods * parts, length / parts, options.skip * parts
+    grown = yield from growing(tangents, intervals, interval, orthogonal=True, skip=skip)
+    return lyapunov_spectrum(
+        grown, intervals=intervals, interval=interval, count=options.count, skip=skip
+    )

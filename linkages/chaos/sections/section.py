@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Unpack
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import (
     contact_values,
     contact_variables,
 )
-from linkages.chaos.sections.crossed import crossed
+from linkages.chaos.sections.crossed import Met, crossed
 from linkages.chaos.sections.free_states import free_values, labelled_states, require_free
 from linkages.chaos.sections.strobe import strobe
 from linkages.chaos.sections.touches import touch_values, touch_variables
@@ -86,37 +88,68 @@ def section_points(
 ) -> xr.Dataset:
     """What `poincare` returns."""
     require_section(system, options)
-    attributes: dict[str, object]
-    touches: dict[str, Floats] = {}
     if options.section is None:
         found = strobe(system, options, watch)
-        motion, failure, time = found.motion, found.failure, found.time
-        values, contacts, interval = found.values(options.wrap), found.contacts, found.interval
         period = common_period(system.mechanism)
         attributes = {"period": period, "phase": options.phase, "warning": ""}
-    else:
-        last = options.end or _limit(system, options.periods + options.skip)
-        met = crossed(system, options, last, watch)
-        motion, failure, time = met.motion, met.motion.failure, met.motion.time
-        values = free_values(system, motion, options.wrap)
-        contacts, interval = met.contacts, met.interval
-        touches = touch_values(system, motion, parse_section(system, options.section))
-        attributes = {
-            "section": options.section,
-            "direction": options.direction,
-            "warning": _shortage(motion, options.periods, last),
-        }
+        points = _Points(
+            found.motion, found.failure, found.time, found.values(options.wrap), attributes,
+            found.contacts, found.interval,
+        )  # fmt: skip
+        return _labelled(system, options, points)
+    return met_points(system, options, crossed(system, options, last_time(system, options), watch))
+
+
+def last_time(system: System, options: SectionOptions) -> float:
+    """The time in seconds until which crossings of a section are looked for."""
+    return options.end or _limit(system, options.periods + options.skip)
+
+
+def met_points(system: System, options: SectionOptions, met: Met) -> xr.Dataset:
+    """What `poincare` returns of crossings of a section."""
+    assert options.section is not None
+    motion = met.motion
+    attributes = {
+        "section": options.section,
+        "direction": options.direction,
+        "warning": _shortage(motion, options.periods, last_time(system, options)),
+    }
+    values = free_values(system, motion, options.wrap)
+    touches = touch_values(system, motion, parse_section(system, options.section))
+    points = _Points(
+        motion, motion.failure, motion.time, values, attributes, met.contacts, met.interval, touches
+    )
+    return _labelled(system, options, points)
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Points of a section, of either kind."""
+
+    motion: Motion
+    failure: str | None
+    time: Floats
+    values: dict[str, Floats]
+    attributes: dict[str, Any]
+    contacts: tuple[LinkForce, ...]
+    interval: float
+    touches: dict[str, Floats] = field(default_factory=dict)
+
+
+def _labelled(system: System, options: SectionOptions, points: _Points) -> xr.Dataset:
+    motion, failure = points.motion, points.failure
     data = labelled_states(
         system,
-        values,
+        points.values,
         "crossing",
-        {"time": ("crossing", time, {"units": "s", "long_name": "time"})},
-        {**attributes, "skip": options.skip, **options.how},
+        {"time": ("crossing", points.time, {"units": "s", "long_name": "time"})},
+        {**points.attributes, "skip": options.skip, **options.how},
     )
-    data = data.assign(touch_variables(touches, options.section or ""))
+    data = data.assign(touch_variables(points.touches, options.section or ""))
     if "clearance" in data.coords:
         names = [str(name) for name in data["clearance"].to_numpy()]
-        data = data.assign(contact_variables(contact_values(contacts, names), interval))
+        contacts = contact_values(points.contacts, names)
+        data = data.assign(contact_variables(contacts, points.interval))
     if motion.interrupted:
         raise Interrupted(str(motion.failure), time=motion.stop_time, kept={"poincare": data})
     if failure is not None:

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.chaos.growth.lyapunov import run_exponents
+from linkages.chaos.growth.together import exponents_of
 from linkages.chaos.sections.common_period import NoPeriodError
 from linkages.chaos.sections.section import require_section
-from linkages.chaos.sections.strobe import Strobing
 from linkages.chaos.sweeps.continuation import (
     ContinuationEnd,
     Visited,
     crossing_points,
-    strobed,
-    stroboscope,
     stroboscopic_points,
 )
 from linkages.chaos.sweeps.diagram import Value, answer_of, diagram, value_fields
@@ -31,9 +28,7 @@ from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
 from linkages.options.sections import BifurcationKeywords, BifurcationOptions
 from linkages.options.signature import takes
-from linkages.solution.moving.many import march_many
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion
+from linkages.solution.moving.many import Going, alone, side_by_side
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
@@ -99,8 +94,8 @@ class _Request(Question):
 
     @property
     def together(self) -> tuple[int, int]:
-        """Motions go side by side, but for those that are followed to crossings of a section."""
-        return SIDE_BY_SIDE if self.options.section is None else (1, 1)
+        """Motions go side by side."""
+        return SIDE_BY_SIDE
 
     def answers(self, first: int, last: int) -> list[Answer]:
         """What is found at some points, each from the state of the definition."""
@@ -109,51 +104,18 @@ class _Request(Question):
         points: list[Point] = [
             (place % size, self.initial[place // size], None) for place in range(first, last)
         ]
-        if self.options.section is None:
-            return self._strobed(points)
-        return [self.answer(point)[0] for point in points]
-
-    def _strobed(self, points: Sequence[Point]) -> list[Answer]:
-        """Points of stroboscopic sections of motions side by side."""
-        found: dict[int, Answer] = {}
-        plans: dict[int, dict[int, Strobing]] = {}
-        ends = self.options.exponent, False
-        for place, point in enumerate(points):
-
-            def begin(place: int = place, point: Point = point) -> Outcome:
-                options = self.options_at(self.at(*point[:2]), self._periods)
-                plan = stroboscope(self.system(point), options, ends)
-                plans.setdefault(len(plan.times), {})[place] = plan
-                return Answer(), None
-
-            found[place], _ = self._attempted(point, begin)
-        for group in plans.values():
-            motions = march_many(
-                [March(plan.system, plan.options) for plan in group.values()],
-                np.stack([plan.times for plan in group.values()]),
-                watch=end_when_stopping,
-            )
-            for (place, plan), motion in zip(group.items(), motions, strict=True):
-                if isinstance(motion, LinkagesError):
-                    found[place] = Answer.of(motion, stop_code(motion))
-                    continue
-                visit = partial(self._visited, points[place], plan, motion)
-                found[place], _ = self._attempted(points[place], visit)
-        return [found[place] for place in range(len(points))]
-
-    def _visited(self, point: Point, plan: Strobing, motion: Motion) -> Outcome:
-        ends = self.options.exponent, False
-        return self._finished(self.at(*point[:2]), strobed(plan, motion, ends))
+        found = side_by_side([self._attempted(point) for point in points], end_when_stopping)
+        return [outcome[0] for outcome in found if not isinstance(outcome, LinkagesError)]
 
     def answer(self, point: Point) -> Outcome:
         """What is found at a value, and where its motion ended."""
-        return self._attempted(point, lambda: self._computed(point))
+        return alone(self._attempted(point))
 
-    def _attempted(self, point: Point, task: Callable[[], Outcome]) -> Outcome:
+    def _attempted(self, point: Point) -> Going[Outcome]:
         if stopping():
             raise KeyboardInterrupt
         try:
-            return task()
+            return (yield from self._computed(point))
         except InputError as error:
             overrides = {**self.axis.at(point[0]), **point[1]}
             return Answer.of(error, refusal_code(self.varying, overrides)), None
@@ -196,7 +158,7 @@ class _Request(Question):
             )
         return system
 
-    def _computed(self, point: Point) -> Outcome:
+    def _computed(self, point: Point) -> Going[Outcome]:
         """The points of a value, and the exponent of the motion that they belong to."""
         index, overrides, before = point
         mechanism = self.at(index, overrides)
@@ -204,19 +166,19 @@ class _Request(Question):
         continued = options.start != "same"
         if options.section is None:
             ends = options.exponent, continued
-            visited = stroboscopic_points(self.system(point), options, ends=ends)
+            visited = yield from stroboscopic_points(self.system(point), options, ends=ends)
         else:
             ends_too = options.exponent or continued
-            visited = crossing_points(mechanism, before, options, ends=ends_too)
-        return self._finished(mechanism, visited)
+            visited = yield from crossing_points(mechanism, before, options, ends=ends_too)
+        return (yield from self._finished(mechanism, visited))
 
-    def _finished(self, mechanism: Mechanism, visited: Visited) -> Outcome:
+    def _finished(self, mechanism: Mechanism, visited: Visited) -> Going[Outcome]:
         """What a motion visited, and its exponent if that is asked for."""
         value = Value(visited, refusal=visited.refusal)
         asked = self.options.exponent and visited.refusal is None
         if asked and visited.first is not None:
             try:
-                value = Value(visited, self._exponent(mechanism, visited.first))
+                value = Value(visited, (yield from self._exponent(mechanism, visited.first)))
             except ComputationError as error:
                 value = Value(visited, refusal=error)
         return answer_of(value, self.options.periods), visited.last
@@ -245,7 +207,7 @@ class _Request(Question):
             "exponent_periods": EXPONENT_PERIODS if taken.exponent else 0,
         }
 
-    def _exponent(self, mechanism: Mechanism, first: ContinuationEnd) -> tuple[float, float]:
+    def _exponent(self, mechanism: Mechanism, first: ContinuationEnd) -> Going[tuple[float, float]]:
         """The largest exponent and its error, from where the points begin."""
         options = ExponentOptions.like(
             self.options_at(mechanism, ALIGNING + EXPONENT_PERIODS),
@@ -253,7 +215,7 @@ class _Request(Question):
             skip=ALIGNING,
             count=1,
         )
-        exponents = run_exponents(first.system(mechanism), options)
+        exponents = yield from exponents_of(first.system(mechanism), options)
         return exponents.largest
 
 

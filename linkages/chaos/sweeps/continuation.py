@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
 from linkages.chaos.sections.contact_log import contact_values
+from linkages.chaos.sections.crossed import crossing
 from linkages.chaos.sections.free_states import PAIRS, free_names, free_values
-from linkages.chaos.sections.section import section_points
+from linkages.chaos.sections.section import last_time, met_points, require_section
 from linkages.chaos.sections.strobe import Strobing, strobing
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, Interrupted, UnfinishedError
+from linkages.errors import ComputationError, UnfinishedError
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.options.sections import SectionOptions
-from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.many import Going
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
 
@@ -143,18 +146,15 @@ def stroboscopic_points(
     system: System,
     options: SectionOptions,
     ends: tuple[bool, bool] = (True, True),
-) -> Visited:
-    """Points of a stroboscopic section, and the first and the last end if wanted, from one run.
+) -> Going[Visited]:
+    """Points of a stroboscopic section, and the first and the last end if wanted, from one motion.
 
     Raises
     ------
     ComputationError
-    Interrupted
-        After Ctrl-C.
     """
     plan = stroboscope(system, options, ends)
-    motion = compute_motion(system, Settings(times=plan.times, run=options))
-    _require_uninterrupted(motion)
+    motion = yield from March(system, options).advancing(plan.times)
     return strobed(plan, motion, ends)
 
 
@@ -196,7 +196,7 @@ def crossing_points(
     before: ContinuationEnd | None,
     options: SectionOptions,
     ends: bool = True,
-) -> Visited:
+) -> Going[Visited]:
     """Crossings of a section, and where the motion was at whole periods of the drives.
 
     Without a common period nothing distinguishes one time from another, and ends are the crossings
@@ -206,13 +206,14 @@ def crossing_points(
     ------
     ComputationError
         If the motion never crosses the section.
-    Interrupted
-        After Ctrl-C.
     """
     refusal: ComputationError | None = None
     try:
         start = System(mechanism) if before is None else before.system(mechanism)
-        data = section_points(start, options)
+        require_section(start, options)
+        plan = crossing(start, options, last_time(start, options))
+        met = plan.met((yield from plan.march.advancing(plan.times, guards=[plan.guard])))
+        data = met_points(start, options, met)
     except UnfinishedError as error:
         if not error.kept["poincare"].sizes["crossing"]:
             raise
@@ -220,8 +221,7 @@ def crossing_points(
     first = last = None
     if ends and data.sizes["crossing"]:
         times = [_whole(mechanism, float(data["time"][place])) for place in (0, -1)]
-        motion = compute_motion(start, Settings(times=np.unique(times), run=options))
-        _require_uninterrupted(motion)
+        motion = yield from March(start, options).advancing(np.unique(times))
         places = [int(np.searchsorted(motion.time, time)) for time in times]
         first, last = (
             end_of(start, motion, at) if at < len(motion.time) else None for at in places
@@ -248,8 +248,3 @@ def _whole(mechanism: Mechanism, time: float) -> float:
     except NoPeriodError:
         return time
     return period * math.ceil(time / period - WHOLE)
-
-
-def _require_uninterrupted(motion: Motion) -> None:
-    if motion.interrupted:
-        raise Interrupted(str(motion.failure), time=motion.stop_time)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from linkages.kernel.code.functions import FUNCTIONS
+
 if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure
 
@@ -359,6 +361,9 @@ def floor_of(x: Real) -> Whole:
     return Real(x.code, x.code.call("llvm.floor", x.text)).whole
 
 
-def library(name: str, *given: Real) -> Real:
-    """A function of the C library."""
-    return Real(given[0].code, given[0].code.library(name, *(x.text for x in given)))
+def elementary(name: str, *given: Real) -> Real:
+    """A function by its name in `linkages.operations`, written out where that is known."""
+    code, texts = given[0].code, [x.text for x in given]
+    return Real(
+        code, FUNCTIONS[name](code, *texts) if name in FUNCTIONS else code.library(name, *texts)
+    )

@@ -15,7 +15,7 @@ from linkages.kernel.code.operands import Fields, Operand
 from linkages.kernel.code.procedure import Procedure
 
 
-class Printed:
+class PrintedFunction:
     """A function that writes itself.
 
     Parameters
@@ -76,12 +76,12 @@ class Printed:
         return f"define {scope}{kind} {shown}({kinds}) {{\n{code.text}}}\n", code
 
 
-def printed(function: Callable[..., Any]) -> Printed:
+def printed(function: Callable[..., Any]) -> PrintedFunction:
     """Make a function write itself."""
-    return Printed(function)
+    return PrintedFunction(function)
 
 
-def text_of(function: Printed) -> str:
+def text_of(function: PrintedFunction) -> str:
     """The text of a module with a function, under its own name, and all that it calls."""
     text, code = function.define(function.__name__)
     texts, declared, waiting = {"": text}, dict(code.declared), list(code.called)

@@ -10,7 +10,7 @@ from linkages.kernel.code.instructions import Instructions
 from linkages.kernel.code.operands import Fields, Operand, Real, Truth, Whole
 
 if TYPE_CHECKING:
-    from linkages.kernel.code.printed import Printed
+    from linkages.kernel.code.printed import PrintedFunction
 
 
 class Procedure(Instructions):
@@ -31,7 +31,7 @@ class Procedure(Instructions):
         super().__init__()
         self._result = result
         self._loops: list[tuple[str, str]] = []
-        self.called: list[Printed] = []
+        self.called: list[PrintedFunction] = []
 
     def value(self, value: Any) -> Any:
         """A value now: of an operand, which may vary, or a number of Python's."""

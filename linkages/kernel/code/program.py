@@ -22,7 +22,7 @@ from linkages.kernel.graph.scalars import Level, Scalar, reachable
 from linkages.kernel.model import Model
 from linkages.kernel.numbers.inputs import Inputs
 
-GENERATOR_VERSION = 5
+GENERATOR_VERSION = 6
 
 _DOC = """Equations of motion of one topology; generated, do not edit (generator {}).
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -66,7 +66,8 @@ def touch_page(data: xr.Dataset, contact: str) -> Figure:
     """How often something is touched, as an image with a colour bar, whatever it shows."""
     result, ax, bar = _page(0.0)
     draw_touches(ax, data, contact)
-    result.colorbar(ax.collections[0], cax=bar, label=str(data["touches"].attrs["long_name"]))
+    label = str(data["touches"].attrs["long_name"])
+    result.colorbar(ax.collections[0], cax=bar, label=label, format="%g")
     return result
 
 
@@ -84,7 +85,9 @@ def draw_touches(ax: Axes, data: xr.Dataset, contact: str) -> Axes:
     """
     values = np.asarray(data["touches"].sel(touch=contact), dtype=float)
     x, y = _frame(ax, data)
-    colours, limits = _colours(values, signed=False)
+    colours, _ = _colours(values, signed=False)
+    most = max(1.0, float(np.nanmax(values, initial=1.0)))
+    limits = SymLogNorm(1.0, vmin=0.0, vmax=most)  # small numbers differ more than large ones
     ax.pcolormesh(x, y, values, cmap=colours, norm=limits, rasterized=True)
     ax.set_title(fitted(f"{data.attrs.get('name', '')}: {contact}", 4.4))
     return ax

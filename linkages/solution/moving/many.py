@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +13,17 @@ from linkages.solution.moving.guards import Guard
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.moving.renormalising import Renormalised
-from linkages.solvers.integration import IntegrationRequest
+from linkages.solvers.integration import IntegrationRequest, carry_out
 from linkages.solvers.lanes import integrate_many
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
+
+T = TypeVar("T")
+
+Going = Generator[IntegrationRequest, Trajectory, T]
+"""What asks for integrations, takes back what came of them, and returns something in the end."""
 
 
 def march_many(
@@ -58,18 +64,53 @@ def march_many(
         After Ctrl-C.
     """
     rows = np.broadcast_to(np.asarray(times, dtype=float), (len(marches), np.shape(times)[-1]))
-    found: dict[int, Motion | LinkagesError] = {}
-    asked: dict[int, IntegrationRequest] = {}
     own = [None] * len(marches) if renormalised is None else renormalised
     going = [
         march.advancing(rows[index], guards=guards, renormalised=own[index])
         for index, march in enumerate(marches)
     ]
+    return side_by_side(going, watch)
+
+
+def alone(task: Going[T]) -> T:
+    """Carry out a task that asks for integrations."""
+    trajectory = None
+    while True:
+        try:
+            asked = next(task) if trajectory is None else task.send(trajectory)
+        except StopIteration as end:
+            found: T = end.value
+            return found
+        trajectory = carry_out(asked, None)
+
+
+def side_by_side(tasks: Sequence[Going[T]], watch: Watch | None = None) -> list[T | LinkagesError]:
+    """Carry out tasks that ask for integrations; each gets those that it would get alone.
+
+    Parameters
+    ----------
+    tasks
+        Such as `March.advancing`, or what waits for several of these, one after the other.
+    watch
+        Called about 20 times a second with the fraction of the tasks that have ended; what it
+        raises ends all of them.
+
+    Returns
+    -------
+    What the tasks return, in their order; in the place of one that raised it, an error.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C.
+    """
+    found: dict[int, T | LinkagesError] = {}
+    asked: dict[int, IntegrationRequest] = {}
 
     def go_on(index: int, trajectory: Trajectory | None) -> None:
-        step = going[index]
+        task = tasks[index]
         try:
-            asked[index] = next(step) if trajectory is None else step.send(trajectory)
+            asked[index] = next(task) if trajectory is None else task.send(trajectory)
         except StopIteration as end:
             found[index] = end.value
         except LinkagesError as error:
@@ -77,9 +118,9 @@ def march_many(
 
     def look(fraction: float) -> None:
         if watch is not None:
-            watch((len(found) + fraction * len(under_way)) / len(marches))
+            watch((len(found) + fraction * len(under_way)) / len(tasks))
 
-    for index in range(len(marches)):
+    for index in range(len(tasks)):
         go_on(index, None)
     while asked:
         under_way, asked = asked, {}
@@ -88,4 +129,4 @@ def march_many(
             if trajectory.outcome is Outcome.INTERRUPTED:
                 raise Interrupted("interrupted", time=trajectory.stop_time)
             go_on(index, trajectory)
-    return [found[index] for index in range(len(marches))]
+    return [found[index] for index in range(len(tasks))]

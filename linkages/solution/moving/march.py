@@ -99,19 +99,20 @@ class March:
         self._extra = (work, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
         self._work = 0.0
-        self._enter(system, {}, np.eye(system.layout.directions)[:, :tangents], {})
+        self._enter(system, {}, None, {})
 
     def _enter(
         self,
         system: System,
         angles: dict[str, float],
-        tangents: Floats,
+        tangents: Floats | None,
         held: Mapping[str, Floats],
     ) -> None:
         """Go on with the coordinates of a system, from its initial state.
 
-        `angles` are those of its bodies with all the turns that they have made, `held` its modes
-        and what is remembered by their names, if any.
+        `angles` are those of its bodies with all the turns that they have made, `tangents` the first
+        directions if they are not given, `held` its modes and what is remembered by their names, if
+        any.
         """
         self.system = system
         work, columns, counting = self._extra
@@ -120,6 +121,8 @@ class March:
         self._held = self._holding(held)
         self.flipped: tuple[int, ...] = ()
         self.time = system.time
+        if tangents is None:
+            tangents = np.eye(self.layout.directions)[:, :columns]
         self._vector = self.layout.packed(system.state, self._work, tangents)
         within = dict(zip(self.layout.coordinates, system.state, strict=False))
         turned = [angles.get(name, angle) - angle for name, angle in within.items()]

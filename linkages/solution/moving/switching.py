@@ -35,7 +35,7 @@ SAME_PLACE = 1e-6
 
 def movable(system: System) -> tuple[str, ...]:
     """Free coordinates that others could take the place of: all but clearances."""
-    bodies = system.mechanism.bodies
+    bodies = system.model.mechanism.bodies  # what they are is the same in all of a structure
     return tuple(name for name in system.topology.free if bodies[name].kind not in PLAYING)
 
 

@@ -34,7 +34,8 @@ def absolute_tolerances(
         sizes = {name: turned if bodies[name].rotates else length for name in bodies}
         scales = [sizes.get(name, 1.0) for name in layout.coordinates]
         found[layout.motion_rows] *= [*scales, *scales]
-    found[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
+    if layout.internal:
+        found[layout.internal_rows] *= [state.scale for state in mechanism.internal.values()]
     found[layout.tangent_rows] = tangent_atol
     found[layout.idle_rows] = ANYTHING
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +85,7 @@ class Tableau:
         """Nodes of all rows, shape (s + 1 + e,)."""
         return np.concatenate([self.c, [1.0], self.dense_c])
 
-    @property
+    @cached_property
     def quarters(self) -> tuple[int, ...]:
         """Rows around the middle and both quarters of a step."""
         inner = self.c[1:-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from linkages.kernel.code.arcs import arc_of
 from linkages.kernel.code.instructions import Instructions
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.shape import Shape, StepMemory
@@ -38,7 +39,7 @@ def write_counted(
     turn = code.constant(TWO_PI)
     for i in range(shape.counted):
         sine = code.load(cosines, shape.counted + i)
-        angle = code.library("atan2", sine, code.load(cosines, i))
+        angle = arc_of(code, sine, code.load(cosines, i))
         apart = code.subtract(code.load(memory["ahead"], i), angle)
         whole = code.call("llvm.rint", code.divide(apart, turn))
         found = code.fused(turn, whole, angle)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from linkages.kernel.code.operands import Real, Whole, floats, fused, integers, library, rounded
+from linkages.kernel.code.operands import Real, Whole, elementary, floats, fused, integers, rounded
 from linkages.kernel.code.printed import printed
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.steps.stages import address_of
@@ -27,7 +27,7 @@ def counted_angle(
 ) -> Real:
     """A dependent angle in a row, with the turns that bring it closest to where it is expected."""
     values, first = floats(address_of(system, row)), first_cosine(system)
-    angle = library("atan2", values[first + system.counted + i], values[first + i])
+    angle = elementary("atan2", values[first + system.counted + i], values[first + i])
     whole = rounded((floats(record.ahead)[i] - angle) / TWO_PI)
     return fused(whole, TWO_PI, angle)
 

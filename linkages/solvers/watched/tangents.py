@@ -21,10 +21,10 @@ from linkages.kernel.code.operands import (
     Truth,
     Whole,
     choose,
+    elementary,
     floats,
     integers,
     larger_of,
-    library,
     root_of,
     smaller_of,
 )
@@ -145,7 +145,7 @@ def renormalise(
             with code.when(taken):
                 code.stop()
         with code.when(total > 0.0) as case:
-            grown[column] += library("log", total)
+            grown[column] += elementary("log", total)
             least.set(smaller_of(least, total))
         with case.otherwise():
             grown[column] = -math.inf

@@ -11,6 +11,11 @@ from tangent_differences import check
 
 import linkages
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.options.run import RunOptions
+from linkages.solution.moving.many import march_many
+from linkages.solution.moving.march import March
+from linkages.solution.moving.motion import Motion
 
 SIDES = ((-1, 1), (1, 1), (-1, -1), (1, -1))
 
@@ -19,33 +24,37 @@ joints: {{O: [0, 0]}}
 sliders: {{block: {{joint: B, through: O, mass: 0.5, inertia: {inertia}}}}}
 clearances:
   gap: {{slider: block, size: 1 mm, length: 100 mm, height: {height}, contact: restitution,
-        restitution: {restitution}, friction: {friction}}}
+        restitution: {restitution}, friction: {friction}, impact: {impact}}}
 free: {{block: {{position: 0, speed: 0}}}}
 """
 
 
-def placed(height, diagonal):
-    """Offset and tilt of a block two corners of which touch, and the places of these."""
-    if not diagonal:
+def placed(height, touching):
+    """Offset and tilt of a block of which the rear upper corner touches, or it and another one."""
+    if touching == "flat":
         return 1e-3, 0.0, [0, 1]
 
     def above(tilt):
         return 0.05 * np.sin(tilt) + 0.5 * height * (np.cos(tilt) - 1) - 1e-3
 
+    if touching == "one":
+        return -above(0.01), -0.01, [0]
     return 0.0, brentq(above, 0.0, 0.1, xtol=1e-16), [1, 2]
 
 
-@pytest.mark.parametrize("diagonal", [False, True], ids=["flat", "diagonal"])
-def test_random_impacts_of_two_corners_against_all_cases(diagonal):
+@pytest.mark.parametrize("touches", ["flat", "diagonal", "one"])
+def test_random_impacts_of_corners_against_all_cases(touches):
+    """Of one corner by the same law where that is asked for."""
+    impact_law = "moreau" if touches == "one" else "newton"
     random, seen = np.random.default_rng(3), Counter()
     for restitution, friction, height in (
         (0.5, 0.1, 0.05), (1.0, 0.3, 0.1), (1e-12, 0.3, 0.05), (1.0, 0.5, 0.05)
     ):  # fmt: skip
         inertia = 10 ** random.uniform(-4.2, -2.8)
-        system = System(linkages.loads(BLOCK.format(**locals())))
+        system = System(linkages.loads(BLOCK.format(**locals() | {"impact": impact_law})))
         names = list(system.model.topology.free)
         order = np.array([names.index(name) for name in ("block", "gap.offset", "gap.tilt")])
-        offset, tilt, touching = placed(height, diagonal)
+        offset, tilt, touching = placed(height, touches)
         turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
         places = [np.array(SIDES[k]) * [0.05, 0.5 * height] for k in touching]
         arms = [turn @ place for place in places]
@@ -63,14 +72,14 @@ def test_random_impacts_of_two_corners_against_all_cases(diagonal):
         found = [system.evaluate(c.rates_behind, np.zeros(40), state)[order] for c in contacts]
         for k, velocity in enumerate(velocities):
             expected, how = impact(
-                np.array([0.5, 0.5, inertia]), normals, tangents, np.full(2, friction),
-                np.full(2, restitution), velocity,
+                np.array([0.5, 0.5, inertia]), normals, tangents, np.full(len(arms), friction),
+                np.full(len(arms), restitution), velocity,
             )  # fmt: skip
             # closing leaves 1e-12 m/s; the inertia has a condition of 1e4
             np.testing.assert_allclose(found[own[k]][:, k], expected, rtol=0, atol=1e-9)
             seen[how] += 1
     assert seen["whole"] > 100
-    assert diagonal or seen["limited"] > 0
+    assert touches != "flat" or seen["limited"] > 0
 
 
 PUSHED = """
@@ -125,7 +134,7 @@ loads: [{joint: H, force: ["10*t", 0]}]
 @pytest.mark.parametrize("away", [0.2, 0.3])
 def test_a_drawer_holds_where_it_is_pulled_too_far_from_its_middle(away):
     """Both corners press with F d/L: it moves where 2 μ d/L < 1, by a share of every force."""
-    _, tilt, _ = placed(0.04, True)
+    _, tilt, _ = placed(0.04, "diagonal")
     text = DRAWER.replace("TILT", f"{-tilt!r} rad").replace("AWAY", f"{away}")
     data = linkages.simulate(linkages.loads(text), end=0.4, samples=41, outputs="all").data
     position, time = data.slider_position[:, 0].to_numpy(), data.time.to_numpy()
@@ -210,6 +219,26 @@ def test_a_mirrored_engine_moves_as_in_a_mirror():
     np.testing.assert_allclose(
         first.clearance_force[:, [2, 3, 0, 1]], second.clearance_force, atol=1e-4
     )
+
+
+@pytest.mark.parametrize(
+    "clearances", [PINS, pytest.param(GUIDE, marks=pytest.mark.slow)], ids=["pins", "guide"]
+)
+def test_motions_side_by_side_are_those_alone(clearances):
+    """Shared impacts, slips that change and hold: each lane waits for its own."""
+    path = f"clearances.{clearances.split(':')[0]}.friction"
+    varying = Varying(linkages.loads(engine(clearances, 0.2)))
+    along = varying.along([{path: friction} for friction in (0.05, 0.1, 0.2, 0.3)])
+    marches = [
+        [March(along.system(k), RunOptions(rtol=1e-9)) for k in range(len(along))] for _ in range(2)
+    ]
+    times = np.linspace(0.0, 0.03, 11)
+    for found, march in zip(march_many(marches[0], times), marches[1], strict=True):
+        alone = march.advance(times)
+        assert isinstance(found, Motion)
+        assert found.cost == alone.cost
+        for one, other in zip(found.pieces, alone.pieces, strict=True):
+            assert np.array_equal(one.state, other.state)
 
 
 PAIR = """

@@ -75,6 +75,11 @@ class March:
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
 
+    Raises
+    ------
+    ValueError
+        If there are more tangents than directions: there are none without free coordinates.
+
     Attributes
     ----------
     system, layout, time, flipped
@@ -94,6 +99,12 @@ class March:
         tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
+        directions = system.layout.directions
+        if tangents > directions:
+            raise ValueError(
+                f"{system.mechanism.name}: free coordinates, their rates and internal states are "
+                f"{directions}; expected at most as many tangents, found {tangents}"
+            )
         self.run, self._passing = run, passes(system, run)
         self._tangent_atol = tangent_atol
         self._extra = (work, tangents, counting or bool(movable(system)))

@@ -257,8 +257,7 @@ def bifurcation(
     executor
         Where values are computed; the cores that this process may use if not given.
     store
-        Folder in which results are kept as they come; the same call goes on there. Not where each
-        value goes on from the one before.
+        Folder in which results are kept as they come; the same call goes on there.
     watch
         Called after each value with the progress.
     options

@@ -114,7 +114,7 @@ class System:
 
     def affected(self, effects: Effects | None) -> System:
         """The same whose motions carry along how they change with numbers of the definition."""
-        return self if effects is None else self._with(effects=effects)
+        return self._with(effects=effects)
 
     def with_internal(self, values: Mapping[str, float]) -> System:
         """The same with values of internal states by their names; others are left out."""

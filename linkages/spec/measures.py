@@ -102,6 +102,12 @@ def read_measure(text: str) -> Measure:
     return Measure(text.strip(), tree)
 
 
+def argument(measure: Measure) -> Node:
+    """What a measure reduces, of one that reduces a series."""
+    assert isinstance(measure.tree, Call)
+    return measure.tree.arguments[-1]
+
+
 def is_series(node: Node) -> bool:
     """Whether a node has a value at every time, and not one for the whole motion."""
     match node:

@@ -14,7 +14,7 @@ from linkages.reading.locate import shipped
 
 VERBS = (
     "simulate", "check", "equations", "animate", "phase", "poincare", "lyapunov", "bifurcation",
-    "map", "sweep", "chaos", "bench", "list",
+    "map", "sweep", "sensitivity", "chaos", "bench", "list",
 )  # fmt: skip
 # A short run of a mechanism that nothing integrates: fast.
 SHORT = ("--set", "simulate.end=0.02", "--set", "simulate.samples=21")

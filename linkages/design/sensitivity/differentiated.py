@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,21 +14,25 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.sensitivity.derived import Derivatives
 from linkages.design.sensitivity.moved import Moved
 from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
-from linkages.design.sensitivity.reductions import differentiated
+from linkages.design.sensitivity.reductions import differentiated, followed
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
 from linkages.solution.measuring.followed import denser, factor_of
-from linkages.solution.measuring.measure import known_series, measure_unit, measured_series
+from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
 from linkages.solution.values.series import Series
-from linkages.spec.measures import read_measure
+from linkages.spec.measures import argument, read_measure
 
 Floats = NDArray[np.float64]
+
+
+MORE_STEPS, FEWEST_STEPS = 20, 100
+"""How many times as many steps as the motion alone a motion with derivatives may take."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +114,12 @@ class Differentiated:
         self._derivatives = Derivatives()
         self._varying = Varying(self.mechanism)
         system = self._varying.at({})
+        if system.chosen:
+            message = (
+                f"free coordinates ({', '.join(system.chosen)}) start where hints put them; name "
+                "them in 'free', so that it is known what stays while numbers change"
+            )
+            raise mechanism.error([(("free",), message)])
         found = [measured_series(system, each) for each in self._measures]
         self.system = system
         self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))
@@ -146,14 +156,14 @@ class Differentiated:
     def along(
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True
     ) -> Evaluated:
-        """Series of outputs at times of the motion, and their derivatives there.
+        """What changes with time at times of the motion, and its derivatives there.
 
         Parameters
         ----------
         numbers, derivatives
             As `at` takes them, and what it raises.
         series
-            Names such as ``crank.effort``, as measures have them.
+            What measures reduce: ``crank.effort``, ``abs(crank.effort)`` and the like.
         times
             Between zero and the end of the motion, in seconds, shape (T,).
 
@@ -161,13 +171,17 @@ class Differentiated:
         -------
         Values of shape (series, T), derivatives of shape (series, P, T).
         """
-        found = known_series(self.system, series)
-        moved = self.moved(numbers, found, derivatives)
+        measures = [read_measure(f"max({text})") for text in series]
+        known = [measured_series(self.system, each) for each in measures]
+        named = {name: one for each in known for name, one in each.items()}
+        moved = self.moved(numbers, named, derivatives)
         places = moved.places(np.asarray(times, dtype=float))
-        values = np.array(moved.values(series, places))
+        found = [followed(argument(each), moved, places) for each in measures]
+        values = np.array([each.value for each in found])
         if not derivatives:
             return Evaluated(values, None)
-        return Evaluated(values, np.array(moved.slopes(series, places)) / self.scales[:, None])
+        slopes = np.array([each.slopes for each in found])
+        return Evaluated(values, slopes / self.scales[:, None])
 
     def moved(
         self, numbers: Floats, series: Mapping[str, Series], derivatives: bool = True
@@ -200,18 +214,41 @@ class Differentiated:
             if system.effects is None:
                 settings = Settings(times=times, run=self._run, counting=counting)
                 return compute_motion(system, settings)
-            count, tolerance = len(system.effects), self._run.atol or self._run.rtol
+            # the tangents of a number that takes a change point away grow without bound there
+            most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
             march = March(
-                system, self._run, tangents=count, tangent_atol=tolerance, counting=counting
+                system,
+                replace(self._run, max_steps=most),
+                tangents=len(system.effects),
+                tangent_atol=self._run.atol or self._run.rtol,
+                counting=counting,
             )
-            return march.advance(times)
+            motion = march.advance(times)
+            if motion.failure is not None and not motion.interrupted:
+                self._require_bounded(system, motion)
+        return motion
 
-    @cached_property
+    def _require_bounded(self, system: System, motion: Motion) -> None:
+        """Where the motion alone goes on, it is the derivatives that do not."""
+        times = np.array([0.0, self._run.end])
+        alone = compute_motion(system.affected(None), Settings(times=times, run=self._run))
+        if alone.failure is None:
+            message = (
+                "derivatives grow without bound here, as by a number without which a change point "
+                "is none; ask for others, or for a shorter motion"
+            )
+            raise ComputationError(message, time=motion.stop_time)
+
+    @property
     def factor(self) -> int:
         """How many times as close samples must be, for the numbers of the definition."""
-        system = self.system
-        if not system.layout.moved:
-            return 1
+        return self._first[0]
+
+    @cached_property
+    def _first(self) -> tuple[int, int]:
+        """The factor, and the steps of the motion of the definition."""
+        if not self.system.layout.moved:
+            return 1, 0
         times = np.linspace(0.0, self._run.end, self._run.samples)
-        motion = compute_motion(system, Settings(times=times, run=self._run))
-        return factor_of(motion, self._run.samples)
+        motion = compute_motion(self.system, Settings(times=times, run=self._run))
+        return factor_of(motion, self._run.samples), motion.cost["steps"]

@@ -64,6 +64,14 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
     return Varied(np.array(value), slopes)
 
 
+def followed(node: Node, moved: Moved, places: Floats) -> Varied:
+    """What changes with time at places in a motion, shapes (T,) and (P, T)."""
+    with np.errstate(all="ignore"):
+        found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
+    slopes = np.broadcast_to(_filled(found, moved.count), (moved.count, len(places)))
+    return Varied(np.broadcast_to(found.value, places.shape), slopes)
+
+
 def _filled(found: Varied, count: int) -> Floats:
     nothing = np.zeros((count, *np.shape(found.value)))
     return nothing if found.slopes is None else nothing + found.slopes

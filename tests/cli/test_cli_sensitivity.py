@@ -1,0 +1,59 @@
+"""``sensitivity`` on the command line: what it prints, writes and refuses."""
+
+import csv
+import json
+
+import pytest
+import xarray as xr
+
+import linkages
+
+EFFORT = "max(abs(crank.effort))"
+
+
+def test_a_table_in_units_of_the_file_with_files_and_figures(cli):
+    found = cli("sensitivity", "slider-crank", "--of", EFFORT, "--to", "bars.*", "--to", "drives.*")
+    assert found.code == 0
+    assert f"{EFFORT} = 20.241 N m" in found.out
+    results = "results/slider-crank"
+    names = ("sensitivity.nc", "sensitivity.csv", "sensitivity.png", "sensitivity_curves.png")
+    assert found.files >= {f"{results}/{name}" for name in names}
+    rows = [line.split() for line in found.out.splitlines() if "bars.rod.length" in line]
+    assert rows[0][1:3] == ["140", "mm"]
+    data = xr.load_dataset(f"{results}/sensitivity.nc", engine="h5netcdf")
+    exact = linkages.sensitivities(linkages.load("slider-crank"), EFFORT, "bars.rod.length")
+    slope = data[EFFORT].sel(parameter="bars.rod.length").item()
+    # along other directions sums of the same terms may round differently
+    assert slope == pytest.approx(exact[EFFORT].item(), rel=1e-12)
+    with open(f"{results}/sensitivity.csv", encoding="utf-8", newline="") as file:
+        table = list(csv.DictReader(file))
+    row = next(row for row in table if row["parameter"] == "bars.rod.length")
+    assert float(row["derivative"]) == pytest.approx(slope * 1e-3, rel=1e-12)
+    assert float(row["relative"]) == pytest.approx(slope * 0.14 / float(row["value"]), rel=1e-12)
+
+
+def test_json_has_the_largest_effect_first(cli):
+    found = cli(
+        "sensitivity", "slider-crank", "--of", "stroke(piston.position)", "--to", "bars.*.length",
+        "--json", "--no-figures",
+    )  # fmt: skip
+    (measure,) = json.loads(found.out)["measures"]
+    assert measure["effects"][0]["parameter"] == "bars.crank.length"
+    assert measure["effects"][0]["relative"] == pytest.approx(1.0)  # the stroke is 2 r
+
+
+@pytest.mark.parametrize(
+    ("of", "to", "message"),
+    [
+        ("max(crank.efort)", "bars.*", "did you mean 'effort'"),
+        (EFFORT, "bars.rd.length", "did you mean 'bars.rod.length'"),
+        (EFFORT, "wheels.*", "fits this pattern"),
+        ("crank.effort", "bars.*", "it changes with time; expected a number of it"),
+        (EFFORT, "bars.rod.joints", "found no number there"),
+    ],
+)
+def test_what_is_unknown_is_said_in_one_message(cli, of, to, message):
+    found = cli("sensitivity", "slider-crank", "--of", of, "--to", to)
+    assert found.code == 2
+    assert message in found.err
+    assert "Traceback" not in found.err

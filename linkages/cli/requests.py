@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -23,6 +22,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
+from linkages.reading.overrides import NEXT
 from linkages.reading.replacing import replaced
 from linkages.solution.options import options_of
 
@@ -31,10 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from linkages.sweeps.axes import Axis
-
-NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
-"""A comma before another assignment; commas within a value are followed by no equals sign."""
-
 
 Written: TypeAlias = "str | xr.Dataset | Mapping[str, Any] | Figure | None"
 """What a file holds: a text, a dataset, columns of a table, or a figure, if there is one."""
@@ -141,7 +137,9 @@ class Request:
         interrupted: bool = False,
     ) -> AbstractContextManager[Published]:
         """Where to write the files of the run, see `published`; it is not always as was asked."""
-        how = {**self.own, **(self.asked if options is None else options)}
+        # what commands say of options themselves, such as a start both ways, is what was asked
+        own = {name: value for name, value in self.own.items() if value is not None}
+        how = {**self.own, **(self.asked if options is None else options), **own}
         state = {"complete": complete, "interrupted": interrupted}
         return published(self.verb, self.folder, self.mechanism, how, **state)
 

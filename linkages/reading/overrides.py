@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -13,6 +14,9 @@ from linkages.reading.document import Document
 from linkages.reading.nodes import MAX_DEPTH, plain
 from linkages.reading.paths import Path, dotted, split, value_at
 from linkages.reading.wording import nearest, shown
+
+NEXT = re.compile(r",(?=\s*[A-Za-z_][^,={}()]*=)")
+"""A comma before another assignment; commas within a value are followed by no equals sign."""
 
 
 class _RefusedError(Exception):

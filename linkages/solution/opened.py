@@ -86,8 +86,6 @@ class Opened:
         known = signature(function).parameters
         given = {name: value for name, value in self.arguments.items() if name in known}
         given.pop("store", None)  # what is there is not computed again
-        if not given.get("initial", True):
-            del given["initial"]  # the command line names no other states
         return function(self.mechanism, **given)
 
     def _function(self) -> Callable[..., Any]:
@@ -108,8 +106,9 @@ ANALYSES = {
     "simulate": "linkages.solution.simulate:simulate",
     "poincare": "linkages.chaos.sections.section:poincare",
     "lyapunov": "linkages.chaos.growth.lyapunov:lyapunov",
-    "bifurcation": "linkages.chaos.sweeps.bifurcation:bifurcation",
+    "bifurcation": "linkages.chaos.sweeps.asked:bifurcation_asked",
     "map": "linkages.chaos.sweeps.maps:chaos_map",
+    "sweep": "linkages.sweeps.asked:sweep_asked",
     "tolerance": "linkages.design.tolerances.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""

@@ -145,8 +145,9 @@ def require_inertia(system: System) -> None:
     """
     free = system.topology.free
     matrix = np.zeros((len(free), len(free)))
-    for i, row in enumerate(system.model.mass_matrix):
-        matrix[i, : i + 1] = system.evaluate(row)[:, 0]
+    if free:
+        nodes = [node for row in system.model.mass_matrix for node in row]
+        matrix[np.tril_indices(len(free))] = system.evaluate(nodes)[:, 0]
     diagonal = np.diag(matrix)
     unsound = [name for name, row in zip(free, matrix, strict=True) if not np.isfinite(row).all()]
     if unsound:

@@ -80,14 +80,25 @@ def require(
 
 def measured(formula: Formula, powers_of: Callable[[Sensed], Powers | None]) -> Powers | None:
     """What a formula with units measures; None if it is zero. Raises as `require` does."""
-    return _Measuring(formula.text, powers_of).of(formula.tree)
+    return Measuring(formula.text, powers_of).of(formula.tree)
 
 
-class _Measuring:
+class Measuring:
+    """What the nodes of a formula measure.
+
+    Parameters
+    ----------
+    text
+        The formula, for messages.
+    powers_of
+        What a named quantity measures; None if that is not said.
+    """
+
     def __init__(self, text: str, powers_of: Callable[[Sensed], Powers | None]) -> None:
         self._text, self._powers_of = text, powers_of
 
     def of(self, node: Node) -> Powers | None:
+        """What a node measures; None if it is zero. Raises as `require` does."""
         match node:
             case Constant(value, found):
                 if found is not None:
@@ -100,12 +111,22 @@ class _Measuring:
             case Call("power", (base, Constant(exponent))):
                 return raised(self.of(base), Fraction(int(exponent)))
             case Call(name, arguments, _, span):
-                return self._called(name, arguments, span)
+                return self.called(name, [*map(self.of, arguments)], arguments, span)
             case _:
                 assert_never(node)
 
-    def _called(self, name: str, arguments: tuple[Node, ...], span: Span) -> Powers | None:
-        found = [self.of(argument) for argument in arguments]
+    def called(
+        self, name: str, found: list[Powers | None], arguments: tuple[Node, ...], span: Span
+    ) -> Powers | None:
+        """What an operation measures.
+
+        Parameters
+        ----------
+        name, arguments, span
+            Of the call.
+        found
+            What the arguments measure.
+        """
         match name:
             case "neg" | "abs":
                 return found[0]
@@ -119,7 +140,8 @@ class _Measuring:
             case "sqrt":
                 return raised(found[0], Fraction(1, 2))
             case _ if name in _ALIKE:
-                alike = self._alike(found[1:] if name == "where" else found, span)
+                begin = 1 if name == "where" else 0
+                alike = self.alike(found[begin:], arguments[begin:], span)
                 return PURE if name == "atan2" else alike
         for argument in found:
             if argument:
@@ -128,7 +150,13 @@ class _Measuring:
                 raise NumberError(f"{message} in {self._at(span)}{hint}", at=span[0])
         return PURE
 
-    def _alike(self, found: list[Powers | None], span: Span) -> Powers | None:
+    def alike(
+        self,
+        found: list[Powers | None],
+        arguments: tuple[Node, ...],  # noqa: ARG002
+        span: Span,
+    ) -> Powers | None:
+        """What terms of a sum have in common; the arguments are those of `called`."""
         known = [entry for entry in found if entry is not None]
         for other in known[1:]:
             if other != known[0]:

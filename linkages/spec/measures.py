@@ -9,14 +9,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import assert_never
 
 from linkages.operations import formula_functions
 from linkages.reading.wording import shown
 from linkages.spec.arithmetic import CONSTANTS
 from linkages.spec.dimensions import KNOWN
-from linkages.spec.formula_dimensions import PURE, TIME, Powers, described, powers, raised, times
+from linkages.spec.formula_dimensions import PURE, TIME, Measuring, Powers, described, powers
 from linkages.spec.formulas import Call, Clock, Constant, Formula, FormulaTrees, Node, Sensed
 from linkages.spec.grammar import NumberError, Span, parsed
 from linkages.spec.units import unit
@@ -36,7 +35,6 @@ ERROR = "error"
 
 _ELEMENT = r"(?:'[^']+'|\"[^\"]+\"|[^\W\d]\w*(?:\[\d+\])?)"
 _SERIES = re.compile(rf"{_ELEMENT}(?:\.{_ELEMENT})*\.[^\W\d]\w*(?: [^\W\d]\w*)*")
-_ALIKE = ("add", "sub", "min", "max", "where")
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,12 @@ class Measure:
         NumberError
             If quantities in it do not go together.
         """
-        found = _Dimensions(self.text, unit_of).of(self.tree)
+
+        def powers_of(node: Sensed) -> Powers:
+            name = unit_of(node.word)
+            return powers(unit(name)) if name not in ("", "1") else PURE
+
+        found = _Dimensions(self.text, powers_of).of(self.tree)
         own = _one_series(self.tree)
         if own is not None:
             return unit_of(own)
@@ -199,69 +202,30 @@ def _one_series(node: Node) -> str | None:
     return node.word if isinstance(node, Sensed) else None
 
 
-class _Dimensions:
-    """What a measure measures; numbers without a unit are in SI where no number has one."""
+class _Dimensions(Measuring):
+    """What a measure measures; terms without a unit are in SI, whatever others are."""
 
-    def __init__(self, text: str, unit_of: Callable[[str], str]) -> None:
-        self._text, self._unit_of = text, unit_of
-
-    def of(self, node: Node) -> Powers | None:
-        match node:
-            case Constant(value, found):
-                if found is not None:
-                    return powers(found)
-                return None if value == 0.0 else PURE
-            case Clock():
-                return TIME
-            case Sensed(word):
-                name = self._unit_of(word)
-                return powers(unit(name)) if name not in ("", "1") else PURE
-            case Call("power", (base, Constant(exponent))):
-                return raised(self.of(base), Fraction(int(exponent)))
-            case Call(name, arguments, _, span):
-                return self._called(name, arguments, span)
-            case _:
-                assert_never(node)
-
-    def _called(self, name: str, arguments: tuple[Node, ...], span: Span) -> Powers | None:
-        found = [self.of(argument) for argument in arguments]
+    def called(
+        self, name: str, found: list[Powers | None], arguments: tuple[Node, ...], span: Span
+    ) -> Powers | None:
+        """What an operation or a reduction measures."""
         if name == AT:
-            self._require(found[0], TIME, arguments[0], span)
+            self.alike([TIME, found[0]], (Clock(), arguments[0]), span)
             return found[1]
         if reduces(name, len(arguments)):
             return TIME if name.startswith("time_of") else found[0]
-        match name:
-            case "neg" | "abs" | "error":
-                return found[0]
-            case "mul" | "div":
-                first, second = found
-                if first is None or second is None:
-                    return None
-                return times(first, raised(second, Fraction(1 if name == "mul" else -1)) or PURE)
-            case "sqrt":
-                return raised(found[0], Fraction(1, 2))
-            case _ if name in _ALIKE:
-                return self._alike(found[-2:], arguments[-2:], span)
-            case _:
-                return PURE
+        if name == ERROR:
+            return found[0]
+        return super().called(name, found, arguments, span)
 
-    def _alike(
+    def alike(
         self, found: list[Powers | None], arguments: tuple[Node, ...], span: Span
     ) -> Powers | None:
-        known = [
-            (entry, node)
-            for entry, node in zip(found, arguments, strict=True)
-            if entry is not None and not _bare(node)
-        ]
-        for other, node in known[1:]:
-            self._require(other, known[0][0], node, span)
-        return known[0][0] if known else PURE
-
-    def _require(self, found: Powers | None, wanted: Powers, node: Node, span: Span) -> None:
-        if found is not None and found != wanted and not _bare(node):
-            both = f"{described(wanted)} and {described(found)}"
-            part = self._text[slice(*span)].strip() or self._text
-            raise NumberError(f"{both} do not go together in {part!r}", at=span[0])
+        """What terms have in common that are no numbers in SI."""
+        pairs = zip(found, arguments, strict=True)
+        said = [None if _bare(node) else entry for entry, node in pairs]
+        common = super().alike(said, arguments, span)
+        return PURE if common is None else common
 
 
 def _bare(node: Node) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.units import unit_at
 from linkages.errors import InputError
+from linkages.reading.overrides import NEXT, parse_assignment
 from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number
 
@@ -163,6 +164,24 @@ def parse_range(text: str) -> Axis:
     require_feasible(int(count))
     values = np.linspace(first, last, int(count))
     return Axis((path.strip(),), values[None], unit)
+
+
+def parse_axis(text: str) -> Axis:
+    """Read an axis of ranges or lists of values; several paths in lockstep.
+
+    Raises
+    ------
+    ValueError, InputError
+        If it is none.
+    """
+    return together([_parse_values(part) for part in NEXT.split(text)])
+
+
+def _parse_values(text: str) -> Axis:
+    path, values = parse_assignment(text)
+    if ":" in values:
+        return parse_range(text)
+    return axis({path: [value.strip() for value in values.split(",")]})
 
 
 def together(axes: Sequence[Axis]) -> Axis:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from linkages.errors import Interrupted
 from linkages.sweeps.answers import OWN, Arrays, Code, Question
-from linkages.sweeps.running import Executor, Progress, Threads
+from linkages.sweeps.running import Executor, Progress, Threads, finished
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from linkages.sweeps.store import SweepStore
 
 Span = tuple[int, int]
@@ -90,7 +93,46 @@ def computed(
         interrupted = True
     whole = [parts.get(span) or question.nothing(span[1] - span[0]) for span in spans]
     names = [*OWN, *question.fields]
-    return Computed({n: np.concatenate([part[n] for part in whole]) for n in names}, interrupted)
+    arrays, late = finished(
+        lambda: {name: np.concatenate([part[name] for part in whole]) for name in names}
+    )
+    return Computed(arrays, interrupted or late)
+
+
+def dataset_of(
+    found: Computed, name: str, what: str, store: SweepStore | None, made: Callable[[], xr.Dataset]
+) -> xr.Dataset:
+    """The dataset of a sweep; its store gets it, too, if all is there.
+
+    Parameters
+    ----------
+    found
+        What was computed.
+    name, what
+        Of the analysis, and of what it computed, in messages.
+    store
+        Where answers are kept.
+    made
+        Makes the dataset.
+
+    Raises
+    ------
+    Interrupted
+        After Ctrl-C; keeps the dataset under the name of the analysis.
+    """
+
+    def finish() -> xr.Dataset:
+        data = made()
+        if store is not None and not found.interrupted:
+            store.finish(data)
+        return data
+
+    data, late = finished(finish)
+    if not (found.interrupted or late):
+        return data
+    data.attrs["interrupted"] = 1
+    message = f"interrupted after {found.done} of {len(found.arrays['outcome'])} {what}"
+    raise Interrupted(message, kept={name: data})
 
 
 def chunk_size(question: Question, executor: Executor) -> int:

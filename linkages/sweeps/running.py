@@ -28,6 +28,7 @@ STEPS_PER_PERIOD = 100_000
 Motions of mechanisms with clearances take thousands: one that needs more than this is stuck."""
 
 Run = TypeVar("Run", bound=RunOptions)
+Result = TypeVar("Result")
 
 _ending = threading.local()
 
@@ -133,6 +134,19 @@ def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:
         return TaskOutcome(index, task(point), None)
     except (LinkagesError, ValueError) as error:
         return TaskOutcome(index, None, reason_of(error), getattr(error, "time", None))
+
+
+def finished(task: Callable[[], Result]) -> tuple[Result, bool]:
+    """Do what is left to do after the last point, which takes a moment, whatever comes in between.
+
+    Returns
+    -------
+    What the task gives, and whether Ctrl-C came: it is done once more then.
+    """
+    try:
+        return task(), False
+    except KeyboardInterrupt:
+        return task(), True
 
 
 def reason_of(error: Exception) -> str:

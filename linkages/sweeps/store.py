@@ -100,9 +100,18 @@ class SweepStore:
 
 @contextmanager
 def stored(
-    folder: str | Path | None, mechanism: Mechanism, question: Question
+    folder: str | Path | None, mechanism: Mechanism, question: Question, chunk: int | None = None
 ) -> Iterator[SweepStore | None]:
     """Open or begin the store of a question; None without a folder.
+
+    Parameters
+    ----------
+    folder
+        Where.
+    mechanism, question
+        What is asked.
+    chunk
+        Points that are kept together; as the question has it if not given.
 
     Raises
     ------
@@ -122,11 +131,11 @@ def stored(
     (place / CHUNKS).mkdir(parents=True, exist_ok=True)
     with _locked(place):
         _remove_leftovers(place)
-        chunk = _begun(place, mechanism, question)
-        yield SweepStore(place, chunk, question.count)
+        kept = _begun(place, mechanism, question, chunk)
+        yield SweepStore(place, kept, question.count)
 
 
-def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
+def _begun(place: Path, mechanism: Mechanism, question: Question, wanted: int | None) -> int:
     """Compare the store with what is asked, or write that down; returns the chunk size."""
     numbers = np.ascontiguousarray(question.numbers(), dtype="<f8")
     own = {
@@ -152,7 +161,8 @@ def _begun(place: Path, mechanism: Mechanism, question: Question) -> int:
             )
         return chunk
     fewest, most = question.together
-    chunk = max(fewest, min(max(most, _LARGEST), question.count // _MOST_CHUNKS))
+    usual = max(fewest, min(max(most, _LARGEST), question.count // _MOST_CHUNKS))
+    chunk = wanted or usual
     buffer = io.BytesIO()
     np.save(buffer, numbers)
     store = SweepStore(place, chunk, question.count)

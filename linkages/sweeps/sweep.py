@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import Interrupted
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
@@ -15,7 +15,7 @@ from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
 from linkages.sweeps.cluster import Cluster
-from linkages.sweeps.engine import Computed, Watch, computed
+from linkages.sweeps.engine import Computed, Watch, computed, dataset_of
 from linkages.sweeps.measured import MeasureQuestion
 from linkages.sweeps.points import points_of
 from linkages.sweeps.running import Executor, Threads
@@ -108,13 +108,8 @@ def sweep(
     units = question.units()  # what is wrong everywhere shows here
     with stored(store, mechanism, question) as place:
         found = computed(question, executor=executor, store=place, watch=watch)
-        data = _dataset(mechanism, question, found, units)
-        if place is not None and not found.interrupted:
-            place.finish(data)
-    if found.interrupted:
-        message = f"interrupted after {found.done} of {question.count} points"
-        raise Interrupted(message, kept={"sweep": data})
-    return data
+        made = partial(_dataset, mechanism, question, found, units)
+        return dataset_of(found, "sweep", "points", place, made)
 
 
 def _measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, Measure]:

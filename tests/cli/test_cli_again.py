@@ -16,20 +16,27 @@ simulate: {end: 1, samples: 11}
 """
 
 
-@pytest.mark.parametrize(
-    ("verb", "options"),
-    [
-        ("poincare", ["--periods", "3"]),
-        ("poincare", ["--section", "rod.speed=0", "--end", "3", "--periods", "2"]),
-        ("lyapunov", ["--periods", "1"]),
-        ("map", ["--x", "bars.rod.length=900mm:1000mm:2", "--y", "free.rod.speed=0:1:2"]),
-        ("bifurcation", ["--vary", "bars.rod.mass=1:2:2", "--periods", "3", "--skip", "0"]),
-        ("simulate", ["--set", "simulate.rtol=1e-7"]),
-    ],
-)
-def test_results_of_commands_are_computed_again_bit_for_bit(cli, tmp_path, verb, options):
+COMMANDS = [
+    "poincare --periods 3",
+    "poincare --section rod.speed=0 --end 3 --periods 2",
+    "lyapunov --periods 1",
+    "map --x bars.rod.length=900mm:1000mm:2 --y free.rod.speed=0:1:2 --periods 4",
+    "bifurcation --vary bars.rod.mass=1:2:2 --periods 3 --skip 0",
+    "bifurcation --vary bars.rod.mass=1:2:2 --periods 3 --skip 0 --start both --store s"
+    " --initial free.rod.angle=1,free.rod.speed=0 --initial free.rod.angle=0.2",
+    "bifurcation --vary bars.rod.mass=1:2:3 --periods 2 --skip 0 --start backward",
+    "sweep --measure max(rod.speed)/mean(rod.angle) --measure rms(rod.angle) --end 0.5 --store s"
+    " --vary bars.rod.length=900mm,1000mm --sample free.rod.angle=normal(1,0.1) --draws 3 --seed 5",
+    "sweep --measure max(rod.speed) --vary bars.rod.length=1:2:2,free.rod.angle=0:1:2"
+    " --sample bars.rod.mass=uniform(1,2) --sequence sobol --draws 4",
+    "simulate --set simulate.rtol=1e-7",
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_results_of_commands_are_computed_again_bit_for_bit(cli, tmp_path, command):
     (tmp_path / "driven.yaml").write_text(DRIVEN, encoding="utf-8")
-    given = [*options, "--periods", "4"] if verb == "map" else options
+    verb, *given = command.split()
     assert cli(verb, "driven.yaml", *given, "--out", "r", "--no-figures").code == 0
     opened = linkages.open(tmp_path / "r")
     assert opened.analysis == verb
@@ -40,3 +47,5 @@ def test_results_of_commands_are_computed_again_bit_for_bit(cli, tmp_path, verb,
     for name, values in opened.data.data_vars.items():
         floats = values.dtype.kind == "f"
         assert np.array_equal(values.to_numpy(), found[name].to_numpy(), equal_nan=floats), name
+    for name, values in opened.data.coords.items():
+        assert np.array_equal(values.to_numpy(), found[name].to_numpy()), name

@@ -151,6 +151,7 @@ def add(draw, content, found):
     """One more component, at joints and bodies that there are."""
     bodies = [p[1] for p in found if len(p) == 2 and p[0] in ("bars", "sliders")] or ["x"]
     section, name, entry = draw(parts(sorted(joints(content)) or ["A"], bodies))
+    entry = copy.deepcopy(entry)  # a law in it is that of all files, and may be changed in this one
     holder = content.get(section)
     if name == "":  # a section of its own
         content[section] = entry

@@ -8,6 +8,7 @@ from linkages.plots.sweeps import figure
 
 ROD, CRANK = "bars.rod.length", "bars.crank.length"
 GRID = {ROD: ["130 mm", "140 mm", "150 mm"], CRANK: ["38 mm", "40 mm"]}
+FINE = {ROD: [f"{130 + k} mm" for k in range(8)], CRANK: [f"{38 + k / 4} mm" for k in range(7)]}
 
 
 def swept(over, **how):
@@ -24,13 +25,28 @@ def test_one_axis_is_a_curve():
     # twice the crank, known to round-off
     assert line.get_ydata() == pytest.approx([0.076, 0.08], rel=1e-9)
     assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", "stroke [m]")
+    # a list of a few values is no continuous axis
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["38", "40"]
+
+
+@pytest.mark.parametrize("over", [GRID, {ROD: FINE[ROD], CRANK: GRID[CRANK]}], ids=["two", "one"])
+def test_a_list_of_a_few_values_has_a_line_for_each(over):
+    data = swept(over)
+    for given in (over, dict(reversed(over.items()))):
+        (ax,) = figure(swept(given), "stroke").axes
+        for line, value in zip(ax.lines, (38.0, 40.0), strict=True):
+            assert np.array_equal(line.get_ydata(), data.stroke.sel({CRANK: value}))
+        legend = ax.get_legend()
+        assert [text.get_text() for text in legend.get_texts()] == ["38", "40"]
+        assert f"{CRANK} [mm]" in legend.get_title().get_text()
+        assert ax.get_xlabel() == f"{ROD} [mm]"
 
 
 def test_two_axes_are_an_image():
-    data = swept(GRID)
+    data = swept(FINE)
     ax, bar = figure(data, "stroke").axes
     (image,) = ax.collections
-    assert image.get_array().shape == (3, 2)
+    assert image.get_array().shape == (8, 7)
     assert np.array_equal(image.get_array(), data.stroke)
     assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", f"{ROD} [mm]")
     assert bar.get_ylabel() == "stroke [m]"
@@ -41,11 +57,19 @@ def test_draws_are_counted_and_along_an_axis_a_band():
     data = swept(drawn, draws=64)
     (ax,) = figure(data, "stroke").axes
     assert sum(patch.get_height() for patch in ax.patches) == 64
-    data = swept({ROD: GRID[ROD], **drawn}, draws=64)
+    data = swept({ROD: FINE[ROD], **drawn}, draws=64)
     (ax,) = figure(data, "stroke").axes
     (line,) = ax.lines
     assert np.array_equal(line.get_ydata(), data.stroke.median("draw"))
     assert len(ax.collections) == 1
+    data = swept({ROD: GRID[ROD], **drawn}, draws=64)
+    (ax,) = figure(data, "stroke").axes
+    (bars,) = ax.containers
+    middle, _, (between,) = bars.lines
+    assert np.array_equal(middle.get_ydata(), data.stroke.median("draw"))
+    low, high = data.stroke.quantile([0.05, 0.95], "draw").to_numpy()
+    ends = np.array([segment[:, 1] for segment in between.get_segments()])
+    assert ends == pytest.approx(np.stack([low, high]).T, rel=1e-12)
 
 
 def test_nothing_is_drawn_of_nothing_or_of_more_than_two_axes():

@@ -24,6 +24,10 @@ UNITS = {"crank.effort": "N m", "B.x position": "m", "crank.angle": "rad", "load
         ("max(load - mean(load))", "N"),
         ("max(r)*1 kN", "N"),
         ("where(max(load) > 5 N, 1, 0)", ""),
+        ("max(sin(crank.angle))*max(load)", "N"),
+        ("exp(max(load)/2 N)", ""),
+        ("max(atan2(B.x position, B.x position))", ""),
+        ("max(2, 3)*max(load)", "N"),
         ("'B'.x position*0 + 1", None),
     ],
 )
@@ -40,6 +44,9 @@ def test_unit_follows_from_those_of_series(text, unit):
     [
         ("max(load) + 3 mm", "a force (N) and a length (m) do not go together"),
         ("at(3 mm, load)", "a time (s) and a length (m) do not go together"),
+        ("sin(max(B.x position))", "'sin' takes an angle or a pure number, found a length (m)"),
+        ("max(exp(load))", "'exp' takes an angle or a pure number, found a force (N)"),
+        ("atan2(max(load), max(B.x position))", "a force (N) and a length (m) do not go"),
         ("max(load, crank.effort*0 + max(load))", None),
     ],
 )

@@ -79,6 +79,13 @@ def test_results_do_not_depend_on_cores_chunks_or_order(monkeypatch):
     assert found(executor=Shuffled()).identical(one)
 
 
+def test_points_that_do_not_differ_have_the_same_measures():
+    mechanism = linkages.load("slider-crank")
+    same = linkages.sweep(mechanism, {(ROD, "bars.rod.mass"): [[0.14, 0.5]] * 9}, EFFORT)
+    assert not same.outcome.any()
+    assert (same[EFFORT] == single(mechanism, ROD, 0.14, EFFORT)).all()
+
+
 def test_more_draws_do_not_change_the_first():
     mechanism = linkages.load("slider-crank")
     few, many = (

@@ -232,15 +232,90 @@ def test_bifurcations_and_maps_have_stores(tmp_path):
     assert kept[1].identical(plain)
     with pytest.raises(InputError, match="holds another sweep"):
         linkages.bifurcation(mechanism, x, store=tmp_path / "map", **section)
-    with pytest.raises(ValueError, match="expected start 'same' with a store"):
-        linkages.bifurcation(mechanism, x, store=tmp_path / "new", start="forward", **section)
 
 
-def killed(tmp_path, folder, how, wait):
+CONTINUED = {
+    "vary": {"springs[0].stiffness": [f"{k} N m/rad" for k in (2, 2.5, 3, -1e9, 3.5, 4)]},
+    "initial": [{"free.arm.angle": -1.0}, {"free.arm.angle": 0.5}],
+    "section": "arm.speed=0", "periods": 3, "skip": 2, "end": 20.0,
+}  # fmt: skip
+
+
+def continued(folder, start, **how):
+    return linkages.bifurcation(
+        linkages.loads(PENDULUM), **CONTINUED, start=start, store=folder, **how
+    )
+
+
+class Third(Threads):
+    """Presses Ctrl-C in the midst of the third value, behind its first initial state."""
+
+    calls = 0
+
+    def run(self, task, points):
+        type(self).calls += 1
+        for outcome in super().run(task, points):
+            yield outcome
+            if self.calls == 3:
+                raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("start", ["forward", "backward"])
+def test_a_continuation_goes_on_where_it_was_interrupted(tmp_path, start, monkeypatch):
+    """With the state in which its motions ended, to the last bit; over a value that is refused."""
+    plain = continued(None, start)
+    assert (plain.outcome.to_numpy() == 0).sum(axis=1).tolist() == [5, 5]
+    monkeypatch.setattr(Third, "calls", 0)
+    with pytest.raises(Interrupted, match="interrupted after 5 of 12") as caught:
+        continued(tmp_path / "parts", start, executor=Third(1))
+    assert (caught.value.kept["bifurcation"].outcome != 7).sum() == 5
+    assert status(tmp_path / "parts")["done"] == 4
+    with pytest.raises(Interrupted):
+        continued(tmp_path / "parts", start, executor=Interrupting(1))
+    seen = []
+    again = continued(tmp_path / "parts", start, watch=seen.append)
+    assert (seen[0].done, seen[0].computed) == (6, 2)
+    assert again.identical(plain)
+    assert continued(tmp_path / "whole", start).identical(plain)
+    one, other = (tmp_path / name / RESULT for name in ("whole", "parts"))
+    assert one.read_bytes() == other.read_bytes()
+    lost = tmp_path / "parts" / CHUNKS / "000000004"
+    lost.write_bytes(lost.read_bytes()[:-3])
+    assert continued(tmp_path / "parts", start).identical(plain)
+    with pytest.raises(InputError, match="holds another sweep"):
+        continued(tmp_path / "parts", "backward" if start == "forward" else "forward")
+
+
+CONTINUATION = """
+import linkages, sys
+linkages.bifurcation(
+    linkages.loads(open(sys.argv[1]).read()),
+    {"springs[0].stiffness": [2 + 0.1*k for k in range(24)]},
+    section="arm.speed=0", periods=8, skip=4, end=200.0, start="forward", store=sys.argv[2],
+)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+def test_a_killed_continuation_goes_on(tmp_path):
+    """Several times, at random moments from the first write on."""
+    generator = np.random.default_rng(2)
+    folder, done = tmp_path / "killed", 0
+    for _ in range(6):
+        killed(tmp_path, folder, signal.SIGKILL, done + int(generator.integers(1, 5)), CONTINUATION)
+        assert status(folder)["done"] >= done
+        done = status(folder)["done"]
+    definition = tmp_path / "pendulum.yaml"
+    whole = resumed(tmp_path / "whole", definition, CONTINUATION)
+    assert resumed(folder, definition, CONTINUATION) == whole
+
+
+def killed(tmp_path, folder, how, wait, task=SWEEP):
     """A sweep in a process of its own that is ended once some chunks are there."""
     definition = tmp_path / "pendulum.yaml"
     definition.write_text(PENDULUM)
-    arguments = [sys.executable, "-c", SWEEP, str(definition), str(folder)]
+    arguments = [sys.executable, "-c", task, str(definition), str(folder)]
     process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and len(list((folder / CHUNKS).glob("?????????"))) < wait:
         time.sleep(0.001)
@@ -249,8 +324,8 @@ def killed(tmp_path, folder, how, wait):
     return definition
 
 
-def resumed(folder, definition):
-    arguments = [sys.executable, "-c", SWEEP, str(definition), str(folder)]
+def resumed(folder, definition, task=SWEEP):
+    arguments = [sys.executable, "-c", task, str(definition), str(folder)]
     subprocess.run(arguments, check=True)
     return (folder / RESULT).read_bytes()
 
@@ -300,3 +375,25 @@ def test_names_of_files_do_not_depend_on_the_platform(tmp_path):
     names = {str(Path(path).relative_to(tmp_path)) for path in tmp_path.rglob("*")}
     assert names >= {MANIFEST, "points.npy", CHUNKS, RESULT}
     assert np.load(tmp_path / "points.npy")[:, 0].tolist() == OVER[ROD].tolist()
+
+
+def test_ctrl_c_behind_the_last_point_keeps_all_of_them(tmp_path, monkeypatch):
+    """While the dataset is made, of which the first one imports libraries."""
+    from linkages.sweeps import sweep as module
+
+    made, plain = module._dataset, sweep(None)
+    pressed = []
+
+    def interrupted(*given):
+        pressed.append(True)
+        if len(pressed) == 1:
+            raise KeyboardInterrupt
+        return made(*given)
+
+    monkeypatch.setattr(module, "_dataset", interrupted)
+    with pytest.raises(Interrupted, match="interrupted after 60 of 60") as caught:
+        sweep(tmp_path)
+    kept = caught.value.kept["sweep"]
+    assert kept.attrs["interrupted"] == 1
+    assert kept.equals(plain)
+    assert status(tmp_path)["finished"]

@@ -23,9 +23,10 @@ from linkages.chaos.sweeps.continuation import (
     stroboscope,
     stroboscopic_points,
 )
+from linkages.chaos.sweeps.continued import Outcome, Point, continued
 from linkages.chaos.sweeps.diagram import Value, answer_of, diagram, value_fields
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import ComputationError, InputError, Interrupted, LinkagesError
+from linkages.errors import ComputationError, InputError, LinkagesError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import ExponentOptions
@@ -36,11 +37,11 @@ from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion
 from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
-from linkages.sweeps.answers import Answer, Field, Question, inserted, stacked
+from linkages.sweeps.answers import Answer, Field, Question
 from linkages.sweeps.axes import Axis, Vary, axis_of, coordinates, first_possible, require_feasible
-from linkages.sweeps.engine import Computed, Ledger, Watch, computed
+from linkages.sweeps.engine import Watch, computed, dataset_of
 from linkages.sweeps.pointwise import SIDE_BY_SIDE, end_when_stopping, refusal_code, stop_code
-from linkages.sweeps.running import Executor, Threads, per_period, stopping
+from linkages.sweeps.running import Executor, per_period, stopping
 from linkages.sweeps.store import stored
 
 if TYPE_CHECKING:
@@ -51,12 +52,6 @@ ALIGNING = 10
 """Periods in which tangents turn into the direction that grows fastest, before exponents count."""
 
 Floats = NDArray[np.float64]
-
-Point = tuple[int, Mapping[str, object], ContinuationEnd | None]
-"""Index of a value, overrides of an initial state, and where the motion goes on, if it does."""
-
-Outcome = tuple[Answer, ContinuationEnd | None]
-"""What is found at a value, and where its motion ended, if the next one is to go on there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,18 +314,15 @@ def bifurcation(
     require_feasible(question.count)
     # compiled here, once, and not by every thread that waits for it
     Plan.of(system).bind(system)
-    if asked.start != "same" and store is not None:
-        raise ValueError(
-            f"start {asked.start!r} goes from value to value, which a store cannot take up again; "
-            "expected start 'same' with a store"
-        )
     shape = len(initial), len(values)
-    with stored(store, mechanism, question) as place:
-        if asked.start == "same":
+    alone = asked.start == "same"
+    with stored(store, mechanism, question, None if alone else len(initial)) as place:
+        if alone:
             found = computed(question, executor=executor, store=place, watch=watch)
         else:
-            found = _continued(question, executor, watch)
-        data = diagram(
+            found = continued(question, asked.start == "forward", executor, place, watch)
+        made = partial(
+            diagram,
             system,
             found.arrays,
             shape,
@@ -338,34 +330,4 @@ def bifurcation(
             coordinates(mechanism, values, "value"),
             {**question.attributes, "interrupted": int(found.interrupted)},
         )
-        if place is not None and not found.interrupted:
-            place.finish(data)
-    if found.interrupted:
-        message = f"interrupted after {found.done} of {question.count} values"
-        raise Interrupted(message, kept={"bifurcation": data})
-    return data
-
-
-def _continued(question: _Request, executor: Executor | None, watch: Watch | None) -> Computed:
-    """Every value from the last state of its neighbour, all initial states side by side."""
-    size, starts = len(question.axis), len(question.initial)
-    forward = question.options.start == "forward"
-    ends: list[ContinuationEnd | None] = [None] * starts
-    whole = question.nothing(question.count)
-    ledger = Ledger(question.count, watch)
-    try:
-        for index in range(size) if forward else range(size - 1, -1, -1):
-            points = [(index, *start) for start in zip(question.initial, ends, strict=True)]
-            for outcome in (executor or Threads()).run(question.answer, points):
-                if outcome.value is None:
-                    raise ComputationError(str(outcome.reason), time=outcome.stop_time)
-                row, (answer, end) = outcome.index, outcome.value
-                part, place = stacked(question.fields, [answer]), row * size + index
-                for name, array in part.items():
-                    whole[name] = inserted(whole[name], place, array[0])
-                ends[row] = end or ends[row]
-                ledger.add((place, place + 1), part)
-                ledger.tell()
-    except KeyboardInterrupt:
-        return Computed(whole, True)
-    return Computed(whole, False)
+        return dataset_of(found, "bifurcation", "values", place, made)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 NOTHING = (np.nan, np.nan)
+
+BOTH = "both"
+"""Forward, and backward."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,39 @@ def _padded(rows: Floats, points: int) -> Floats:
     found = np.full((points, *rows.shape[1:]), np.nan)
     found[: len(rows)] = rows
     return found
+
+
+def ways(start: str) -> tuple[str, ...]:
+    """How diagrams are gone through, one after the other."""
+    return ("forward", "backward") if start == BOTH else (start,)
+
+
+def put_together(
+    parts: Sequence[xr.Dataset], start: str, states: Sequence[Mapping[str, object]]
+) -> xr.Dataset:
+    """Diagrams of one way or of both as one, whose starts have names.
+
+    Parameters
+    ----------
+    parts
+        For each way; the last ones may be missing.
+    start
+        As options have it, or `BOTH`.
+    states
+        Overrides of each initial state.
+    """
+    import xarray as xr
+
+    texts = [", ".join(f"{path}={value}" for path, value in state.items()) for state in states]
+    texts = texts if len(states) > 1 else [""]
+    prefixes = ways(start) if start == BOTH else ("",)
+    named = []
+    for part, way in zip(parts, prefixes, strict=False):
+        names = [": ".join(t for t in (way, text) if t) for text in texts]
+        named.append(part.assign_coords(start=np.array(names, dtype=object)))
+    whole = named[0] if len(named) == 1 else xr.concat(named, "start", data_vars="all")
+    whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
+    return whole
 
 
 def diagram(

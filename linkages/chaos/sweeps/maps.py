@@ -22,7 +22,6 @@ from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
 from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.exponents import MapKeywords, MapOptions
@@ -31,7 +30,7 @@ from linkages.solution.moving.plan import Plan
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Answer, Field, Question
 from linkages.sweeps.axes import Vary, axis_of, coordinates, require_different, require_feasible
-from linkages.sweeps.engine import Watch, computed
+from linkages.sweeps.engine import Watch, computed, dataset_of
 from linkages.sweeps.points import Points
 from linkages.sweeps.pointwise import (
     SIDE_BY_SIDE,
@@ -271,12 +270,6 @@ def chaos_map(
     with stored(store, mechanism, question) as place:
         found = computed(question, executor=executor, store=place, watch=watch)
         attributes = {**question.attributes, "interrupted": int(found.interrupted)}
-        data = map_data(
-            first, found.arrays, question.points.shape, indicator, varied_along, attributes
-        )
-        if place is not None and not found.interrupted:
-            place.finish(data)
-    if found.interrupted:
-        message = f"interrupted after {found.done} of {question.count} points"
-        raise Interrupted(message, kept={"map": data})
-    return data
+        shape = question.points.shape
+        made = partial(map_data, first, found.arrays, shape, indicator, varied_along, attributes)
+        return dataset_of(found, "map", "points", place, made)

@@ -19,8 +19,6 @@ from linkages.cli.verbs.lyapunov import BEYOND
 if TYPE_CHECKING:
     from linkages.sweeps.axes import Axis
 
-BOTH = "both"
-
 
 def run(
     request: Request,
@@ -34,7 +32,7 @@ def run(
     from linkages.sweeps.running import Threads
 
     axis, states = ranges("--vary", vary), initial_states(initial or [])
-    data = _compute(request, axis, states, start, store=store, executor=Threads(cores))
+    data = _compute(request, axis, states, str(start), store=store, executor=Threads(cores))
     values = _values(data)
 
     def made() -> Iterator[File]:
@@ -62,30 +60,26 @@ def run(
 
 
 def _compute(
-    request: Request, axis: Axis, states: Sequence[dict[str, object]], start: str, **where: Any
+    request: Request,
+    axis: Axis,
+    states: Sequence[dict[str, object]],
+    start: str,
+    store: Path | None,
+    **where: Any,
 ) -> xr.Dataset:
-    """One sweep, or one in either direction put together; starts have names."""
+    """One sweep, or one in either direction put together; starts have names, and their stores."""
     from linkages.chaos.sweeps.bifurcation import bifurcation
+    from linkages.chaos.sweeps.diagram import BOTH, put_together, ways
 
-    starts = ("forward", "backward") if start == BOTH else (str(start),)
     parts: list[xr.Dataset] = []
-    for one in starts:
+    for one in ways(start):
         if parts and parts[-1].attrs["interrupted"]:
             break
-        given = {**request.given, "start": one, "initial": states, **where}
+        kept = store / one if store is not None and start == BOTH else store
+        given = {**request.given, "start": one, "initial": states, "store": kept, **where}
         task = partial(bifurcation, request.mechanism, axis, **given)
-        data = swept.result(request, axis.label, "value", task)
-        parts.append(data.assign_coords(start=_names(one if len(starts) > 1 else "", states)))
-    whole = parts[0] if len(parts) == 1 else xr.concat(parts, "start", data_vars="all")
-    whole.attrs["interrupted"] = max(part.attrs["interrupted"] for part in parts)
-    return whole
-
-
-def _names(start: str, states: Sequence[dict[str, object]]) -> np.ndarray:
-    texts = [", ".join(f"{path}={value}" for path, value in state.items()) for state in states]
-    if len(states) == 1:
-        texts = [""]
-    return np.array([": ".join(t for t in (start, text) if t) for text in texts], dtype=object)
+        parts.append(swept.result(request, axis.label, "value", task))
+    return put_together(parts, start, states)
 
 
 def _numbered(data: xr.Dataset, dim: str) -> xr.DataArray:

@@ -13,15 +13,13 @@ from rich.console import Console
 from linkages.cli import swept
 from linkages.cli.loading import each_read
 from linkages.cli.options import Drawing
-from linkages.cli.requests import NEXT, File, Request
+from linkages.cli.requests import File, Request
 from linkages.cli.terminal import console, number, print_json, print_notes, table
 from linkages.errors import InputError, Problem
 from linkages.reading.overrides import parse_assignment
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from linkages.sweeps.axes import Axis
 
 OWN = ("outcome", "reason", "stop_time", "evaluations")
 
@@ -68,28 +66,16 @@ def _over(vary: Sequence[str], sample: Sequence[str]) -> dict[Any, Any]:
     """What is varied, as `linkages.sweep` takes it."""
     if not vary and not sample:
         raise _refused("--vary", "nothing is varied; expected --vary or --sample")
+    from linkages.sweeps.axes import parse_axis
+
     found: dict[Any, Any] = {}
-    for axis in each_read("--vary", vary, _axis):
+    for axis in each_read("--vary", vary, parse_axis):
         found[axis.paths if len(axis.paths) > 1 else axis.label] = axis
     for path, text in each_read("--sample", sample, parse_assignment):
         if path in found:
             raise _refused("--sample", f"{path} is varied by --vary as well; expected one of them")
         found[path] = text
     return found
-
-
-def _axis(text: str) -> Axis:
-    """An axis of ranges or lists of values; several paths in lockstep."""
-    from linkages.sweeps.axes import axis, parse_range, together
-
-    def one(part: str) -> Axis:
-        path, values = parse_assignment(part)
-        if ":" in values:
-            return parse_range(part)
-        return axis({path: [value.strip() for value in values.split(",")]})
-
-    axes = [one(part) for part in NEXT.split(text)]
-    return axes[0] if len(axes) == 1 else together(axes)
 
 
 def _named(measures: Sequence[str]) -> list[str]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.crossings import accelerated
+from linkages.solution.measuring.compiled import compiled_accelerated, compiled_values
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece, Settings, Tangents, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
@@ -83,20 +83,25 @@ class Followed:
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:  # noqa: ARG002
         """The series at places, shape (places,) each."""
-        found = [self._interpolated(name, places) for name in series]
         followed = [k for k, name in enumerate(series) if evaluable(self._series[name])]
-        if followed:
-            chosen = [self._series[series[k]] for k in followed]
-            for interval, piece in self._within(places):
-                values = self._evaluated(Motion(pieces=(piece,)), chosen)
-                for k, each in zip(followed, chosen, strict=True):
-                    found[k][interval] = each.picked(values, self._model)
-        return found
+        found = np.empty((len(series), len(places)))
+        left = np.ones(found.shape, dtype=bool)
+        chosen = [self._series[series[k]] for k in followed]
+        for inside, piece in self._within(places) if followed else []:
+            values = self._evaluated(Motion(pieces=(piece,)), chosen)
+            for k, each in zip(followed, chosen, strict=True):
+                found[k, inside] = each.picked(values, self._model)
+                left[k, inside] = False
+        for row, name, open_ in zip(found, series, left, strict=True):
+            if open_.any():
+                row[open_] = self._interpolated(name, places[open_])
+        return list(found)
 
     def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
         with np.errstate(over="ignore", invalid="ignore"):
-            found = evaluate_variables(motion, [name for name in names if name != REACTION])
+            plain = [name for name in names if name != REACTION]
+            found = evaluate_variables(motion, plain, compiled_values)
             if REACTION in names:
                 found[REACTION] = joint_reactions(motion)
         return found
@@ -245,7 +250,7 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         work=None,
         tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
     )
-    return accelerated(moved)
+    return compiled_accelerated(moved)
 
 
 def _tangents(piece: Piece, interval: Whole, part: Floats, step: Floats) -> Tangents:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,13 @@ _CHUNK = 2048
 
 Values = dict[str, NDArray[np.float64]]
 
+ValuesOf = Callable[[Piece, Sequence[str]], NDArray[np.float64]]
+"""A piece and names of variables → values of their nodes, as `variable_values` has them."""
 
-def evaluate_variables(motion: Motion, names: Sequence[str]) -> Values:
+
+def evaluate_variables(
+    motion: Motion, names: Sequence[str], values: ValuesOf | None = None
+) -> Values:
     """Values of variables, each of shape (samples, …).
 
     Parameters
@@ -26,11 +31,14 @@ def evaluate_variables(motion: Motion, names: Sequence[str]) -> Values:
         How the mechanism moves.
     names
         Entries of `linkages.kernel.outputs.VARIABLES`.
+    values
+        What evaluates their nodes; `variable_values` if not given.
     """
+    values = values or variable_values
     smooth = [name for name in names if not VARIABLES[name].unbounded]
     poles = [name for name in names if VARIABLES[name].unbounded]
     parts = [
-        piece_variables(piece, smooth) | piece_variables(piece.direct(), poles)
+        piece_variables(piece, smooth, values) | piece_variables(piece.direct(), poles, values)
         for piece in motion.pieces
     ]
     joined = {name: np.concatenate([part[name] for part in parts], axis=1) for name in names}
@@ -42,15 +50,19 @@ def evaluate_variables(motion: Motion, names: Sequence[str]) -> Values:
     return found
 
 
-def piece_variables(piece: Piece, names: Sequence[str]) -> Values:
+def variable_values(piece: Piece, names: Sequence[str]) -> NDArray[np.float64]:
+    """Values of the nodes of variables, one after the other, shape (nodes, times)."""
+    model = piece.system.model
+    return evaluate_nodes(piece, [n for name in names for n in VARIABLES[name].evaluated(model)])
+
+
+def piece_variables(piece: Piece, names: Sequence[str], of: ValuesOf = variable_values) -> Values:
     """Values of variables in a piece of a motion, each of shape (elements, wanted samples)."""
-    nodes: list[Scalar] = []
-    places: dict[str, slice] = {}
+    count, places = 0, {}
     for name in names:
-        start = len(nodes)
-        nodes += VARIABLES[name].evaluated(piece.system.model)
-        places[name] = slice(start, len(nodes))
-    values = evaluate_nodes(piece, nodes)
+        own = len(VARIABLES[name].evaluated(piece.system.model))
+        places[name], count = slice(count, count + own), count + own
+    values = of(piece, names)
     found: Values = {}
     for name, place in places.items():
         rows, variable = values[place], VARIABLES[name]

@@ -14,7 +14,7 @@ from linkages.solution.values.series import system_series
 
 SERIES = (".effort", ".angle", ".position", ".acceleration", ".speed")
 TIMES = np.array([0.37, 0.83])
-ENDS = {"n-four-bar": 0.5, "slider-crank-contact": 0.0015, "andrews": 0.003, "class-three": 0.2}
+ENDS = {"n-four-bar": 0.5, "slider-crank-contact": 0.0015, "andrews": 0.003, "class-three": 0.05}
 """Seconds of a motion where it is not a tenth of one that is integrated, or all of another one."""
 
 # noise of 1e-13 in motions, divided by steps of 1e-3 to 1e-5 of a number
@@ -34,7 +34,7 @@ bars:
   c: {joints: [C, B], length: 0.4, mass: 1}
 free:
   c: {angle: 100 deg, speed: 3}
-assembly: {A: [0.1, 0.17]}
+assembly: {A: [0.1, 0.17], B: [0.49, 0.4]}
 """
 
 JUMPING = """

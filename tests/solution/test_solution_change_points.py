@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 from solution_mechanisms import derivative, mechanism
 
@@ -371,3 +372,27 @@ def test_the_same_run_gives_the_same_bits():
     )
     assert any("change point" in note for note in first.notes)
     assert again.data.equals(first.data)
+
+
+def test_a_motion_that_turns_back_beside_a_change_point_goes_on():
+    """Where the margins of two blocks are about to fall at once, each stopped it for the other.
+
+    Against the parallelograms as one pendulum: three posts with m·L²/3 and the weight at half
+    length, two links that move with their ends; θ'' = (torque - 3.5 m·g·L·cos θ)/(3 m·L²).
+    The motion is integrated to 1e-11, and the change points are passed at 1e-10.
+    """
+    torque = {"bar": "post0", "torque": "10*t - exp(t)"}
+    mechanism = linkages.load("n-four-bar").with_values({"loads": [torque]})
+    data = linkages.simulate(mechanism, end=3.0, samples=31).data
+    time = data.time.to_numpy()
+
+    def pendulum(t, state):
+        pull = 10 * t - np.exp(t) - 3.5 * 9.81 * np.cos(state[0])
+        return [state[1], pull / 3]
+
+    exact = solve_ivp(
+        pendulum, (0.0, 3.0), [np.pi / 2, -1.0], "DOP853", time, rtol=1e-12, atol=1e-12
+    )
+    for post in ("post0", "post1", "post2"):
+        angle = data.bar_angle.sel(bar=post).to_numpy()
+        assert angle == pytest.approx(exact.y[0], abs=1e-8)

@@ -74,3 +74,12 @@ def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
         found.append(renormalised.lengths)
     assert found[0].min() < -20.0
     assert np.array_equal(*found)
+
+
+@pytest.mark.parametrize(("name", "directions"), [("slider-crank", 0), ("pendulum", 2)])
+def test_there_are_no_more_tangents_than_directions(name, directions):
+    system = System(linkages.load(name))
+    March(system, RunOptions(), tangents=directions)
+    message = f"are {directions}; expected at most as many tangents, found {directions + 1}"
+    with pytest.raises(ValueError, match=message):
+        March(system, RunOptions(), tangents=directions + 1)

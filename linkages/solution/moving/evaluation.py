@@ -35,11 +35,13 @@ def evaluate_variables(
         What evaluates their nodes; `variable_values` if not given.
     """
     values = values or variable_values
+    # between two samples a motion may pass many change points
+    pieces = [piece for piece in motion.pieces if len(piece.wanted)] or motion.pieces[:1]
     smooth = [name for name in names if not VARIABLES[name].unbounded]
     poles = [name for name in names if VARIABLES[name].unbounded]
     parts = [
         piece_variables(piece, smooth, values) | piece_variables(piece.direct(), poles, values)
-        for piece in motion.pieces
+        for piece in pieces
     ]
     joined = {name: np.concatenate([part[name] for part in parts], axis=1) for name in names}
     system = motion.pieces[0].system

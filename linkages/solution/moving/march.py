@@ -7,7 +7,7 @@ motion is led through a change point, or it ends. Tangents go along, and guards 
 from __future__ import annotations
 
 import copy
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Collection, Generator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -77,6 +77,11 @@ class March:
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
 
+    Raises
+    ------
+    ValueError
+        If there are more tangents than directions: there are none without free coordinates.
+
     Attributes
     ----------
     system, layout, time, flipped
@@ -96,6 +101,12 @@ class March:
         tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
+        directions = system.layout.directions
+        if tangents > directions:
+            raise ValueError(
+                f"{system.mechanism.name}: free coordinates, their rates and internal states are "
+                f"{directions}; expected at most as many tangents, found {tangents}"
+            )
         self.run, self._passing = run, passes(system, run)
         self._tangent_atol = tangent_atol
         self._extra = (work, tangents, counting or bool(movable(system)))
@@ -217,10 +228,11 @@ class March:
         """Whether to look for a way through singular positions."""
         return self._passing or bool(self.system.topology.redundant)
 
-    def _thresholds(self, stopped: int | None = None) -> Floats:
+    def _thresholds(self, stopped: Collection[int] = ()) -> Floats:
         """Relative margins at which to stop; less where a block starts close to singular.
 
-        A block that the last run stopped at is one of these, even if its margin does not fall now.
+        Blocks that stopped the motion at this time are some of these, even if their margins do not
+        fall now: where it is about to turn back, margins of several fall at once.
         """
         blocks = len(self.system.topology.solved_blocks)
         if not (self._looking or movable(self.system)):
@@ -233,8 +245,7 @@ class March:
         relative = np.abs(values[:blocks]) / self.system.margin_scale
         with np.errstate(invalid="ignore"):  # in a change point rates are infinite
             growing = values[:blocks] * values[blocks:] * self._direction > 0
-        if stopped is not None:
-            growing[stopped] = False
+        growing[[*stopped]] = False
         return np.where(growing, EARLY, np.clip(CLOSER * relative, LEAST_MARGIN, EARLY))
 
     def advance(
@@ -287,6 +298,7 @@ class March:
         self._renormalised = renormalised
         self._watched = [Watched(guard) for guard in guards]
         self._least = self._thresholds()
+        self._stopped: tuple[float, tuple[int, ...]] = self.time, ()
         while True:
             trajectory = yield from self._integrated()
             if not self._goes_on(trajectory):
@@ -440,7 +452,10 @@ class March:
         if self._exchanged():
             return True
         if not (self._looking and self._pass_through()):
-            self._least = self._thresholds(trajectory.block)
+            at, blocks = self._stopped
+            known = blocks if at == self.time else ()
+            self._stopped = self.time, (*known, trajectory.block)
+            self._least = self._thresholds(self._stopped[1])
         return True
 
     def _exchanged(self) -> bool:

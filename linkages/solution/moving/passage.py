@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -275,6 +276,7 @@ class Crossing:
         return state
 
 
+@cache
 def _gauss(stages: int) -> tuple[Floats, Floats, Floats]:
     """Nodes and weights on [0, 1], and integrals of the cardinal polynomials up to each node."""
     nodes, weights = (1.0 + leggauss(stages)[0]) / 2, leggauss(stages)[1] / 2

@@ -90,7 +90,12 @@ def from_pmks(
     InputError
         If it is no such link, is not whole, or has what a definition cannot express.
     """
-    draft = _Decoded(_query(link)).draft(masses=masses)
+    text = _query(link)
+    try:
+        draft = _Decoded(text).draft(masses=masses)
+    except (ValueError, KeyError, IndexError) as fault:
+        message = f"a record of the link is not as those of PMKS+ are: {fault}"
+        raise refused(NAME, message) from None
     if mass_per_length:
         draft.weigh(mass_per_length)
     draft.loosen(clearances or {})

@@ -73,8 +73,8 @@ def contributors(ax: Axes, own: xr.Dataset) -> Axes:
     shares = own["share"].to_numpy()
     order = np.argsort(shares)[-MOST_BARS:]
     ax.barh(np.arange(len(order)), 100.0 * shares[order], color=PALETTE[0], height=0.7)
-    names = [fitted(str(path), 1.3, 7.0) for path in own["contributor"].to_numpy()[order]]
-    ax.set_yticks(np.arange(len(order)), names, fontsize=7.0)
+    names = [fitted(str(path), 1.5, 6.5) for path in own["contributor"].to_numpy()[order]]
+    ax.set_yticks(np.arange(len(order)), names, fontsize=6.5)
     ax.set_xlim(0.0, 100.0)
     ax.set_xlabel("share of the variance [%]")
     ax.grid(visible=False, axis="y")

@@ -42,6 +42,11 @@ BOOM = (
 )
 
 
+def checked(body):
+    """A link with the character that says how long it is."""
+    return body + "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"[len(body) % 62]
+
+
 def at_start(mechanism):
     data = linkages.simulate(mechanism, end=0.1, samples=11).data
     return {str(n): data.joint_position.sel(joint=n).to_numpy()[0] for n in data.joint.to_numpy()}
@@ -100,6 +105,8 @@ def test_a_guide_on_a_link_and_a_force():
     [
         ("https://app.pmksplus.com/", "expected a share link of PMKS"),
         (FOUR_BAR[:-5] + "_v", "the link is not whole"),
+        (checked(FOUR_BAR[:-1].replace("MA,A,0mv", "MA,0mv")), "a record of the link is not"),
+        (checked(FOUR_BAR[:-1].replace("A,B,,", "A,X,,")), "a record of the link is not"),
         (BOOM, "joint P is welded to its block"),
     ],
 )

@@ -40,7 +40,7 @@ class LawName(FieldType):
 
     def read(self, value: Any) -> str:
         """Return the name."""
-        if value not in laws_in(self.group):
+        if not isinstance(value, str) or value not in laws_in(self.group):
             near = suggestion(str(value), laws_in(self.group))
             raise QuantityError(self.expected(), f"{shown(value)}{near}")
         return str(value)

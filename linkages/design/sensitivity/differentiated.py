@@ -104,6 +104,12 @@ class Differentiated:
         # what tangents are measured in: then they are as large as what they change
         self.scales = np.where(self.values == 0.0, 1.0, np.abs(self.values))
         self._measures = [read_measure(text) for text in measures]
+        for each in self._measures:
+            if each.compares:
+                raise ValueError(
+                    f"measure {each.text!r}: an error has the derivative of its series, and a "
+                    "corner where it is zero; expected the series itself"
+                )
         self._run = options_of(SimulationOptions, mechanism, run or {})
         self._derivatives = Derivatives()
         self._varying = Varying(self.mechanism)

@@ -102,7 +102,7 @@ class March:
         counting: bool = False,
     ) -> None:
         directions = system.layout.directions
-        if tangents > directions:
+        if system.effects is None and tangents > directions:
             raise ValueError(
                 f"{system.mechanism.name}: free coordinates, their rates and internal states are "
                 f"{directions}; expected at most as many tangents, found {tangents}"

@@ -157,3 +157,22 @@ def test_rows_side_by_side_do_not_depend_on_each_other():
     assert np.array_equal(together.value, [one.value[0] for one in alone])
     assert np.array_equal(together.place, [one.place[0] for one in alone])
     assert together.value == pytest.approx(1.0, abs=1e-14)
+
+
+def test_internal_states_are_followed_between_samples():
+    """A current that decays by itself: i = i0 exp(−R t/L), for the rotor is held by a heavy bar."""
+    mechanism = linkages.loads(
+        """
+        joints: {O: [0, 0]}
+        bars: {rod: {joints: [O, A], length: 1, mass: 1 t}}
+        free: {rod: {angle: 0, speed: 0}}
+        motors:
+          hoist: {bar: rod, voltage: 1 nV, torque_constant: 1e-6, resistance: 1, inductance: 0.2,
+                  current: 3}
+        """
+    )
+    times = 0.1234, 0.6789
+    solution = linkages.simulate(mechanism, end=1.0, samples=11, outputs="all")
+    found = [linkages.measure(solution, f"at({t} s, motors.hoist.current.state)") for t in times]
+    # cubic polynomials between samples that are four times as close as the steps
+    assert found == pytest.approx([3 * np.exp(-5 * t) for t in times], rel=1e-6)

@@ -108,6 +108,12 @@ class Differentiated:
         self._derivatives = Derivatives()
         self._varying = Varying(self.mechanism)
         system = self._varying.at({})
+        if system.chosen:
+            message = (
+                f"free coordinates ({', '.join(system.chosen)}) start where hints put them; name "
+                "them in 'free', so that it is known what stays while numbers change"
+            )
+            raise mechanism.error([(("free",), message)])
         found = [measured_series(system, each) for each in self._measures]
         self.system = system
         self.units = tuple(map(measure_unit, [system] * len(found), self._measures, found))

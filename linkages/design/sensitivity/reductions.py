@@ -273,6 +273,8 @@ def _applied(name: str, operands: Sequence[Varied | float]) -> Varied:
     if name in COMPOSITE:
         found: Varied = COMPOSITE[name].expanded(lambda own, *each: _applied(own, each), *given)
         return found
+    if name not in ELEMENTARY:
+        raise ValueError(f"no derivative is known of {name!r}")
     values = [operand.value for operand in given]
     value = np.asarray(_plain(name, *values))
     slopes: Floats | None = None

@@ -230,6 +230,9 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
     values = [row for end in ends for row in end]
     position = sum(w * row for w, row in zip(weights, values, strict=True))
     speed = sum(w * row for w, row in zip(rates, values, strict=True)) / step
+    own = slice(len(piece.system.topology.free), piece.system.layout.moved)
+    if own.start < own.stop:  # the integral of an internal state is not known
+        speed[own] = _cubic(part, *[(end[1][own] / step, end[2][own] / step) for end in ends])
     counted = {
         name: angle[interval] + part * (angle[interval + 1] - angle[interval])
         for name, angle in piece.counted.items()

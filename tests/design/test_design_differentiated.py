@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from design_differences import richardson
 
 import linkages
 from linkages.components.mechanisms.reread import reread
@@ -107,3 +108,24 @@ def test_a_number_that_is_zero_stays_and_has_a_derivative():
     assert found.derivatives is not None
     assert math.isfinite(found.derivatives[0, 0])
     assert found.derivatives[0, 0] != 0.0
+
+
+def test_an_extreme_at_a_corner_moves_with_the_corner():
+    """Where rising and falling branches meet, x(t*) = c(t*): dm/dp by Richardson's differences."""
+    mechanism = linkages.load("slider-crank")
+    corner = "min(piston.position, 0.1 m + t*1 m/s + 0.03 m*sin(t*100 rad/s))"
+    measures = [f"max({corner})", "min(abs(piston.velocity))", f"time_of_max({corner})"]
+    found = Differentiated(
+        mechanism, measures, ["bars.crank.length", "bars.rod.length"],
+        run={"end": 0.03, "samples": 301},
+    )  # fmt: skip
+    exact = found.at(found.values).derivatives
+    assert exact is not None
+    for number in range(2):
+        difference, error = richardson(
+            lambda x: found.at(x, derivatives=False).values, found.values, number, 1e-4
+        )
+        # a corner is located to 1e-10 samples; steps are 1e-6 to 1e-4 m
+        assert abs(exact[0, number] - difference[0]) < 1e-6 + 10 * error[0]
+        assert abs(exact[2, number] - difference[2]) < 1e-6 + 10 * error[2]
+    assert exact[1] == pytest.approx(0.0, abs=1e-6)  # zero stays the least size

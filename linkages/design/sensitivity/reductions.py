@@ -24,11 +24,17 @@ Floats = NDArray[np.float64]
 
 _SIMPSON = 2.0 / 3.0
 
-_STEPS, _CLOSE = 3, 0.1
-"""Newton steps to where a slope is zero, and how many samples each of them may go."""
+_STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
+"""Newton steps to where a slope is zero, how many samples each of them may go, and round-off."""
 
 _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
+
+_BESIDE, _CORNER = 1e-2, 0.1
+_ONE_SIDED: Floats = np.array([11.0, -18.0, 9.0, -2.0]) / (6.0 * _BESIDE)
+_END: Floats = np.array([3.0, -3.0, 1.0])
+"""How many samples beside a place it is looked at; how large the rates on both sides of a corner
+are, as a part of the largest; the rate from four values and the value from three on one side."""
 
 _DEGREE = 24
 _NODES = chebpts1(_DEGREE + 1)
@@ -109,6 +115,14 @@ class _Near(NamedTuple):
         return np.asarray(found / self.half**order)
 
 
+class _Corner(NamedTuple):
+    """Where two branches meet: rate and change of the first one, and how the place moves."""
+
+    rate: float
+    left: Floats
+    moved: Floats
+
+
 class _Differentiation:
     def __init__(self, measure: Measure, moved: Moved) -> None:
         self._measure, self._moved = measure, moved
@@ -156,11 +170,11 @@ class _Differentiation:
         node = arguments[-1]
         match name:
             case "max" | "min":
-                return self._at(node, self._extreme(node, name))
+                return self._largest(node, name)
             case "time_of_max" | "time_of_min":
                 return self._time_of(node, self._extreme(node, name.removeprefix("time_of_")))
             case "range" | "stroke":
-                high, low = (self._at(node, self._extreme(node, each)) for each in ("max", "min"))
+                high, low = (self._largest(node, each) for each in ("max", "min"))
                 return _applied("sub", [high, low])
             case "mean":
                 return self._mean(node, 1)
@@ -178,6 +192,31 @@ class _Differentiation:
             np.ravel(found.value)[0], _filled(found, self._moved.count).reshape(-1, 1)[:, 0]
         )
 
+    def _largest(self, node: Node, which: str) -> Varied:
+        """An extreme: it changes as the series does there, or as the corner moves that it is."""
+        place = self._extreme(node, which)
+        found, corner = self._at(node, place), self._corner(node, place)
+        if corner is None:
+            return found
+        return Varied(found.value, corner.left + corner.rate * corner.moved)
+
+    def _corner(self, node: Node, place: float) -> _Corner | None:
+        """How a corner moves in which a series is extreme; None where it is smooth there."""
+        if not self._moved.count or not 3 * _BESIDE < place < self._last - 3 * _BESIDE:
+            return None
+        around = np.linspace(place - 3 * _BESIDE, place + 3 * _BESIDE, 7)
+        beside = self.series(node, around, slopes=True)
+        before, behind = (
+            float(side * (_ONE_SIDED @ beside.value[3 - side * np.arange(4)])) for side in (1, -1)
+        )
+        # those of a smooth extreme are zero
+        least = _CORNER * np.ptp(beside.value) / _BESIDE
+        if before * behind >= 0.0 or abs(before - behind) < least:
+            return None
+        slopes = _filled(beside, self._moved.count)
+        left, right = (slopes[:, 3 - side * np.arange(1, 4)] @ _END for side in (1, -1))
+        return _Corner(before, left, -(left - right) / (before - behind))
+
     def _extreme(self, node: Node, which: str) -> float:
         """Where a series is largest or least, in samples from the first one."""
         sign = 1.0 if which == "max" else -1.0
@@ -187,26 +226,30 @@ class _Differentiation:
         def look(_: object, places: Floats) -> Floats:
             return np.asarray(sign * self.series(node, places, slopes=False).value)
 
-        return self._settled(node, float(largest_between(whole, look).place[0]))
+        return self._settled(node, float(largest_between(whole, look).place[0]), sign)
 
-    def _settled(self, node: Node, place: float) -> float:
+    def _settled(self, node: Node, start: float, sign: float) -> float:
         """The place at which the slope is zero; values alone tell it to half the digits."""
-        if not 0.0 < place < self._last:
-            return place
-        near = self._near(node, place)
+        if not 0.0 < start < self._last:
+            return start
+        place, near = start, self._near(node, start)
         for _ in range(_STEPS):
             slope, bend = (near.rate(place, order)[0] for order in (1, 2))
             step = -slope / bend
-            if not abs(step) < _CLOSE:  # a kink, or a series that does not change
-                return place
+            if not abs(step) < _CLOSE:  # a corner, or a series that does not change
+                return start
             place = float(np.clip(place + step, 0.0, self._last))
-        return place
+        before, behind = sign * self.series(node, np.array([start, place]), slopes=False).value
+        return place if behind >= before - _SAME * abs(before) else start
 
     def _time_of(self, node: Node, place: float) -> Varied:
         """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
         time = self._time(np.array([place]))[0]
         if not 0.0 < place < self._last:
             return Varied(time, None)
+        corner = self._corner(node, place)
+        if corner is not None:
+            return Varied(time, corner.moved * self._step(place))
         near = self._near(node, place)
         moved = self._near(node, place, near.half).rate(place, 1)
         # places are samples, and so is what they move by

@@ -20,6 +20,9 @@ Floats = NDArray[np.float64]
 
 SPAN = "bars.rod.length=120mm:160mm"
 
+_MET = 1e-12
+"""Part of a range within which a bound is met: searches stop beside it by round-off."""
+
 Vary: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[str]
 """Path → lowest and highest value, numbers in SI or texts with units; or texts such as `SPAN`."""
 
@@ -105,8 +108,9 @@ class Ranges:
 
     def numbers(self, places: Floats) -> Floats:
         """In SI, of places in the box, shape (…, paths); bounds are met exactly."""
-        inside = np.clip(places, 0.0, 1.0)
-        return np.clip(self.lower + inside * self.width, self.lower, self.upper)
+        inside = self.lower + places * self.width
+        met = np.where(places >= 1.0 - _MET, self.upper, np.minimum(inside, self.upper))
+        return np.where(places <= _MET, self.lower, met)
 
     def places(self, numbers: Floats) -> Floats:
         """Where numbers in SI are in the box; the nearest place of those that are outside."""

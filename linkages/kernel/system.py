@@ -298,7 +298,7 @@ class System:
             Modes, then memories, shape (m, times); if not given, those of the initial state, or
             what follows from another one.
         further
-            Other inputs of the nodes, with times as their second axis.
+            Other inputs of the nodes, or others than those, with times as their second axis.
         """
         times = np.atleast_1d(np.asarray(self.time if time is None else time, dtype=float))
         if state is None:
@@ -311,7 +311,7 @@ class System:
             count = len(self.model.switches.switches)
             inputs |= {"mode": found[:count], "memory": found[count:]}
             inputs["mode"] = self._unstuck(inputs)
-        values = evaluator(**inputs, **(further or {}))
+        values = evaluator(**(inputs | dict(further or {})))
         result = np.empty((len(nodes), len(times)))
         for row, value in zip(result, values, strict=True):
             row[:] = value

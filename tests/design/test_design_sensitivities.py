@@ -173,3 +173,25 @@ def test_derivatives_that_grow_without_bound_are_refused():
         linkages.sensitivities(
             linkages.load("n-four-bar"), "final(post0.angle)", "*.length", end=2.0, rtol=1e-12
         )
+
+
+def test_friction_that_holds_a_motion_changes_with_numbers():
+    """It sticks from about t = 3 s on: what holds it then is −m g cos θ L/2, which moves with θ."""
+    mechanism = linkages.loads(
+        """
+        gravity: [0, -9.81]
+        joints: {O: [0, 0]}
+        parameters: {mu: 0.6}
+        bars: {rod: {joints: [O, A], length: 0.5, mass: 1}}
+        free: {rod: {angle: 10 deg, speed: 0}}
+        loads: [{bar: rod, torque: "-mu*sign(rod.speed)"}]
+        """
+    )
+    paths = ["parameters.mu", "bars.rod.length", "free.rod.angle"]
+    found = Differentiated(mechanism, [], paths, run={"end": 4.0, "samples": 401, "rtol": 1e-12})
+    missed, attainable = compared(
+        found, ["rod.angle", "loads[0].torque"], np.array([0.5, 4.0]), [0, 1, 2], 1e-3
+    )
+    assert (missed <= 2e-9 + 10 * attainable).all()
+    held = found.along(found.values, ["rod.speed"], np.array([4.0]))
+    assert abs(held.values[0, 0]) < 1e-12  # round-off, while it slides at about 1 rad/s

@@ -51,7 +51,7 @@ class Derivatives:
             piece.acceleration,
             flipped=piece.flipped,
             held=piece.held,
-            further=_further(piece, effects),
+            further=self._further(piece, effects),
         )
         values = found[: len(series)]
         changes = found[len(series) :].reshape(len(series), len(effects), times)
@@ -61,19 +61,47 @@ class Derivatives:
                 values[row] = np.abs(values[row])
         return values, changes
 
+    def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
+        """Inputs that stand for directions."""
+        found = {"slope": effects.slopes[:, None]}
+        if piece.tangents is not None:
+            times = len(piece.time)
+            found["tangent"] = piece.tangents.state.reshape(-1, times)
+            found["memory_tangent"] = piece.tangents.memories.reshape(-1, times)
+        if piece.held is not None and piece.system.model.switches.equivalent:
+            found["mode_tangent"] = self._stuck(piece, effects, found)
+        return found
 
-def _further(piece: Piece, effects: Effects) -> dict[str, Floats]:
-    """Inputs that stand for directions."""
-    found = {"slope": effects.slopes[:, None]}
-    if piece.tangents is not None:
-        times = len(piece.time)
-        found["tangent"] = piece.tangents.state.reshape(-1, times)
-        found["memory_tangent"] = piece.tangents.memories.reshape(-1, times)
-    return found
+    def _stuck(self, piece: Piece, effects: Effects, further: dict[str, Floats]) -> Floats:
+        """Derivatives of what modes of 0 stand for, those of one number after the other."""
+        assert piece.held is not None
+        model, times = piece.system.model, len(piece.time)
+        switches = model.switches
+        modes = piece.held[: len(switches.switches)]
+        found = np.zeros((len(effects), len(modes), times))
+        if (modes[list(switches.equivalent)] == 0.0).any():
+            key = (model, "stuck", effects.fed)
+            if key not in self._known:
+                along = _directions(model, effects.fed, modes=False)
+                self._known[key] = derivative_along([*switches.equivalent.values()], along)
+            values = piece.system.evaluate(
+                [slope for row in self._known[key] for slope in row],
+                piece.time,
+                piece.state,
+                flipped=piece.flipped,
+                held=piece.held,
+                further=further | {"mode": modes},
+            ).reshape(len(switches.equivalent), len(effects), times)
+            for number, rows in zip(switches.equivalent, values, strict=True):
+                found[:, number] = np.where(modes[number] == 0.0, rows, 0.0)
+        return found.reshape(-1, times)
 
 
-def _directions(model: Model, fed: Fed) -> list[Mapping[int, Scalar]]:
-    """Rates of the inputs of a model by numbers: of parameters, of the state and what follows."""
+def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int, Scalar]]:
+    """Rates of the inputs of a model by numbers: of parameters, of the state and what follows.
+
+    With those of modes, where these stand for what holds a motion.
+    """
     inputs, layout = model.inputs, Layout.of(model.topology)
     found: list[dict[int, Scalar]] = inputs.fed(fed)
     if not layout.moved:
@@ -90,6 +118,14 @@ def _directions(model: Model, fed: Fed) -> list[Mapping[int, Scalar]]:
         moved |= {
             inputs.memory(r).index: inputs.memory_tangent(k * memories + r) for r in range(memories)
         }
+        if modes:
+            switched = len(model.switches.switches)
+            moved |= {
+                inputs.mode(s).index: model.graph.input(
+                    "mode_tangent", k * switched + s, Level.STATE
+                )
+                for s in model.switches.equivalent
+            }
     for i, row in enumerate(derivative_along(changes[:count], found)):
         for moved, rate in zip(found, row, strict=True):
             moved[inputs.acceleration(i).index] = rate

@@ -62,11 +62,13 @@ def _functions(
     """Compiled functions of a piece; None for NumPy.
 
     That is for driven motions, which need no compiler, and where states are not all of one mode:
-    assembled otherwise, or with switches.
+    assembled otherwise, or with switches; and for systems that carry effects of numbers.
     """
     system = piece.system
     if not len(piece.state) or piece.flipped or piece.samples is not None:
         return None
+    if system.effects is not None:
+        return None  # its parameters have derivatives behind them
 
     def made() -> SampledFunctions | None:
         model = Model(system.topology)

@@ -6,7 +6,7 @@ A formula is read into a small tree. What consists of plain numbers alone is one
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, TypeAlias, TypeGuard
 
 from linkages.operations import formula_functions
@@ -41,7 +41,7 @@ _TURNED = {"<": ">=", ">": "<="}
 
 @dataclass(frozen=True)
 class Constant:
-    """A number in SI, and its unit if it has one."""
+    """A number in SI, and the unit of SI in which it is, if it was given with one."""
 
     value: float
     unit: Unit | None = None
@@ -183,7 +183,7 @@ class FormulaTrees(Builder[Node]):
             found = _unit(unit)
         except UnitError as error:
             raise NumberError(str(error)) from None
-        return Constant(Numbers().number(found.convert(value)), found)
+        return Constant(Numbers().number(found.convert(value)), replace(found, scale=1.0))
 
     def word(self, word: str, span: Span) -> Node | None:
         """The time, a constant, or a parameter of the mechanism."""

@@ -20,7 +20,7 @@ from typing import Any
 
 from linkages.reading.wording import shown, suggestion
 
-_LONGEST = 40
+_LONGEST = 80
 _SMALLEST = 1e-100
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/()])|([-+]?[0-9]+(?:\.[0-9]+)?)|([^\W\d]\w*|°))")
 _SPELLINGS = {"·": "*", "⋅": "*", "×": "*", "^": "**", "²": "**2", "³": "**3"}
@@ -50,6 +50,10 @@ class Unit:
 
     scale: float
     exponents: tuple[tuple[str, float], ...]
+
+    def __str__(self) -> str:
+        """Its base units, as they can be read again if its scale is one."""
+        return "*".join(f"{base}**{power!r}" for base, power in self.exponents) or "rad"
 
     def times(self, other: Unit, power: float = 1) -> Unit:
         """Return the product of this unit and a power of another."""

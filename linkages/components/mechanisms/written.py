@@ -87,7 +87,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Formula):
         return value.text
     if isinstance(value, Constant):
-        return value.value
+        return value.value if value.unit is None else f"{value.value!r} {value.unit}"
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, tuple | list):

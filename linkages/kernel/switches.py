@@ -319,7 +319,7 @@ class Switches:
             affine = all(bend is zero for row in bends for bend in row)
             pairs = zip(slopes[number], effects, strict=True)
             felt = any(slope is not zero and effect is not zero for slope, effect in pairs)
-            if self.switches[number].stick and not affine:
+            if self.switches[number].stick and not affine and self._model.walls.rough:
                 self._refuse(number)
             if self.switches[number].stick or (affine and felt):
                 found.append(number)

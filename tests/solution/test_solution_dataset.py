@@ -74,6 +74,7 @@ def test_contract_of_dimensions_and_units(everything):
         "axis": ["x", "y"],
         "dyad": ["B", "E", "slider9"],
         "drive": ["crank1", "crank4"],
+        "frame": ["ground"],
     }
 
 

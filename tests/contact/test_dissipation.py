@@ -123,16 +123,17 @@ def test_energy_is_there_or_dissipated(gap):
 def test_impacts_are_the_sum_of_both_and_stops_have_their_own():
     """Of rigid bodies only friction between impacts comes to what they lose."""
     text = ENGINE.replace("GAP", GAPS["rigid"])
-    text += "stops: [{slider: piston, lower: 0.14, restitution: 0.6}]\n"
+    text += "stops: [{slider: piston, lower: 0.16, restitution: 0.6}]\n"
     outputs = [*WANTED, "impact_loss", "clearance_friction_loss"]
     data = linkages.simulate(linkages.loads(text), end=0.04, samples=20001, outputs=outputs).data
     stop = data.impact_loss.sel(contact="stops[0].lower")
     assert float(stop[-1]) > 0.0
     pin = data.impact_loss.sel(contact="gap")[-1].item()
-    slipping = data.clearance_friction_loss.sel(clearance="gap").integrate("time").item()
+    power = data.clearance_friction_loss.sel(clearance="gap")
+    slipping = power.integrate("time").item()
     found = sum(data[name].sel(clearance="gap")[-1].item() for name in NAMES)
-    # the trapezoidal rule over 2 µs, across the jumps of a few touches
-    assert found == pytest.approx(pin + slipping, rel=1e-3)
+    # the trapezoidal rule across two large jumps of the power errs by half a step of each
+    assert found == pytest.approx(pin + slipping, abs=2e-6 * float(power.max()))
     energy = data.kinetic_energy + data.potential_energy
     lost = sum(data[name].sum("clearance") for name in NAMES) + stop
     assert float(abs(energy + lost - energy[0]).max()) < 1e-9 * float(energy.max())

@@ -316,6 +316,15 @@ class Model:
         return found + self.switches.held(self.driven_power + self.load_power)
 
     @property
+    def losses(self) -> list[Scalar]:
+        """Power lost across the walls of all contacts, then along them."""
+        found = [contact.normal_loss for contact in self.contacts]
+        found += [contact.friction_loss for contact in self.contacts]
+        if not self.switches.equivalent:
+            return found
+        return [loss + self.switches.held(loss) for loss in found]
+
+    @property
     def driven_power(self) -> Scalar:
         """Power of the drives, given the accelerations of the free coordinates."""
         return self._driven_power(self.accelerations)

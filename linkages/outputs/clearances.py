@@ -103,6 +103,12 @@ OUTPUTS = {
         ("clearance",), "W", "power lost by friction along the wall",
         _scalars(lambda contact: contact.friction_loss), opening=True, smooth=False,
     ),
+    "clearance_normal_dissipation": Variable(
+        ("clearance",), "J", "energy dissipated across the wall", None, opening=True, smooth=False
+    ),
+    "clearance_friction_dissipation": Variable(
+        ("clearance",), "J", "energy dissipated along the wall", None, opening=True, smooth=False
+    ),
     "clearance_state": Variable(
         ("clearance",), "1", "state of the contact", None, default=True, opening=True,
         smooth=False, flags=("free", "impact", "following"),

@@ -26,9 +26,16 @@ from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import IncompleteError, Solution, labelled
 from linkages.solution.values.contact_notes import contact_notes
+from linkages.solution.values.dissipation import dissipated
 from linkages.solution.values.episodes import states
 from linkages.solution.values.impacts import energy_of_impacts, losses_of_impacts
-from linkages.solution.values.requests import LOSS, REACTION, STATE, requested
+from linkages.solution.values.requests import (
+    DISSIPATION,
+    LOSS,
+    REACTION,
+    STATE,
+    requested,
+)
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
 
@@ -98,6 +105,7 @@ def simulate(
         times=np.linspace(0.0, run.end, run.samples) if given is None else given,
         run=run,
         work="energy_residual" in names,
+        losses=any(name in names for name in DISSIPATION),
         counting=any(VARIABLES[name].angle for name in names),
         watch=watch,
         events=parse_events(system, events or {}),
@@ -191,7 +199,10 @@ def _add_derived(
     if STATE in names:
         values[STATE] = states(motion)
     if LOSS in names:
-        values[LOSS] = losses_of_impacts(motion)
+        across, along = losses_of_impacts(motion)
+        values[LOSS] = across + along
+    if settings.losses:
+        values |= zip(DISSIPATION, dissipated(motion), strict=True)
     if REACTION in names:
         from linkages.solution.values.reactions import joint_reactions
 
@@ -222,7 +233,9 @@ def _add_errors(
     if ideal.topology.free and system.time:
         notes.append("no errors against the ideal mechanism: its motion starts at t = 0")
         return
-    plain = replace(settings, times=motion.time, work=False, counting=False, watch=None, events=())
+    plain = replace(
+        settings, times=motion.time, work=False, losses=False, counting=False, watch=None, events=()
+    )
     followed = compute_motion(ideal, plain)
     if followed.interrupted:
         raise KeyboardInterrupt

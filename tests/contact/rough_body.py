@@ -61,6 +61,15 @@ class RoughBody:
 
     def impact(self, y):
         """State behind an impact, and what happened in it."""
+        impulse, seen, _ = self._bounce(y)
+        return self._behind(y, impulse), seen
+
+    def rubbed(self, y):
+        """Energy that friction takes in an impact."""
+        return self._bounce(y)[2]
+
+    def _bounce(self, y):
+        """Impulse, what happened, and −∫ slip d(impulse along the wall)."""
         mobility = self.mobility(y)
         start = self.touching(y)[4]
         energy = start @ np.linalg.solve(mobility, start)
@@ -75,21 +84,23 @@ class RoughBody:
         wanted = self.restitution * start[0]
         if self.poisson:
             whole = (1 + self.restitution) * -bounced(0.0)[1][0]
-            rates, impulse, seen = self._path(mobility, start, lambda _, normal: normal - whole)
+            rates, impulse, seen, lost = self._path(
+                mobility, start, lambda _, normal: normal - whole
+            )
         elif gained(wanted) > 1e-12 * energy:
             most = brentq(gained, 0.0, wanted, xtol=1e-15, rtol=1e-14)
-            rates, impulse, seen = bounced(most)
+            rates, impulse, seen, lost = bounced(most)
             seen.add("limited")
         else:
-            rates, impulse, seen = bounced(wanted)
+            rates, impulse, seen, lost = bounced(wanted)
         if -rates[0] < CLOSING:
-            _, impulse, seen = bounced(0.0)
+            _, impulse, seen, lost = bounced(0.0)
             seen.add("closed")
-        return self._behind(y, impulse), seen
+        return impulse, seen, lost
 
     def _path(self, mobility, start, beyond):
-        """Rates, impulse and pieces of the path until `beyond`, linear on each, is zero."""
-        rates, impulse, seen = start.copy(), np.zeros(2), set()
+        """Rates, impulse, pieces and loss of the path until `beyond`, linear on each, is zero."""
+        rates, impulse, seen, lost = start.copy(), np.zeros(2), set(), 0.0
         for _ in range(4):
             ratio = self.friction_ratio(mobility, rates[1])
             ahead = np.array([-1.0, ratio])
@@ -102,7 +113,9 @@ class RoughBody:
             still = -rates[1] / change[1] if rates[1] * change[1] < 0.0 else np.inf
             seen.add("hold" if abs(ratio) < self.friction else "slip")
             if stop <= still:
-                return rates + stop * change, impulse + stop * ahead, seen
+                lost -= ratio * stop * (rates[1] + 0.5 * stop * change[1])
+                return rates + stop * change, impulse + stop * ahead, seen, lost
+            lost -= ratio * still * 0.5 * rates[1]
             rates, impulse = rates + still * change, impulse + still * ahead
             rates[1] = 0.0
             seen.add("stopped")

@@ -37,3 +37,34 @@ def test_a_block_that_turns_before_the_wall(share, nearly):
         assert len(said) == 2  # both upper corners
     if share > 1:
         assert any("1 touch" in note for note in notes)
+
+
+THROWN = """
+joints: {O: [0, 0]}
+sliders: {block: {joint: B, through: O, mass: 0.5}}
+free: {block: {position: 0, speed: 2}}
+loads: [{slider: block, force: -5 N}]
+stops: [{slider: block, upper: PLACE, restitution: 0.5}]
+"""
+SPUN = """
+joints: {O: [0, 0]}
+bars: {arm: {joints: [O, P], length: 1, mass: 0.5, center: 0, inertia: 0.5}}
+free: {arm: {angle: 0, speed: 2}}
+loads: [{bar: arm, torque: -5}]
+stops: [{bars: [ground, arm], upper: PLACE, restitution: 0.5}]
+"""
+
+
+@pytest.mark.parametrize(("text", "unit"), [(THROWN, "m"), (SPUN, "rad")], ids=["slides", "turns"])
+@pytest.mark.parametrize(("beyond", "nearly"), [(1e-4, True), (0.01, False), (-1e-4, False)])
+def test_a_body_that_turns_before_its_stop(text, unit, beyond, nearly):
+    """v²/2a = 0.2 of the way at t = 0.2 s, which no sample is at; the stop stands behind it."""
+    mechanism = linkages.loads(text.replace("PLACE", f"{0.2 + beyond!r} {unit}"))
+    notes = linkages.simulate(mechanism, end=0.45, samples=8).notes
+    said = [note for note in notes if "nearly touches" in note]
+    assert bool(said) == nearly
+    if nearly:
+        # a parabola is a cubic, to the digits that are written
+        assert said[0].startswith("stops[0].upper nearly touches at t = 0.2 s: ")
+        assert f"closes to 0.0001 {unit}," in said[0]
+    assert any("1 touch" in note for note in notes) == (beyond < 0)

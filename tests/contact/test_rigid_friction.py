@@ -85,6 +85,7 @@ def test_impacts_of_random_rods_against_the_path_of_impulses(changed):
         state = np.zeros(6)
         state[order], state[np.array(order) + 3] = (*offset, angle), (*rate, speed)
         found = system.evaluate(contact.rates_behind, 0.0, state[:, None])[order, 0]
+        (rubbed,) = system.evaluate(contact.rubbed, 0.0, state[:, None])[:, 0]
         before = absolute(body, angle, speed, offset, rate)
         behind, kinds = body.impact(before)
         seen |= kinds
@@ -96,6 +97,7 @@ def test_impacts_of_random_rods_against_the_path_of_impulses(changed):
         inertia = np.array([body.mass, body.mass, body.inertia])
         energies = [inertia @ y[3:] ** 2 for y in (before, behind)]
         assert energies[1] <= energies[0] * (1 + 1e-12)
+        assert rubbed == pytest.approx(body.rubbed(before), rel=1e-8, abs=1e-9 * energies[0])
     assert seen >= {"slip", "stopped"}
     if changed == {}:
         assert seen >= {"hold", "jammed"}

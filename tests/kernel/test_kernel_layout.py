@@ -9,11 +9,11 @@ from linkages.kernel.numbers.layout import Layout
 
 CASES = [
     pytest.param(
-        Layout(("a", "b"), internal, carried, (), work, tangents),
-        id=f"{internal}-{carried}-{work}-{tangents}",
+        Layout(("a", "b"), internal, carried, (), work, losses, tangents),
+        id=f"{internal}-{carried}-{work}-{losses}-{tangents}",
     )
-    for internal, carried, work, tangents in product(
-        [(), ("z",)], [(), ("c",), ("c", "d")], [False, True], [0, 1, 4]
+    for internal, carried, work, losses, tangents in product(
+        [(), ("z",)], [(), ("c",), ("c", "d")], [False, True], [0, 2], [0, 1, 4]
     )
 ]
 
@@ -22,7 +22,8 @@ def named(layout):
     """The entries of an integrated vector as the docstring of `Layout` lists them."""
     moved = [*layout.free, *layout.internal]
     tangents = [f"{k}:{name}" for k in range(layout.tangents) for name in moved]
-    half = [*moved, *layout.carried, *(["work"] if layout.work else []), *tangents]
+    done = [*(["work"] if layout.work else []), *(f"loss {k}" for k in range(layout.losses))]
+    half = [*moved, *layout.carried, *done, *tangents]
     return np.array([(name, 0) for name in half] + [(name, 1) for name in half], dtype=object)
 
 
@@ -50,6 +51,7 @@ def test_parts_of_a_vector_are_what_they_are_called(layout):
     assert entries(vector[layout.idle_rows]) == idle
     carried = [(name, half) for half in (0, 1) for name in layout.carried]
     assert entries(vector[layout.motion_rows][layout.carried_rows]) == carried
+    assert entries(layout.lost(vector)) == [(f"loss {k}", 1) for k in range(layout.losses)]
     if layout.work:
         assert tuple(vector[layout.work_row]) == ("work", 1)
     else:
@@ -63,7 +65,9 @@ def test_what_is_packed_comes_out_again(layout):
     motion = layout.moving(state)
     assert (motion[layout.state_rows] == state).all()
     tangents = random.normal(size=(layout.directions, layout.tangents))
-    vector = layout.packed(motion, 2.5, tangents)
+    done = [2.5] * layout.work + [0.5, 0.25][: layout.losses]
+    vector = layout.packed(motion, done, tangents)
+    assert layout.lost(vector).tolist() == [0.5, 0.25][: layout.losses]
     assert (layout.motion(vector) == motion).all()
     assert (vector[layout.tangent_rows] == tangents).all()
     assert not layout.work or layout.work_done(vector) == 2.5

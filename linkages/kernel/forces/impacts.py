@@ -152,6 +152,11 @@ class Unilateral(Acting):
         return self.model.walls.impulses(self)
 
     @property
+    def rubbed(self) -> list[Scalar]:
+        """Energy that each friction takes in an impact of this contact."""
+        return self.model.walls.rubbed(self)
+
+    @property
     def rates_behind(self) -> list[Scalar]:
         """Rates of the free coordinates behind an impact."""
         walls = self.model.walls

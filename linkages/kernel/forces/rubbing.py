@@ -134,6 +134,19 @@ class Rubbing:
         held = slipping * self._until + self._holds * beyond
         return self._by_piece(beyond, slipping * impulse, held)
 
+    def lost(self, impulse: Scalar) -> Scalar:
+        """Energy that friction takes along the path of a normal impulse.
+
+        Along each piece that is the impulse of friction against the mean slip.
+        """
+        sliding = self._by_piece(impulse - self._until, impulse, self._until)
+        first, whole = self.along(sliding), self.along(impulse)
+        between, behind = (
+            self.slip - self.mixed * normal + self.tangential * along
+            for normal, along in ((sliding, first), (impulse, whole))
+        )
+        return -0.5 * (first * (self.slip + between) + (whole - first) * (between + behind))
+
     def rebound(self, restitution: Scalar, speed: Scalar) -> Scalar:
         """Rate at which it leaves, of an impact at a speed."""
         if self.law.impact == "poisson":

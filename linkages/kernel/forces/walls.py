@@ -265,13 +265,34 @@ class Walls:
         else:
             alone[own] = rubbing.impulse(contact.fall)
             alone[self.along(own)] = rubbing.along(alone[own])
-        others = [k for k in range(len(self.contacts)) if k != own and not self.apart(own, k)]
         if contact.law.impact == "moreau":
             return self._collision.impulses
-        for k in others:
-            there = self._collision.taking[k]
+        for there in self._partners(contact):
             alone = self._either(there, self._collision.impulses, alone)
         return alone
+
+    def _partners(self, contact: Unilateral) -> list[Scalar]:
+        """Not negative for others that take part in an impact of one contact."""
+        own, count = self.place(contact), len(self.contacts)
+        others = [k for k in range(count) if k != own and not self.apart(own, k)]
+        return [self._collision.taking[k] for k in others]
+
+    def rubbed(self, contact: Unilateral) -> list[Scalar]:
+        """Energy that each friction takes in an impact of one contact.
+
+        Impulses of contacts that share it are taken to grow in proportion.
+        """
+        impulses, found = self.impulses(contact), []
+        for k, rubbing in self.rough.items():
+            place = self.along(k)
+            lost = -(impulses[place] * (rubbing.slip + 0.5 * self.pushed(place, impulses)))
+            if rubbing is contact.rubbing and contact.law.impact != "moreau":
+                path = rubbing.lost(impulses[k])
+                for there in self._partners(contact):
+                    path = self.graph.select(there, lost, path)
+                lost = path
+            found.append(lost)
+        return found
 
     def _smooth(self, own: int) -> list[Scalar]:
         """The same without friction."""

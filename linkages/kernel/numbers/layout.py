@@ -21,11 +21,12 @@ Rows = NDArray[np.intp]
 class Layout:
     """Places of everything that is integrated, and of the parameters.
 
-    An integrated vector is ``[free, internal, carried, work, tangents | rates of the same]``, shape
-    (2N,). Internal states and the work are the rates of their coordinates, which themselves mean
-    nothing: no tolerance is asked of them. A tangent has one entry for each free coordinate and
-    internal state, and a rate for each of them. The motion alone is ``[free, internal, carried |
-    rates of the same]``, shape (2m,). Vectors may have further axes behind the first.
+    An integrated vector is ``[free, internal, carried, work, losses, tangents | rates of the
+    same]``, shape (2N,). Internal states, the work and losses are the rates of their coordinates,
+    which themselves mean nothing: no tolerance is asked of them. A tangent has one entry for each
+    free coordinate and internal state, and a rate for each of them. The motion alone is ``[free,
+    internal, carried | rates of the same]``, shape (2m,). Vectors may
+    have further axes behind the first.
 
     Outside of the integration the state of a motion is ``[free, carried | rates of the same |
     internal]``, shape (y,), and a tangent ``[free | rates of the same | internal]``, shape (x,).
@@ -42,6 +43,8 @@ class Layout:
         Dependent bodies whose whole turns are counted beside the vector.
     work
         Whether the work of drives and loads is integrated as well.
+    losses
+        Number of powers lost in contacts that are integrated as well.
     tangents
         Number of solutions of the variational equations.
     fed
@@ -58,6 +61,7 @@ class Layout:
     carried: tuple[str, ...] = ()
     counted: tuple[str, ...] = ()
     work: bool = False
+    losses: int = 0
     tangents: int = 0
     fed: Fed = ()
     parameters: tuple[Path, ...] = ()
@@ -66,12 +70,17 @@ class Layout:
 
     @classmethod
     def of(
-        cls, topology: Topology, work: bool = False, tangents: int = 0, counting: bool = False
+        cls,
+        topology: Topology,
+        work: bool = False,
+        losses: int = 0,
+        tangents: int = 0,
+        counting: bool = False,
     ) -> Layout:
         """The layout of a mechanism's integration, without parameters."""
         counted = topology.counted if counting else ()
         internal, carried = topology.internal, topology.carried
-        return cls(topology.free, internal, carried, counted, work, tangents)
+        return cls(topology.free, internal, carried, counted, work, losses, tangents)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -95,13 +104,13 @@ class Layout:
 
     @property
     def size(self) -> int:
-        """Number N of integrated coordinates, with the work and the tangents."""
+        """Number N of integrated coordinates, with the work, losses and tangents."""
         return len(self.coordinates) + self.more
 
     @property
     def more(self) -> int:
         """Number of integrated coordinates beyond those of the motion."""
-        return int(self.work) + self.tangents * self.moved
+        return int(self.work) + self.losses + self.tangents * self.moved
 
     @cached_property
     def motion_rows(self) -> Rows:
@@ -183,8 +192,14 @@ class Layout:
         """Place of the work in an integrated vector; None if it is not integrated."""
         return self.size + len(self.coordinates) if self.work else None
 
+    @property
+    def done_rows(self) -> Rows:
+        """Places of the work, if it is integrated, and of the losses in an integrated vector."""
+        first = self.size + len(self.coordinates)
+        return np.arange(first, first + int(self.work) + self.losses)
+
     def motion(self, vectors: Floats) -> Floats:
-        """Coordinates and their rates without work and tangents, shape (2m, …)."""
+        """Coordinates and their rates alone, shape (2m, …)."""
         found = np.asarray(vectors[self.motion_rows])
         found[len(self.free) : self.moved] = 0.0  # integrals of internal states
         return found
@@ -199,8 +214,12 @@ class Layout:
         """The work in joules, shape (…); None if it is not integrated."""
         return None if self.work_row is None else np.asarray(vectors[self.work_row])
 
+    def lost(self, vectors: Floats) -> Floats:
+        """The losses in joules, shape (losses, …)."""
+        return np.asarray(vectors[self.done_rows[int(self.work) :]])
+
     def packed(
-        self, motion: Floats, work: float = 0.0, tangents: ArrayLike | None = None
+        self, motion: Floats, done: ArrayLike = 0.0, tangents: ArrayLike | None = None
     ) -> Floats:
         """An integrated vector from its parts, shape (2N,).
 
@@ -208,15 +227,14 @@ class Layout:
         ----------
         motion
             Coordinates and their rates, shape (2m,).
-        work
-            Work done so far in joules, if it is integrated.
+        done
+            Work and losses so far in joules, those that are integrated.
         tangents
             Shape (x, tangents); zero if not given.
         """
         vector = np.zeros(2 * self.size)
         vector[self.motion_rows] = motion
-        if self.work_row is not None:
-            vector[self.work_row] = work
+        vector[self.done_rows] = done
         if tangents is not None:
             vector[self.tangent_rows] = tangents
         return vector

@@ -175,7 +175,9 @@ def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motio
     if factor == 1:
         return motion
     times = denser(motion.time, factor)
-    return compute_motion(system, replace(settings, times=times, work=False, events=()))
+    return compute_motion(
+        system, replace(settings, times=times, work=False, losses=False, events=())
+    )
 
 
 def _smooth(series: Series) -> bool:
@@ -248,6 +250,7 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         state=np.stack([position, speed]).reshape(2 * half, -1) if half else begun.state,
         counted=counted,
         work=None,
+        losses=None,
         tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
     )
     return compiled_accelerated(moved)

@@ -158,7 +158,7 @@ def driven_piece(guard: Guard, like: Piece, first: float, last: float, fastest: 
         nothing = np.zeros((0, len(times)))
         flipped = {block: np.ones(len(times), dtype=bool) for block in like.flipped}
         made = replace(like, time=times, state=nothing, turns=nothing, acceleration=nothing)
-        return replace(made, work=None, counted={}, flipped=flipped)
+        return replace(made, work=None, losses=None, counted={}, flipped=flipped)
 
     def function(times: Floats) -> Floats:
         return np.asarray(evaluate_nodes(at(times), [node])[0])

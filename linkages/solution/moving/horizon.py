@@ -112,7 +112,7 @@ def _tighter(settings: Settings, motion: Motion) -> Settings | None:
         rtol = max(LEAST_RTOL, run.rtol * TIGHTER)
         closer = replace(run, rtol=rtol, atol=run.atol and run.atol * rtol / run.rtol)
     closer = replace(closer, max_steps=_MORE_STEPS * run.most_steps)
-    return replace(settings, times=motion.time, run=closer, work=False, watch=None)
+    return replace(settings, times=motion.time, run=closer, work=False, losses=False, watch=None)
 
 
 def _relative(

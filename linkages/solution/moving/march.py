@@ -11,7 +11,7 @@ from collections.abc import Collection, Generator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from linkages.errors import ComputationError
 from linkages.kernel.closure.dyads import LEAST_MARGIN
@@ -53,7 +53,13 @@ Floats = NDArray[np.float64]
 
 def integrated_motion(system: System, settings: Settings) -> Motion:
     """Integrate a system that has free coordinates, or others that are carried along."""
-    march = March(system, settings.run, work=settings.work, counting=settings.counting)
+    march = March(
+        system,
+        settings.run,
+        work=settings.work,
+        losses=settings.losses,
+        counting=settings.counting,
+    )
     return march.advance(settings.times, guards=settings.events, watch=settings.watch)
 
 
@@ -68,6 +74,8 @@ class March:
         How it is integrated, and whether it passes change points.
     work
         Whether to integrate the work of drives and loads as well.
+    losses
+        Whether to integrate what contacts lose as well.
     tangents
         Number of solutions of the variational equations that are carried along. Those of a system
         that has effects of numbers are the derivatives of the motion by them.
@@ -97,6 +105,7 @@ class March:
         run: RunOptions,
         *,
         work: bool = False,
+        losses: bool = False,
         tangents: int = 0,
         tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
@@ -109,9 +118,9 @@ class March:
             )
         self.run, self._passing = run, passes(system, run)
         self._tangent_atol = tangent_atol
-        self._extra = (work, tangents, counting or bool(movable(system)))
+        self._extra = (work, losses, tangents, counting or bool(movable(system)))
         self.cost = {"steps": 0, "rejected": 0, "evaluations": 0}
-        self._work = 0.0
+        self._done: ArrayLike = 0.0
         effects = system.effects
         started = None if effects is None else system.layout.tangents_of(effects.state)
         self._enter(system, {}, started, {})
@@ -130,15 +139,15 @@ class March:
         any.
         """
         self.system = system
-        work, columns, counting = self._extra
-        self._plan = Plan.of(system, work=work, tangents=columns, counting=counting)
+        work, losses, columns, counting = self._extra
+        self._plan = Plan.of(system, work=work, losses=losses, tangents=columns, counting=counting)
         self.layout = self._plan.layout
         self._held = self._holding(held)
         self.flipped: tuple[int, ...] = ()
         self.time = system.time
         if tangents is None:
             tangents = np.eye(self.layout.directions)[:, :columns]
-        self._vector = self.layout.packed(system.state, self._work, tangents)
+        self._vector = self.layout.packed(system.state, self._done, tangents)
         within = dict(zip(self.layout.coordinates, system.state, strict=False))
         turned = [angles.get(name, angle) - angle for name, angle in within.items()]
         self._turns = np.round(np.array(turned) / (2 * np.pi))
@@ -408,6 +417,7 @@ class March:
             turns=turns.T[:count] + self._turns[:, None],
             acceleration=np.zeros((count, len(time))),
             work=self.layout.work_done(state.T),
+            losses=self.layout.lost(state.T) if self.layout.losses else None,
             counted=self._counted(angles.T),
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
             held=held.T[: self.layout.remembered],
@@ -449,8 +459,7 @@ class March:
             return False
         if self._least[trajectory.block] <= LEAST_MARGIN:
             return False
-        if self.layout.work:
-            self._work = float(self._vector[self.layout.work_row])
+        self._done = self._vector[self.layout.done_rows]
         if self._exchanged():
             return True
         if not (self._looking and self._pass_through()):

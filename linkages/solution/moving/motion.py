@@ -32,6 +32,8 @@ class Settings:
         How it is integrated.
     work
         Whether to integrate the work of drives and loads along with the motion.
+    losses
+        Whether to integrate what contacts lose.
     counting
         Whether to count the whole turns of dependent angles. Where free coordinates may be
         exchanged they are counted anyway.
@@ -44,6 +46,7 @@ class Settings:
     times: Floats
     run: RunOptions
     work: bool = False
+    losses: bool = False
     counting: bool = False
     watch: Watch | None = None
     events: tuple[Guard, ...] = ()
@@ -95,6 +98,9 @@ class Piece:
         Shape (n, samples).
     work
         Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for.
+    losses
+        What contacts lost since t = 0 in joules, across walls, then along them, shape
+        (2 contacts, samples), if it was asked for.
     counted
         Dependent body → its angle with the whole turns made since the start, shape (samples,), if
         they were counted.
@@ -117,6 +123,7 @@ class Piece:
     turns: Floats
     acceleration: Floats
     work: Floats | None = None
+    losses: Floats | None = None
     counted: Mapping[str, Floats] = field(default_factory=dict)
     flipped: Mapping[int, NDArray[np.bool_]] = field(default_factory=dict)
     held: Floats | None = None
@@ -138,6 +145,7 @@ class Piece:
             turns=self.turns[:, part],
             acceleration=self.acceleration[:, part],
             work=None if self.work is None else self.work[part],
+            losses=None if self.losses is None else self.losses[:, part],
             counted={name: angles[part] for name, angles in self.counted.items()},
             flipped={block: where[part] for block, where in self.flipped.items()},
             held=None if self.held is None else self.held[:, part],
@@ -161,6 +169,7 @@ class Piece:
             turns=np.repeat(self.turns[:, :1], len(self.samples), axis=1),
             acceleration=self.interpolated(self.acceleration),
             work=None if self.work is None else self.interpolated(self.work),
+            losses=None if self.losses is None else self.interpolated(self.losses),
             counted={name: self.interpolated(angles) for name, angles in self.counted.items()},
             flipped={**modes, **kept},
             held=None if self.held is None else np.repeat(self.held[:, :1], len(beyond), axis=1),
@@ -265,6 +274,12 @@ class Motion:
         """Work of drives and loads since t = 0 in joules, shape (samples,), if it was asked for."""
         works = [p.interpolated(p.work) for p in self.pieces if p.work is not None]
         return np.concatenate(works) if len(works) == len(self.pieces) else None
+
+    @property
+    def losses(self) -> Floats | None:
+        """What contacts lost, shape (2 contacts, samples) as in pieces, if it was asked for."""
+        found = [p.interpolated(p.losses) for p in self.pieces if p.losses is not None]
+        return np.concatenate(found, axis=1) if len(found) == len(self.pieces) else None
 
     @property
     def state(self) -> Floats:

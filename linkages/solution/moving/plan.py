@@ -73,13 +73,15 @@ def kernel_source(topology: Topology, layout: Layout | None = None) -> KernelSou
         With integrated coordinates.
     layout
         What is integrated; the motion alone if not given. The work is the rate of one more
-        coordinate, whose acceleration is the power of drives and loads. The components of a
-        tangent are n more coordinates, which obey the equations linearised in the free ones.
+        coordinate, whose acceleration is the power of drives and loads; so are losses. The
+        components of a tangent are n more coordinates, which obey the equations linearised in the
+        free ones.
     """
     layout = Layout.of(topology) if layout is None else layout
     model = Model(topology, layout.more, layout.slopes)
     moving = model.integrated_accelerations(model.changes)
     accelerations = [*moving, model.power] if layout.work else moving
+    accelerations = [*accelerations, *(model.losses if layout.losses else ())]
     accelerations = [*accelerations, *variations(model, layout)]
     counted = tuple(model.counted) if layout.counted else ()
     watched = model.switches.watched
@@ -137,6 +139,7 @@ class Plan:
         of: System | Mechanism,
         *,
         work: bool = False,
+        losses: bool = False,
         tangents: int = 0,
         counting: bool = False,
         sensitive: Collection[str] = (),
@@ -149,6 +152,8 @@ class Plan:
             A mechanism with free coordinates, or the same, assembled.
         work
             Whether to integrate the work of drives and loads.
+        losses
+            Whether to integrate what contacts lose.
         tangents
             Number of solutions of the variational equations to integrate.
         counting
@@ -166,11 +171,12 @@ class Plan:
             of = (of.mechanism if isinstance(of, System) else of).keeping(sensitive)
         system = of if isinstance(of, System) else System(of)
         fed = () if system.effects is None else system.effects.fed
-        key = (system.structure.key, work, tangents, counting, fed)
+        key = (system.structure.key, work, losses, tangents, counting, fed)
 
         def made() -> Plan:
             topology = system.topology
-            layout = replace(Layout.of(topology, work, tangents, counting), fed=fed)
+            lost = 2 * len(system.mechanism.contacts) if losses else 0
+            layout = replace(Layout.of(topology, work, lost, tangents, counting), fed=fed)
             source = kernel_source(topology, layout)
             switches = source.model.switches
             modes = len(switches.switches)

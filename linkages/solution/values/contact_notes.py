@@ -12,7 +12,7 @@ from linkages.components.contributed.contacts import Contact, NormalForce, OilFi
 from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
-from linkages.solution.values.episodes import STATES, Episodes, episodes, rests
+from linkages.solution.values.episodes import STATES, Episodes, Nodes, episodes, rests
 from linkages.solution.values.near_misses import nearest_miss
 
 DEEPEST = 0.1
@@ -32,7 +32,10 @@ GRAZING = 0.01
 """Part of the rate of the touch before it below which a touch grazes: no chatter is that fast."""
 
 MISSED = 0.01
-"""Part of the size that a gap closes to, and opens again, for a motion that nearly touches."""
+"""Part of the size that a gap closes to, and opens again, for a motion that nearly touches.
+
+Of a stop it is a part of how far the motion is from it at most.
+"""
 
 
 def contact_notes(motion: Motion) -> list[str]:
@@ -44,9 +47,11 @@ def contact_notes(motion: Motion) -> list[str]:
     rows = zip(system.model.contacts, contacts, episodes(motion), strict=True)
     said = [note for row in rows for note in _notes(motion, *row)]
     if ends:
-        for end, found in zip(ends, rests(motion), strict=True):
-            unit = "rad/s" if end.twists else "m/s"
-            said += [f"stop {found.name}: {_summary(motion, found, unit)}", *_grazes(found, unit)]
+        for nodes, end, found in zip(system.model.ends, ends, rests(motion), strict=True):
+            unit = "rad" if end.twists else "m"
+            summary = _summary(motion, found, f"{unit}/s")
+            said += [f"stop {found.name}: {summary}", *_grazes(found, f"{unit}/s")]
+            said += _misses(motion, nodes, found, _farthest(motion, nodes), unit)
     return said
 
 
@@ -62,14 +67,22 @@ def _grazes(found: Episodes, unit: str = "m/s") -> Iterator[str]:
         )
 
 
-def _misses(motion: Motion, nodes: GapNodes, found: Episodes, size: float) -> Iterator[str]:
+def _farthest(motion: Motion, nodes: Nodes) -> float:
+    """How far from its end a motion is at most: a stop has no size."""
+    depths = (evaluate_nodes(piece, [nodes.gap.indentation]) for piece in motion.pieces)
+    return max(float(-depth.min(initial=0.0)) for depth in depths)
+
+
+def _misses(
+    motion: Motion, nodes: Nodes, found: Episodes, size: float, unit: str = "m"
+) -> Iterator[str]:
     """Where neighbours touch and the motion does not."""
     miss = nearest_miss(motion, nodes, found)
     if miss is not None and miss[0] < MISSED * size:
         gap, time = miss
         yield (
-            f"{found.name} nearly touches at t = {time:.6g} s: the gap closes to {gap:.3g} m, and "
-            "neighbours that touch the wall move otherwise, so exponents converge slowly"
+            f"{found.name} nearly touches at t = {time:.6g} s: the gap closes to {gap:.3g} {unit}, "
+            "and neighbours that touch the wall move otherwise, so exponents converge slowly"
         )
 
 

@@ -28,26 +28,36 @@ def energy_of_impacts(motion: Motion) -> Floats:
     return found
 
 
-def losses_of_impacts(motion: Motion) -> Floats:
-    """Energy that impacts have lost up to each sample in J, shape (samples, rigid contacts).
+def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:
+    """Energy that impacts have lost up to each sample, across walls and along them, in J.
 
     What an impulse P takes is P (d'⁻ + d'⁺)/2, with the rates of the indentation before and behind
     the impact (Kelvin); in an impact of one contact others that are closed take impulses as well.
-    What friction takes is the same with its impulse and the slip.
+    What friction takes is the same with its impulse and the slip. Where slip ends within an impact
+    this holds for the sum of both alone; friction takes what it does up to there and from there.
+
+    Returns
+    -------
+    Shape (samples, rigid contacts) each.
     """
     walls = motion.pieces[0].system.model.walls
-    found = np.zeros((len(motion.time), len(walls.contacts)))
     count, rough = len(walls.contacts), walls.rough
+    across, along = np.zeros((2, len(motion.time), count))
     rates = [-contact.speed for contact in walls.contacts]
     rates += [rubbing.slip for rubbing in rough.values()]
     places = [*range(count), *rough]
     for contact in walls.contacts:
         for piece, rises in _impacts(motion, contact):
-            impulses = evaluate_nodes(piece, contact.impulses)
+            nodes = [*contact.impulses, *contact.rubbed]
+            impulses, rubbed = np.split(evaluate_nodes(piece, nodes), [len(places)])
             both = evaluate_nodes(piece, rates) + evaluate_nodes(behind(piece, contact), rates)
             for place, lost in zip(places, -0.5 * impulses * both, strict=True):
-                found[:, place] += _since(motion, piece.time[rises], lost[rises])
-    return found
+                across[:, place] += _since(motion, piece.time[rises], lost[rises])
+            for place, lost in zip(rough, rubbed, strict=True):
+                taken = _since(motion, piece.time[rises], lost[rises])
+                along[:, place] += taken
+                across[:, place] -= taken
+    return across, along
 
 
 def behind(piece: Piece, contact: Unilateral) -> Piece:

@@ -5,19 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
-from linkages.solution.values.episodes import FREE, Episodes
+from linkages.solution.values.episodes import FREE, Episodes, Nodes
 
 Floats = NDArray[np.float64]
 
 
-def nearest_miss(motion: Motion, nodes: GapNodes, found: Episodes) -> tuple[float, float] | None:
-    """The least gap in metres that opens again, and its time; None where there is none.
+def nearest_miss(motion: Motion, nodes: Nodes, found: Episodes) -> tuple[float, float] | None:
+    """The least gap that opens again, and its time; None where there is none.
 
-    It lies between two samples in free flight, across which the rate of the indentation changes
-    its sign, on the cubic through both with their rates.
+    It is in m, or in rad of a stop that twists, and lies between two samples in free flight, across
+    which the rate of the indentation changes its sign, on the cubic through both with their rates.
     """
     least: tuple[float, float] | None = None
     jumps = np.sort(np.concatenate([found.begin, *_impacts(motion)]))

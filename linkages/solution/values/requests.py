@@ -11,6 +11,7 @@ from linkages.reading.wording import suggestion
 REACTION = "joint_reaction"
 STATE = "clearance_state"
 LOSS = "impact_loss"
+DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
 
 
 def requested(system: System, outputs: Iterable[str] | None) -> list[str]:

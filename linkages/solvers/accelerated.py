@@ -15,7 +15,6 @@ from linkages.solvers.job import Job
 from linkages.solvers.launches import Launches
 from linkages.solvers.methods.method import Method, RungeKutta
 from linkages.solvers.outcome import Outcome
-from linkages.solvers.printed.shape import Shape
 from linkages.solvers.slots import DeviceSteps, Slots
 from linkages.solvers.steps.views import NOW
 from linkages.solvers.supervise import supervise
@@ -102,7 +101,7 @@ class Accelerator:
         return launches.outcomes, interrupted
 
     def _steps(self, method: RungeKutta, job: Job) -> DeviceSteps:
-        key = (method.name, job.flow.clock, Shape.of(job.flow, job.tangents, job.events))
+        key = (method.name, job.flow.clock, job.shape)
         if key not in self._known:
             if len(self._known) == _KEPT:
                 self._known.clear()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -124,7 +125,7 @@ class EventLog:
                     f"weights of an event must hold {n} coordinates and as many speeds, "
                     f"found {len(found)}"
                 )
-        first = np.cumsum([0, *(event.capacity for event in self.events)])
+        first = np.array([*accumulate((event.capacity for event in self.events), initial=0)])
         arrays: dict[str, NDArray] = {
             "weights": np.array(weights).reshape(len(weights), 2 * n),
             "first": first,

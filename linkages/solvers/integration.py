@@ -235,11 +235,11 @@ def _times(times: ArrayLike) -> NDArray[np.float64]:
 def _require_monotonic(start: float, times: NDArray[np.float64]) -> None:
     if not math.isfinite(start):
         raise ValueError(f"start must be finite, found {start}")
-    steps = np.diff(times, prepend=start)
+    before, after = times[:-1], times[1:]
     # Only the first sample may fall together with the time before it.
-    if (steps[1:] > 0).all() and steps[0] >= 0:
+    if times[0] >= start and (after > before).all():
         return
-    if (steps[1:] < 0).all() and steps[0] <= 0:
+    if times[0] <= start and (after < before).all():
         return
     raise ValueError("times must increase, or decrease, from start to the last one")
 
@@ -258,4 +258,4 @@ def _atol(flow: Flow, atol: ArrayLike) -> NDArray[np.float64]:
         )
     if not ((found > 0).all() and np.isfinite(found).all()):
         raise ValueError(f"atol must be > 0, found {found}")
-    return np.ascontiguousarray(np.broadcast_to(found, 2 * flow.coordinates))
+    return np.full(2 * flow.coordinates, found)

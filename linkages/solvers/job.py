@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from linkages.solvers.choice import Choice
 from linkages.solvers.events import Event, EventLog
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.outcome import Outcome
+from linkages.solvers.printed.shape import Shape
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Trajectory
 
@@ -111,6 +113,11 @@ class Job:
         """How often, and how many tangents."""
         tangents = self.tangents
         return (tangents.count(samples), tangents.columns) if tangents else (0, 0)
+
+    @cached_property
+    def shape(self) -> Shape:
+        """What the text of its steps depends on."""
+        return Shape.of(self.flow, self.tangents, self.events)
 
     @property
     def end(self) -> float:

@@ -22,7 +22,6 @@ from linkages.solvers.methods.method import (
     RungeKutta,
 )
 from linkages.solvers.outcome import Outcome
-from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
@@ -78,7 +77,7 @@ def integrate_many(
         key = (
             asked.method.name,
             asked.job.flow.clock,
-            Shape.of(asked.job.flow, asked.job.tangents, asked.job.events),
+            asked.job.shape,
             *(event.function and event.function.clock for event in asked.job.events),
         )
         groups.setdefault((*key, *alone), []).append(index)
@@ -153,7 +152,7 @@ def _lanes(
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
-    shape = Shape.of(flow, jobs[0].tangents, jobs[0].events)
+    shape = jobs[0].shape
     assert flow.wide is not None
     wide = flow.wide(lanes)
     code = compiled_step(tableau, shape, method.memory, lanes)

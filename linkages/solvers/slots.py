@@ -58,7 +58,7 @@ class DeviceSteps:
         """Written, and loaded."""
         flow = job.flow
         assert flow.routines is not None
-        shape = Shape.of(flow, job.tangents, job.events)
+        shape = job.shape
         text = write_device_steps(
             method.tableau, shape, flow.routines(), method.memory, device.architecture
         )

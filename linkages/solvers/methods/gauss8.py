@@ -36,9 +36,10 @@ class Gauss(Method):
         rows = arrays.workspace(tableau, job.flow, job.state)
         first = len(rows)
         rows = np.concatenate([rows, np.zeros((2 * self.collocation.stages, rows.shape[1]))])
-        system = arrays.system(memory, job, rows, arrays.pace(job), VERN9.code(job))
+        record = arrays.record(memory, job)
+        system = arrays.system(memory, job, rows, arrays.pace(job), VERN9.code(job), record)
         table = arrays.table(memory, tableau, job.flow)
-        record = arrays.record(memory, job, system)
+        record = arrays.observed(memory, job, system, record)
         nodes = arrays.nodes(memory, self.collocation, job.flow, first)
         hook = hooks.hook(memory, hooks.events(memory, job), system, table, record)
         places = [memory.integers(words) for words in (system, nodes, table, record, hook)]

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain
+from itertools import accumulate, chain
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -17,7 +17,6 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.job import Job
 from linkages.solvers.outcome import Outcome
-from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
@@ -29,6 +28,7 @@ from linkages.solvers.steps.views import (
     STEPS,
     STOP,
     TAKEN,
+    WORD,
     Hook,
     Record,
     SwitchingView,
@@ -117,9 +117,7 @@ class RungeKutta(Method):
 
     def code(self, job: Job) -> MachineCode:
         """The printed steps."""
-        return compiled_step(
-            self.tableau, Shape.of(job.flow, job.tangents, job.events), self.memory
-        )
+        return compiled_step(self.tableau, job.shape, self.memory)
 
     def motion(self, job: Job) -> PreparedMotion:
         """What a loop takes of a job."""
@@ -128,17 +126,16 @@ class RungeKutta(Method):
 
         tableau, store = self.tableau, arrays.Memory()
         rows, pace = arrays.workspace(tableau, job.flow, job.state), arrays.pace(job)
-        events = hooks.events(store, job)
-        system = arrays.system(store, job, rows, pace, self.code(job), events)
+        events, code, record = hooks.events(store, job), self.code(job), arrays.record(store, job)
+        system = arrays.system(store, job, rows, pace, code, record, events)
         table = arrays.table(store, tableau, job.flow)
-        record = arrays.record(store, job, system)
+        record = arrays.observed(store, job, system, record)
         hook = hooks.hook(store, events, system, table, record)
         switching = hooks.switching(store, job, events, system, table, record, tableau.quarters)
         words = (system, table, record, hook, switching)
-        places, context = tuple(store.integers(word) for word in words), 0
-        if job.step is None:
-            control = arrays.control(store, job, self.code(job))
-            context = store.integers([*chain(*words, control)])
+        control = arrays.control(store, job, code) if job.step is None else ()
+        context = store.integers([*chain(*words, control)])
+        places = tuple(accumulate((WORD * len(word) for word in words[:-1]), initial=context))
         return PreparedMotion(rows, words, places, context, pace, store)
 
 
@@ -179,7 +176,7 @@ class PreparedMotion(NamedTuple):
     places
         Their addresses.
     context
-        Address of the same and a `Control` behind them, for adaptive steps; 0 for others.
+        Address of the same, one behind the other; for adaptive steps a `Control` is behind them.
     pace
         How it goes on; see `linkages.solvers.steps.views`.
     memory

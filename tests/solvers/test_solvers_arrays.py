@@ -1,0 +1,30 @@
+"""What compiled code is told of arrays."""
+
+import numpy as np
+import pytest
+
+from linkages.solvers.arrays import Memory
+
+
+def read_only():
+    found = np.ones(3)
+    found.flags.writeable = False
+    return found
+
+
+@pytest.mark.parametrize("array", [np.ones((2, 3)), np.ones(5)[2:], np.zeros(0), read_only()])
+def test_arrays_are_taken_where_they_are(array):
+    """Compiled code writes its results in place, so that a copy would lose them."""
+    memory = Memory()
+    assert memory.floats(array) == array.ctypes.data
+    assert memory.arrays[0] is array
+
+
+def test_lists_and_strided_arrays_are_copied():
+    """Compiled code reads entries one behind the other."""
+    memory, strided = Memory(), np.arange(6)[::2]
+    address = memory.integers(strided)
+    assert address == memory.arrays[0].ctypes.data != strided.ctypes.data
+    assert memory.arrays[0].tolist() == [0, 2, 4]
+    memory.floats([1, 2])
+    assert memory.arrays[1].dtype == np.float64

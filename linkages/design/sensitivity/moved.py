@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.design.sensitivity.breaks import Passed
 from linkages.design.sensitivity.derived import Derivatives
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
@@ -16,6 +17,9 @@ from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
+
+JUMP = 1e-9
+"""What a series differs by on both sides of a jump, as a part of its size; round-off is less."""
 
 
 class Moved:
@@ -31,6 +35,8 @@ class Moved:
         What changes with the numbers.
     derivatives
         How series are differentiated.
+    passed
+        Times at which laws change from one branch to another, if they move with the numbers.
     """
 
     def __init__(
@@ -40,11 +46,13 @@ class Moved:
         series: Mapping[str, Series],
         effects: Effects,
         derivatives: Derivatives,
+        passed: Sequence[Passed] = (),
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
+        self._passed = passed
         self.time = self._followed.time
         self.count = len(effects)
 
@@ -64,6 +72,23 @@ class Moved:
             raise ValueError(f"t = {outside[0]:g} s is outside of the motion, {span}")
         order = 1 if own[-1] >= own[0] else -1
         return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
+
+    def jumps(self, names: Sequence[str]) -> list[tuple[str, float]]:
+        """Series that jump where laws do, with the times; these move with the numbers."""
+        series = [self._series[name] for name in names]
+        if not self._passed:
+            return []
+        sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
+        found = []
+        for each in self._passed:
+            pieces = each.before, each.behind
+            left, right = (
+                self._derivatives.evaluated(piece, series, self._effects)[0][:, 0]
+                for piece in pieces
+            )
+            apart = np.abs(right - left) > JUMP * sizes
+            found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
+        return found
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""

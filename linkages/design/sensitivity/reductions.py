@@ -192,9 +192,23 @@ class _Differentiation:
             np.ravel(found.value)[0], _filled(found, self._moved.count).reshape(-1, 1)[:, 0]
         )
 
+    def _require_steady(self, name: str, node: Node, place: float | None = None) -> None:
+        """Raise where a series jumps at a time that moves with numbers: at a place, or anywhere."""
+        if not self._moved.count:
+            return
+        for series, time in self._moved.jumps(list(dict.fromkeys(_sensed(node)))):
+            where = float(self._moved.places(np.array([time]))[0])
+            if place is None or abs(where - place) <= 1.0:
+                message = (
+                    f"measure {self._measure.text!r}: {series} jumps at t = {time:.6g} s, where a "
+                    f"law does, and numbers move that time; no derivative of {name!r} is known"
+                )
+                raise ComputationError(message, time=None)
+
     def _largest(self, node: Node, which: str) -> Varied:
         """An extreme: it changes as the series does there, or as the corner moves that it is."""
         place = self._extreme(node, which)
+        self._require_steady(which, node, place)
         found, corner = self._at(node, place), self._corner(node, place)
         if corner is None:
             return found
@@ -247,6 +261,7 @@ class _Differentiation:
         time = self._time(np.array([place]))[0]
         if not 0.0 < place < self._last:
             return Varied(time, None)
+        self._require_steady("time of an extreme", node, place)
         corner = self._corner(node, place)
         if corner is not None:
             return Varied(time, corner.moved * self._step(place))
@@ -287,6 +302,7 @@ class _Differentiation:
 
     def _mean(self, node: Node, power: int) -> Varied:
         """The mean over time by Simpson's rule, with places half way between the samples."""
+        self._require_steady("mean" if power == 1 else "rms", node)
         steps = np.diff(self._moved.time)
         places = np.arange(2 * len(steps) + 1) / 2
         found = self.series(node, places, slopes=True)
@@ -303,6 +319,17 @@ class _Differentiation:
 
         slopes = None if found.slopes is None else mean(found.slopes)
         return Varied(mean(np.atleast_1d(found.value)), slopes)
+
+
+def _sensed(node: Node) -> list[str]:
+    """Names of the series in something that changes with time."""
+    match node:
+        case Sensed(name):
+            return [name]
+        case Call(_, arguments):
+            return [name for argument in arguments for name in _sensed(argument)]
+        case _:
+            return []
 
 
 def _applied(name: str, operands: Sequence[Varied | float]) -> Varied:

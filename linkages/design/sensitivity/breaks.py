@@ -80,8 +80,9 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
             starts = k == 0 and row[0] == 0.0
             time = 0.0 if starts else _located(system, condition, low, high)
             slopes = system.evaluate(rates, time, further={"slope": effects.slopes[:, None]})[:, 0]
-            moved = -slopes[:-1] / slopes[-1]
-            if moved.any():
+            if slopes[:-1].any():
+                with np.errstate(divide="ignore"):  # without bound where it is only touched
+                    moved = -slopes[:-1] / slopes[-1]
                 passed.append(Break(time, time - apart, time + apart, moved))
     return _each_once(sorted(passed, key=lambda each: each.time))
 

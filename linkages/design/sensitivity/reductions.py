@@ -27,6 +27,9 @@ _SIMPSON = 2.0 / 3.0
 _STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
 """Newton steps to where a slope is zero, how many samples each of them may go, and round-off."""
 
+_ON = 1e-6
+"""How many samples from a jump a place is on it."""
+
 _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
 
@@ -181,6 +184,7 @@ class _Differentiation:
             case "rms":
                 return _applied("sqrt", [self._mean(node, 2)])
             case "final":
+                self._require_steady(name, node, float(self._last), _ON)
                 return self._at(node, float(self._last))
             case _:
                 assert name == AT
@@ -192,18 +196,39 @@ class _Differentiation:
             np.ravel(found.value)[0], _filled(found, self._moved.count).reshape(-1, 1)[:, 0]
         )
 
-    def _require_steady(self, name: str, node: Node, place: float | None = None) -> None:
-        """Raise where a series jumps at a time that moves with numbers: at a place, or anywhere."""
+    def _require_steady(
+        self, name: str, node: Node, place: float | None = None, near: float = 1.0
+    ) -> None:
+        """Raise where a series jumps at a time that moves with numbers: near a place, or anywhere.
+
+        A mean needs a series whose derivatives do not jump either.
+        """
         if not self._moved.count:
             return
-        for series, time in self._moved.jumps(list(dict.fromkeys(_sensed(node)))):
+        names = list(dict.fromkeys(_sensed(node)))
+        for series, time in self._moved.jumps(names, place is None):
             where = float(self._moved.places(np.array([time]))[0])
-            if place is None or abs(where - place) <= 1.0:
+            if place is None or abs(where - place) <= near:
                 message = (
-                    f"measure {self._measure.text!r}: {series} jumps at t = {time:.6g} s, where a "
-                    f"law does, and numbers move that time; no derivative of {name!r} is known"
+                    f"measure {self._measure.text!r}: {series} or its derivative jumps at "
+                    f"t = {time:.6g} s, where a law does, and numbers move that time; "
+                    f"no derivative of {name!r} is known"
                 )
                 raise ComputationError(message, time=None)
+
+    def _require_one(self, node: Node, place: float) -> None:
+        """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
+        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self._last + 1,))
+        largest = self.series(node, np.array([place]), slopes=False).value
+        equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
+        if self._moved.count and (np.abs(equal - place) > 1.0).any():
+            other = self._time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
+            message = (
+                f"measure {self._measure.text!r}: the extreme is reached at "
+                f"t = {self._time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
+                "derivative is known of its time"
+            )
+            raise ComputationError(message, time=None)
 
     def _largest(self, node: Node, which: str) -> Varied:
         """An extreme: it changes as the series does there, or as the corner moves that it is."""
@@ -259,6 +284,7 @@ class _Differentiation:
     def _time_of(self, node: Node, place: float) -> Varied:
         """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
         time = self._time(np.array([place]))[0]
+        self._require_one(node, place)
         if not 0.0 < place < self._last:
             return Varied(time, None)
         self._require_steady("time of an extreme", node, place)
@@ -275,6 +301,7 @@ class _Differentiation:
             place = float(self._moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
             raise ValueError(f"measure {self._measure.text!r}: {error}") from None
+        self._require_steady(AT, node, place, _ON)
         found = self._at(node, place)
         if time.slopes is None:
             return found

@@ -90,7 +90,7 @@ def test_means_of_what_jumps_at_a_time_that_moves_are_refused(law, path):
     run = {"end": 0.8, "samples": 81}
     for measure in ("mean(arm.effort)", "rms(arm.effort)"):
         found = Differentiated(mechanism, [measure], [path], run=run)
-        with pytest.raises(ComputationError, match=r"arm.effort or .* t = 0.23 s"):
+        with pytest.raises(ComputationError, match=r"arm.effort jumps at t = 0.23 s"):
             found.at(found.values)
     found = Differentiated(mechanism, ["mean(arm.angle)"], [path], run=run)
     exact = found.at(found.values).derivatives
@@ -106,7 +106,7 @@ def test_extremes_next_to_a_jump_that_moves_are_refused_and_others_are_not():
     mechanism = _driven("{rise: harmonic, to: 70 deg, begin: 0.23, duration: 0.4}")
     path, run = "drives.arm.law.duration", {"end": 0.8, "samples": 81}
     found = Differentiated(mechanism, ["min(arm.acceleration)"], [path], run=run)
-    with pytest.raises(ComputationError, match=r"arm.acceleration or .* jumps"):
+    with pytest.raises(ComputationError, match=r"arm.acceleration jumps"):
         found.at(found.values)
     found = Differentiated(mechanism, ["max(arm.speed)", "time_of_max(arm.speed)"], [path], run=run)
     exact = found.at(found.values).derivatives
@@ -120,12 +120,11 @@ def test_extremes_next_to_a_jump_that_moves_are_refused_and_others_are_not():
     ("measure", "message"),
     [
         ("time_of_max(arm.angle)", "reached at t = .* and at t = "),
-        ("at(0.23 s, arm.effort)", "arm.effort or .* t = 0.23 s"),
-        ("mean(arm.speed)", "arm.speed or .* t = 0.23 s"),
+        ("at(0.23 s, arm.effort)", "arm.effort jumps at t = 0.23 s"),
     ],
 )
 def test_measures_without_a_derivative_say_so(measure, message):
-    """On a plateau there is no one time; where a jump moves, a value jumps or its derivative."""
+    """On a plateau there is no one time; where a jump moves, no value."""
     mechanism = _driven("{rise: harmonic, to: 70 deg, begin: 0.23, duration: 0.4}")
     run = {"end": 0.8, "samples": 81}
     found = Differentiated(mechanism, [measure], ["drives.arm.law.begin"], run=run)

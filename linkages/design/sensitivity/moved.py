@@ -73,26 +73,20 @@ class Moved:
         order = 1 if own[-1] >= own[0] else -1
         return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
 
-    def jumps(self, names: Sequence[str], slopes: bool) -> list[tuple[str, float]]:
-        """Series that jump where laws do, with the times; these move with the numbers.
-
-        With `slopes` those as well whose derivatives jump there.
-        """
+    def jumps(self, names: Sequence[str]) -> list[tuple[str, float]]:
+        """Series that jump where laws do, with the times; these move with the numbers."""
         if not self._passed:
             return []
         series = [self._series[name] for name in names]
-        values = self.values(names, None)
+        sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
         found = []
         for each in self._passed:
             left, right = (
-                self._derivatives.evaluated(piece, series, self._effects)
+                self._derivatives.evaluated(piece, series, self._effects)[0][:, 0]
                 for piece in (each.before, each.behind)
             )
-            for row, name in enumerate(names):
-                least = JUMP * np.abs(values[row]).max()  # numbers are measured in themselves
-                apart = [np.abs(a[row] - b[row]).max() for a, b in zip(left, right, strict=True)]
-                if apart[0] > least or (slopes and apart[1] > least):
-                    found.append((name, each.time))
+            apart = np.abs(right - left) > JUMP * sizes
+            found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
         return found
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:

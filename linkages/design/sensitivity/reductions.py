@@ -199,19 +199,16 @@ class _Differentiation:
     def _require_steady(
         self, name: str, node: Node, place: float | None = None, near: float = 1.0
     ) -> None:
-        """Raise where a series jumps at a time that moves with numbers: near a place, or anywhere.
-
-        A mean needs a series whose derivatives do not jump either.
-        """
+        """Raise where a series jumps, near a place or anywhere, at a time that numbers move."""
         if not self._moved.count:
             return
         names = list(dict.fromkeys(_sensed(node)))
-        for series, time in self._moved.jumps(names, place is None):
+        for series, time in self._moved.jumps(names):
             where = float(self._moved.places(np.array([time]))[0])
             if place is None or abs(where - place) <= near:
                 message = (
-                    f"measure {self._measure.text!r}: {series} or its derivative jumps at "
-                    f"t = {time:.6g} s, where a law does, and numbers move that time; "
+                    f"measure {self._measure.text!r}: {series} jumps at t = {time:.6g} s, "
+                    "where a law does, and numbers move that time; "
                     f"no derivative of {name!r} is known"
                 )
                 raise ComputationError(message, time=None)

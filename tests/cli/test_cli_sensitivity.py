@@ -42,6 +42,15 @@ def test_json_has_the_largest_effect_first(cli):
     assert measure["effects"][0]["relative"] == pytest.approx(1.0)  # the stroke is 2 r
 
 
+def test_units_are_those_of_numbers_with_a_tolerance_as_well(cli):
+    found = cli(
+        "sensitivity", "slider-crank", "--set", "bars.rod.length=140 ± 0.2 mm (uniform)",
+        "--of", EFFORT, "--to", "bars.rod.length", "--no-figures",
+    )  # fmt: skip
+    (row,) = [line.split() for line in found.out.splitlines() if "bars.rod.length" in line]
+    assert row[1:3] == ["140", "mm"]
+
+
 @pytest.mark.parametrize(
     ("of", "to", "message"),
     [

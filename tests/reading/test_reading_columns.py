@@ -11,10 +11,8 @@ from linkages.reading.columns import Column, UndecidedError, values_of
 VALUES = np.array([0.1, 0.2, 0.30000000000000004, -7.3, 1e-300])
 
 
-@pytest.mark.parametrize(
-    "operation", [operator.add, operator.sub, operator.mul, operator.truediv], ids=str
-)
-@pytest.mark.parametrize("other", [0.7, 3, Column(VALUES[::-1])], ids=str)
+@pytest.mark.parametrize("operation", [operator.add, operator.sub, operator.mul, operator.truediv])
+@pytest.mark.parametrize("other", [0.7, 3, Column(VALUES[::-1])], ids=["0.7", "3", "column"])
 def test_arithmetic_is_that_of_each_value_in_all_bits(operation, other):
     for swapped in (False, True):
         pair = (other, Column(VALUES)) if swapped else (Column(VALUES), other)

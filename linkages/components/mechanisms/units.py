@@ -1,4 +1,4 @@
-"""The SI unit of a number in a definition file, by its path."""
+"""The units of a number in a definition file, by its path: of SI, and as it is written."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from linkages.components.mechanisms.registry import SECTIONS, Known
 from linkages.reading.document import Document
 from linkages.reading.paths import Path, split, value_at
 from linkages.spec.annotations import LISTS, alternatives, fields, infos_of, open_ended, rule_of
+from linkages.spec.arithmetic import NumberError, leading_number
 from linkages.spec.laws import LawRule
 from linkages.spec.quantities import Quantity
+from linkages.spec.tolerance_zones import nominal_text
 
 
 def unit_at(document: Document, path: str) -> str:
@@ -38,6 +40,17 @@ def unit_at(document: Document, path: str) -> str:
         model = section.for_sliders  # keys do not always tell
     found = _units(section, model, steps[depth:])
     return found.pop().replace("**", "^").replace("*", " ") if len(found) == 1 else ""
+
+
+def unit_written(document: Document, path: str) -> str:
+    """The unit that a number of a definition is written with; empty if with none."""
+    written = document.value(split(path) or ())
+    if not isinstance(written, str):
+        return ""
+    try:
+        return leading_number(nominal_text(written).replace("−", "-").strip())[1]
+    except NumberError:
+        return ""
 
 
 def _sliders(document: Document) -> list[Path]:

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.mechanisms.units import unit_at
-from linkages.reading.paths import split
-from linkages.spec.arithmetic import leading_number
-from linkages.spec.grammar import NumberError
+from linkages.components.mechanisms.units import unit_at, unit_written
 from linkages.spec.units import unit
 
 if TYPE_CHECKING:
@@ -72,13 +69,8 @@ def effects_of(mechanism: Mechanism, data: xr.Dataset, measure: str) -> list[Eff
 
 def written_unit(mechanism: Mechanism, path: str) -> tuple[str, float]:
     """The unit that a number of a definition is written in, and what one of it is in SI."""
-    written = mechanism.definition.value(split(path) or ())
-    if isinstance(written, str):
-        try:
-            _, name = leading_number(written)
-        except NumberError:
-            name = ""
-        if name:
-            kind = unit(name)
-            return name, kind.convert(1.0) - kind.convert(0.0)
+    name = unit_written(mechanism.definition, path)
+    if name:
+        kind = unit(name)
+        return name, kind.convert(1.0) - kind.convert(0.0)
     return unit_at(mechanism.definition, path), 1.0

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.components.mechanisms.units import unit_at
+from linkages.components.mechanisms.units import unit_at, unit_written
 from linkages.errors import InputError, Problem
 from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number
@@ -181,7 +181,7 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
         raise ValueError(
             f"expected a range from a value to a larger one, found {low:g} to {high:g}"
         )
-    return Range(path, low, high, units[1] or _unit_in_file(mechanism, path), si)
+    return Range(path, low, high, units[1] or unit_written(mechanism.definition, path), si)
 
 
 def _number(bound: Any) -> tuple[float, str]:
@@ -203,12 +203,3 @@ def _kind(text: str, si: str) -> Unit | None:
     if si and found.exponents != unit(si).exponents:
         raise ValueError(f"expected bounds in {si}, or another unit of it, found {text!r}")
     return found
-
-
-def _unit_in_file(mechanism: Mechanism, path: str) -> str:
-    """The unit with which the definition has a number; empty if it has none."""
-    raw = mechanism.definition.value(split(path) or ())
-    try:
-        return leading_number(raw)[1] if isinstance(raw, str) else ""
-    except NumberError:
-        return ""

@@ -67,6 +67,17 @@ def test_derivatives_go_through_jumps_of_drives_whose_times_are_numbers(monkeypa
     assert abs(exact[1, 0, -1] - without[1, 0, -1]) > 0.1 * abs(exact[1, 0, -1])
 
 
+def test_between_the_samples_around_a_jump_there_are_no_derivatives():
+    run = {"end": 0.4, "samples": 81}
+    found = Differentiated(_swung(), ["at(0.228 s, rod.speed)"], PATHS[:1], run=run)
+    for ask in (
+        lambda: found.at(found.values),
+        lambda: found.along(found.values, ["rod.speed"], np.array([0.228])),
+    ):
+        with pytest.raises(ComputationError, match=r"jump between two samples at t = 0.23 s"):
+            ask()
+
+
 def test_a_jump_at_the_start_has_no_derivative_by_its_time():
     run = {"end": 0.6, "samples": 61}
     found = Differentiated(_swung(begin=0.0), ["final(rod.angle)"], PATHS[:1], run=run)

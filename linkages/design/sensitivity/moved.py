@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from linkages.design.sensitivity.breaks import Passed
 from linkages.design.sensitivity.derived import Derivatives
+from linkages.errors import ComputationError
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -88,6 +89,21 @@ class Moved:
             apart = np.abs(right - left) > JUMP * sizes
             found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
         return found
+
+    def require_followed(self, places: Floats) -> None:
+        """Raise for places between the two samples around a jump of an integrated motion.
+
+        Nothing follows derivatives through it.
+        """
+        for each in self._passed:
+            interval = np.ceil(self.places(np.array([each.time]))[0]) - 1.0
+            inside = (places > interval) & (places < interval + 1.0)
+            if each.before.tangents is not None and inside.any():
+                message = (
+                    f"derivatives jump between two samples at t = {each.time:.6g} s, and are asked "
+                    "for between these; expected more samples, or another time"
+                )
+                raise ComputationError(message, time=None)
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""

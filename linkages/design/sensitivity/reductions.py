@@ -88,6 +88,8 @@ def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
 
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
+    if moved.count:
+        moved.require_followed(places)
     with np.errstate(all="ignore"):
         found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
     slopes = np.broadcast_to(_filled(found, moved.count), (moved.count, len(places)))
@@ -299,6 +301,7 @@ class _Differentiation:
         except ValueError as error:
             raise ValueError(f"measure {self._measure.text!r}: {error}") from None
         self._require_steady(AT, node, place, _ON)
+        self._moved.require_followed(np.array([place]))
         found = self._at(node, place)
         if time.slopes is None:
             return found

@@ -39,7 +39,7 @@ class Derivatives:
             For a series that has no derivative.
         """
         model, times = piece.system.model, len(piece.time)
-        nodes = [_node(each, model) for each in series]
+        nodes = [differentiable(each, model) for each in series]
         key = (model, *(node.index for node in nodes), effects.fed)
         if key not in self._known:
             self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
@@ -132,7 +132,14 @@ def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int,
     return [*found]
 
 
-def _node(series: Series, model: Model) -> Scalar:
+def differentiable(series: Series, model: Model) -> Scalar:
+    """The node of a series, without the sign of those that have none.
+
+    Raises
+    ------
+    ValueError
+        For a series that has no derivative.
+    """
     if series.variable == TIME:
         return model.inputs.time
     variable = VARIABLES[series.variable]

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.sensitivity.derived import Derivatives
+from linkages.design.sensitivity.breaks import Break, Passed, breaks, driven_past, led_past
+from linkages.design.sensitivity.derived import Derivatives, differentiable
 from linkages.design.sensitivity.moved import Moved
 from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
 from linkages.design.sensitivity.reductions import differentiated, followed
@@ -194,12 +195,16 @@ class Differentiated:
         counting = any(each.angle for each in series.values())
         if derivatives and system.layout.moved:
             system = system.affected(changing)
-        motion = self._motion(system, counting)
+        nodes = [differentiable(one, system.model) for one in series.values() if derivatives]
+        if derivatives and system.layout.moved:
+            nodes += system.model.changes
+        found = breaks(system, nodes, changing, self._run.end)
+        motion, passed = self._motion(system, counting, found)
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             raise ComputationError(motion.failure, time=motion.stop_time)
-        return Moved(system, motion, series, changing, self._derivatives)
+        return Moved(system, motion, series, changing, self._derivatives, passed)
 
     def _system(self, numbers: Floats) -> System:
         if numbers.shape != self.values.shape:
@@ -208,12 +213,14 @@ class Differentiated:
         pairs = zip(self.paths, numbers.tolist(), changed, strict=True)
         return self._varying.at({path: number for path, number, new in pairs if new})
 
-    def _motion(self, system: System, counting: bool) -> Motion:
+    def _motion(
+        self, system: System, counting: bool, found: Sequence[Break]
+    ) -> tuple[Motion, list[Passed]]:
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         with np.errstate(over="ignore", invalid="ignore"):
             if system.effects is None:
                 settings = Settings(times=times, run=self._run, counting=counting)
-                return compute_motion(system, settings)
+                return compute_motion(system, settings), driven_past(system, settings, found)
             # the tangents of a number that takes a change point away grow without bound there
             most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
             march = March(
@@ -223,10 +230,10 @@ class Differentiated:
                 tangent_atol=self._run.atol or self._run.rtol,
                 counting=counting,
             )
-            motion = march.advance(times)
+            motion, passed = led_past(march, times, found)
             if motion.failure is not None and not motion.interrupted:
                 self._require_bounded(system, motion)
-        return motion
+        return motion, passed
 
     def _require_bounded(self, system: System, motion: Motion) -> None:
         """Where the motion alone goes on, it is the derivatives that do not."""

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.design.sensitivity.breaks import Passed
 from linkages.design.sensitivity.derived import Derivatives
+from linkages.errors import ComputationError
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -16,6 +18,9 @@ from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
+
+JUMP = 1e-9
+"""What a series differs by on both sides of a jump, as a part of its size; round-off is less."""
 
 
 class Moved:
@@ -31,6 +36,8 @@ class Moved:
         What changes with the numbers.
     derivatives
         How series are differentiated.
+    passed
+        Times at which laws change from one branch to another, if they move with the numbers.
     """
 
     def __init__(
@@ -40,11 +47,13 @@ class Moved:
         series: Mapping[str, Series],
         effects: Effects,
         derivatives: Derivatives,
+        passed: Sequence[Passed] = (),
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
+        self._passed = passed
         self.time = self._followed.time
         self.count = len(effects)
 
@@ -64,6 +73,37 @@ class Moved:
             raise ValueError(f"t = {outside[0]:g} s is outside of the motion, {span}")
         order = 1 if own[-1] >= own[0] else -1
         return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
+
+    def jumps(self, names: Sequence[str]) -> list[tuple[str, float]]:
+        """Series that jump where laws do, with the times; these move with the numbers."""
+        if not self._passed:
+            return []
+        series = [self._series[name] for name in names]
+        sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
+        found = []
+        for each in self._passed:
+            left, right = (
+                self._derivatives.evaluated(piece, series, self._effects)[0][:, 0]
+                for piece in (each.before, each.behind)
+            )
+            apart = np.abs(right - left) > JUMP * sizes
+            found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
+        return found
+
+    def require_followed(self, places: Floats) -> None:
+        """Raise for places between the two samples around a jump of an integrated motion.
+
+        Nothing follows derivatives through it.
+        """
+        for each in self._passed:
+            interval = np.ceil(self.places(np.array([each.time]))[0]) - 1.0
+            inside = (places > interval) & (places < interval + 1.0)
+            if each.before.tangents is not None and inside.any():
+                message = (
+                    f"derivatives jump between two samples at t = {each.time:.6g} s, and are asked "
+                    "for between these; expected more samples, or another time"
+                )
+                raise ComputationError(message, time=None)
 
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""

@@ -27,6 +27,9 @@ _SIMPSON = 2.0 / 3.0
 _STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
 """Newton steps to where a slope is zero, how many samples each of them may go, and round-off."""
 
+_ON = 1e-6
+"""How many samples from a jump a place is on it."""
+
 _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
 
@@ -85,6 +88,8 @@ def sampled(node: Node, moved: Moved, places: Floats | None = None) -> Floats:
 
 def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     """What changes with time at places in a motion, shapes (T,) and (P, T)."""
+    if moved.count:
+        moved.require_followed(places)
     with np.errstate(all="ignore"):
         found = _Differentiation(Measure("", node), moved).series(node, places, slopes=True)
     slopes = np.broadcast_to(_filled(found, moved.count), (moved.count, len(places)))
@@ -181,6 +186,7 @@ class _Differentiation:
             case "rms":
                 return _applied("sqrt", [self._mean(node, 2)])
             case "final":
+                self._require_steady(name, node, float(self._last), _ON)
                 return self._at(node, float(self._last))
             case _:
                 assert name == AT
@@ -192,9 +198,41 @@ class _Differentiation:
             np.ravel(found.value)[0], _filled(found, self._moved.count).reshape(-1, 1)[:, 0]
         )
 
+    def _require_steady(
+        self, name: str, node: Node, place: float | None = None, near: float = 1.0
+    ) -> None:
+        """Raise where a series jumps, near a place or anywhere, at a time that numbers move."""
+        if not self._moved.count:
+            return
+        names = list(dict.fromkeys(_sensed(node)))
+        for series, time in self._moved.jumps(names):
+            where = float(self._moved.places(np.array([time]))[0])
+            if place is None or abs(where - place) <= near:
+                message = (
+                    f"measure {self._measure.text!r}: {series} jumps at t = {time:.6g} s, "
+                    "where a law does, and numbers move that time; "
+                    f"no derivative of {name!r} is known"
+                )
+                raise ComputationError(message, time=None)
+
+    def _require_one(self, node: Node, place: float) -> None:
+        """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
+        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self._last + 1,))
+        largest = self.series(node, np.array([place]), slopes=False).value
+        equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
+        if self._moved.count and (np.abs(equal - place) > 1.0).any():
+            other = self._time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
+            message = (
+                f"measure {self._measure.text!r}: the extreme is reached at "
+                f"t = {self._time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
+                "derivative is known of its time"
+            )
+            raise ComputationError(message, time=None)
+
     def _largest(self, node: Node, which: str) -> Varied:
         """An extreme: it changes as the series does there, or as the corner moves that it is."""
         place = self._extreme(node, which)
+        self._require_steady(which, node, place)
         found, corner = self._at(node, place), self._corner(node, place)
         if corner is None:
             return found
@@ -245,8 +283,10 @@ class _Differentiation:
     def _time_of(self, node: Node, place: float) -> Varied:
         """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
         time = self._time(np.array([place]))[0]
+        self._require_one(node, place)
         if not 0.0 < place < self._last:
             return Varied(time, None)
+        self._require_steady("time of an extreme", node, place)
         corner = self._corner(node, place)
         if corner is not None:
             return Varied(time, corner.moved * self._step(place))
@@ -260,6 +300,8 @@ class _Differentiation:
             place = float(self._moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
             raise ValueError(f"measure {self._measure.text!r}: {error}") from None
+        self._require_steady(AT, node, place, _ON)
+        self._moved.require_followed(np.array([place]))
         found = self._at(node, place)
         if time.slopes is None:
             return found
@@ -287,6 +329,7 @@ class _Differentiation:
 
     def _mean(self, node: Node, power: int) -> Varied:
         """The mean over time by Simpson's rule, with places half way between the samples."""
+        self._require_steady("mean" if power == 1 else "rms", node)
         steps = np.diff(self._moved.time)
         places = np.arange(2 * len(steps) + 1) / 2
         found = self.series(node, places, slopes=True)
@@ -303,6 +346,17 @@ class _Differentiation:
 
         slopes = None if found.slopes is None else mean(found.slopes)
         return Varied(mean(np.atleast_1d(found.value)), slopes)
+
+
+def _sensed(node: Node) -> list[str]:
+    """Names of the series in something that changes with time."""
+    match node:
+        case Sensed(name):
+            return [name]
+        case Call(_, arguments):
+            return [name for argument in arguments for name in _sensed(argument)]
+        case _:
+            return []
 
 
 def _applied(name: str, operands: Sequence[Varied | float]) -> Varied:

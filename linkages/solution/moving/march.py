@@ -48,6 +48,9 @@ CLOSER = 0.25
 PASSAGE_RTOL = 1e-10
 """Errors below this cannot be told from round-off in a step through a change point."""
 
+STEADY = 1e-9
+"""What accelerations on both sides of a time differ by, as a part, where they do not jump."""
+
 Floats = NDArray[np.float64]
 
 
@@ -200,6 +203,52 @@ class March:
         vars(found).update(vars(self), _vector=self._vector.copy(), cost=dict(self.cost))
         found._held = self._held.copy()
         return found
+
+    def step_over(self, behind: float, moved: Floats) -> None:
+        """Go on behind a time at which laws of drives jump, and tangents by (f⁻ − f⁺) ∂t*/∂p.
+
+        Parameters
+        ----------
+        behind
+            A few roundings later than now.
+        moved
+            Derivatives ∂t*/∂p of the time by numbers, shape (P,).
+
+        Raises
+        ------
+        ComputationError
+            If the jump changes a mode as well.
+        """
+        rates, watched = self._beside(self.time, behind)
+        switches = self.system.model.switches.switches
+        for switch, (before, after) in zip(switches, watched >= 0.0, strict=True):
+            if before != after:
+                message = f"a law of a drive jumps here, and '{switch.name}' with it"
+                raise ComputationError(f"{message}; no derivative is known", time=self.time)
+        moving = self.tangents
+        moving[len(self.layout.free) :] += np.outer(rates[:, 0] - rates[:, 1], moved)
+        self.tangents, self.time = moving, behind
+
+    def require_steady(self, before: float, behind: float) -> None:
+        """Raise where laws jump between two times here: numbers may move that to one side only."""
+        rates, _ = self._beside(before, behind)
+        apart, size = np.abs(rates[:, 1] - rates[:, 0]), np.abs(rates).max(axis=1)
+        if (apart > STEADY * size).any():
+            message = "laws of drives jump at the start, or several at a time, which numbers move"
+            raise ComputationError(f"{message}; there is no derivative", time=self.time)
+
+    def _beside(self, before: float, behind: float) -> tuple[Floats, Floats]:
+        """Accelerations and what is watched, as if the time were another one, shape (…, 2)."""
+        model, count = self.system.model, len(self.system.model.changes)
+        held = self._held[: self.layout.remembered]
+        found = self.system.evaluate(
+            [*model.changes, *model.switches.watched],
+            np.array([before, behind]),
+            np.repeat(self.state[:, None], 2, axis=1),
+            flipped={block: np.ones(2, dtype=bool) for block in self.flipped},
+            held=np.repeat(held[:, None], 2, axis=1),
+        )
+        return found[:count], found[count:]
 
     def starting(self, run: RunOptions) -> March:
         """Another one from here, integrated in another way, at no cost so far."""

@@ -32,6 +32,17 @@ Store = Annotated[
     typer.Option(metavar="DIR", help="Keep results there as they come; go on with them."),
 ]
 
+Seed = Annotated[int, typer.Option(min=0, help="Of the draws.")]
+
+Sequence = Annotated[
+    Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
+]
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
+]
+
 Measures = Annotated[
     list[str] | None,
     typer.Option(
@@ -197,19 +208,14 @@ def sweep(
         ),
     ] = None,
     draws: Annotated[int | None, typer.Option(min=1, help="How often samples are drawn.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the draws.")] = 0,
-    sequence: Annotated[
-        Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
-    ] = Drawing.RANDOM,
+    seed: Seed = 0,
+    sequence: Sequence = Drawing.RANDOM,
     store: Store = None,
     time_per_point: Annotated[
         float | None,
         typer.Option(metavar="<time>", help="Seconds after which a point is given up."),
     ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
-    ] = None,
+    scheduler: Scheduler = None,
     status: Annotated[
         bool, typer.Option("--status", help="Say what the store FILE holds, and compute nothing.")
     ] = False,
@@ -262,19 +268,14 @@ def tolerance(
     draws: Annotated[
         int, typer.Option(min=100, help="Copies of the mechanism that are drawn.")
     ] = 10_000,
-    seed: Annotated[int, typer.Option(min=0, help="Of the draws.")] = 0,
-    sequence: Annotated[
-        Drawing, typer.Option(help="Independent draws, or those of a sequence that fills space.")
-    ] = Drawing.RANDOM,
+    seed: Seed = 0,
+    sequence: Sequence = Drawing.RANDOM,
     store: Store = None,
     time_per_point: Annotated[
         float | None,
         typer.Option(metavar="<time>", help="Seconds after which a copy is given up."),
     ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
-    ] = None,
+    scheduler: Scheduler = None,
     cores: Cores = None,
 ) -> None:
     """Say what tolerances and clearances do to measures: contributions, worst case, yield."""

@@ -13,7 +13,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.fitting.known import Known, known
 from linkages.design.fitting.measured import Measured, Measurements, measured_of
 from linkages.design.fitting.residuals import Residuals
-from linkages.design.varied.ranges import Ranges, Vary, ranges_of
+from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of
 from linkages.design.varied.rewritten import rewritten
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import SimulationKeywords, SimulationOptions
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
-
-AT_BOUND = 1e-7
-"""Part of a range within which a number is at its bound."""
 
 _TOLERANCE = 1e-13
 

@@ -13,6 +13,7 @@ from linkages.design.optimising.goals import reduced_series
 from linkages.design.optimising.motions import Motions
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import HOLDS, Record, Tried
+from linkages.design.varied.ranges import AT_BOUND
 from linkages.design.varied.rewritten import rewritten
 from linkages.errors import LinkagesError
 from linkages.kernel.system import System
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STATES = ("start", "optimum")
-
-AT_BOUND = 1e-7
-"""Part of a range within which a number is at its bound."""
 
 ACTIVE = 1e-6
 """Part of its size within which a constraint is met with nothing to spare."""

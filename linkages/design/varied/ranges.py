@@ -18,6 +18,9 @@ from linkages.spec.units import Unit, UnitError, unit
 
 Floats = NDArray[np.float64]
 
+AT_BOUND = 1e-7
+"""Part of a range within which a number is at its bound."""
+
 SPAN = "bars.rod.length=120mm:160mm"
 
 _MET = 1e-12

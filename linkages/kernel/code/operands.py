@@ -6,6 +6,7 @@ with one rounding each. See `linkages.kernel.code.printed`.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from linkages.kernel.code.functions import FUNCTIONS
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from linkages.kernel.code.procedure import Procedure
 
 
-class Operand:
+class Operand(ABC):
     """A value, or a variable: a place in memory that is read wherever it is used.
 
     Parameters
@@ -44,9 +45,9 @@ class Operand:
         self.code.say(f"store {self.kind} {self._of(value)}, ptr {self._text}")
 
     @classmethod
+    @abstractmethod
     def constant(cls, code: Procedure, value: Any) -> str:
         """A number of Python's as an operand."""
-        raise NotImplementedError
 
     @classmethod
     def of(cls, code: Procedure, value: Any) -> str:

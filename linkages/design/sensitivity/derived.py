@@ -19,6 +19,12 @@ from linkages.solution.values.series import TIME, Series
 Floats = NDArray[np.float64]
 
 
+def moved_by(slopes: Floats) -> Floats:
+    """How a zero moves: from derivatives of its function by numbers and, last, by time, (P,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # without bound where it is only touched
+        return np.where(slopes[:-1] == 0.0, 0.0, -slopes[:-1] / slopes[-1])
+
+
 class Derivatives:
     """Series and their derivatives by numbers, evaluated in pieces of motions.
 
@@ -60,6 +66,41 @@ class Derivatives:
                 changes[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
                 values[row] = np.abs(values[row])
         return values, changes
+
+    def crossings(self, piece: Piece, names: Sequence[str], effects: Effects) -> Floats:
+        """How numbers move the time at which switches change, shape (switches, P).
+
+        Parameters
+        ----------
+        piece
+            One sample just before the change.
+        names
+            Of the switches.
+        effects
+            What changes with the numbers.
+        """
+        assert piece.held is not None
+        model = piece.system.model
+        own = [each.name for each in model.switches.switches]
+        key = (model, "crossings", effects.fed)
+        if key not in self._known:
+            inputs, switches = model.inputs, model.switches
+            along = _directions(model, effects.fed, modes=False)
+            accelerations = [inputs.acceleration(i) for i in range(len(model.changes))]
+            rows = derivative_along(switches.watched, along)
+            rates = switches.rates(switches.watched, accelerations)
+            self._known[key] = [[*row, rate] for row, rate in zip(rows, rates, strict=True)]
+        chosen = [self._known[key][own.index(name)] for name in names]
+        slopes = piece.system.evaluate(
+            [slope for row in chosen for slope in row],
+            piece.time,
+            piece.state,
+            piece.acceleration,
+            flipped=piece.flipped,
+            held=piece.held,
+            further=self._further(piece, effects) | {"mode": piece.held[: len(own)]},
+        )
+        return np.array([moved_by(row) for row in slopes.reshape(len(names), -1)])
 
     def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
         """Inputs that stand for directions."""

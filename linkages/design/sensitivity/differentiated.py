@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.sensitivity.breaks import Break, Passed, breaks, driven_past, led_past
+from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apart, with_sides
+from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
 from linkages.design.sensitivity.derived import Derivatives, differentiable
 from linkages.design.sensitivity.moved import Moved
 from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
@@ -20,12 +21,13 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import denser, factor_of
+from linkages.solution.measuring.followed import denser, evaluable, factor_of
 from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import Series
 from linkages.spec.measures import argument, read_measure
 
@@ -195,16 +197,21 @@ class Differentiated:
         counting = any(each.angle for each in series.values())
         if derivatives and system.layout.moved:
             system = system.affected(changing)
-        nodes = [differentiable(one, system.model) for one in series.values() if derivatives]
-        if derivatives and system.layout.moved:
+        evaluated = [one for one in series.values() if evaluable(one) and one.variable != REACTION]
+        nodes = [one.node(system.model) for one in evaluated]
+        if derivatives:
+            nodes += [differentiable(one, system.model) for one in series.values()]
+        if system.layout.moved:
             nodes += system.model.changes
         found = breaks(system, nodes, changing, self._run.end)
-        motion, passed = self._motion(system, counting, found)
-        if motion.interrupted:
-            raise KeyboardInterrupt
-        if motion.failure is not None:
-            raise ComputationError(motion.failure, time=motion.stop_time)
-        return Moved(system, motion, series, changing, self._derivatives, passed)
+        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        motion = self._motion(system, counting, times, found)
+        modes = changing_modes(motion, self._run.end)
+        if modes:
+            motion = self._motion(system, counting, followed_closely(times, modes), found)
+            found = [*found, *as_breaks(modes, motion, changing, self._derivatives)]
+        events = told_apart(found)
+        return Moved(system, motion, series, changing, self._derivatives, times, events)
 
     def _system(self, numbers: Floats) -> System:
         if numbers.shape != self.values.shape:
@@ -214,26 +221,32 @@ class Differentiated:
         return self._varying.at({path: number for path, number, new in pairs if new})
 
     def _motion(
-        self, system: System, counting: bool, found: Sequence[Break]
-    ) -> tuple[Motion, list[Passed]]:
-        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        self, system: System, counting: bool, times: Floats, found: Sequence[Break]
+    ) -> Motion:
+        """The motion to its end, with both sides of breaks among its samples."""
+        times = with_sides(times, found)
         with np.errstate(over="ignore", invalid="ignore"):
             if system.effects is None:
                 settings = Settings(times=times, run=self._run, counting=counting)
-                return compute_motion(system, settings), driven_past(system, settings, found)
-            # the tangents of a number that takes a change point away grow without bound there
-            most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
-            march = March(
-                system,
-                replace(self._run, max_steps=most),
-                tangents=len(system.effects),
-                tangent_atol=self._run.atol or self._run.rtol,
-                counting=counting,
-            )
-            motion, passed = led_past(march, times, found)
-            if motion.failure is not None and not motion.interrupted:
-                self._require_bounded(system, motion)
-        return motion, passed
+                motion = compute_motion(system, settings)
+            else:
+                # tangents of a number that takes a change point away grow without bound there
+                most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
+                march = March(
+                    system,
+                    replace(self._run, max_steps=most),
+                    tangents=len(system.effects),
+                    tangent_atol=self._run.atol or self._run.rtol,
+                    counting=counting,
+                )
+                motion = led_past(march, times, [one for one in found if one.moved.any()])
+                if motion.failure is not None and not motion.interrupted:
+                    self._require_bounded(system, motion)
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+        return motion
 
     def _require_bounded(self, system: System, motion: Motion) -> None:
         """Where the motion alone goes on, it is the derivatives that do not."""

@@ -158,7 +158,7 @@ class _Round:
         for index, peak in enumerate(self.search.peaks):
             tops = self.search.motions.peaks(found, *peak)
             at = _led(self.edges[index], tops.place, tops.value)
-            held = self.search.motions.along(found, *peak, at)
+            held = self.search.motions.held(found, *peak, at)
             below = np.zeros((len(at), len(self.sizes)))
             below[:, index] = -self.sizes[index]
             values.append(held.values - bounds[index])

@@ -82,6 +82,15 @@ def followed(node: Node, moved: Moved, places: Floats) -> Varied:
     return Varied(np.broadcast_to(found.value, places.shape), slopes)
 
 
+def peaks(node: Node, moved: Moved, places: Floats, sign: float) -> Varied:
+    """Local maxima of what changes with time, or of its negative: they move with the numbers."""
+    with np.errstate(all="ignore"):
+        own = _Differentiation(Measure("", node), moved)
+        found = [own.peak(node, place, sign) for place in places.tolist()]
+    slopes = np.array([filled(each, moved.count) for each in found]).T
+    return Varied(np.array([each.value for each in found]), slopes)
+
+
 class _Corner(NamedTuple):
     """Where two branches meet: rate and change of the first one, and how the place moves."""
 
@@ -207,6 +216,15 @@ class _Differentiation:
         """An extreme: it changes as the series does there, or as the corner moves that it is."""
         place, edge = self._extreme(node, which)
         self._require_inside(which, node, place)
+        return self._led(node, place, edge)
+
+    def peak(self, node: Node, place: float, sign: float) -> Varied:
+        """The same of a local extreme whose place is known."""
+        value = sign * float(np.ravel(self.series(node, np.array([place]), slopes=False).value)[0])
+        return self._led(node, *(self._edge(node, place, value, sign) or (place, None)))
+
+    def _led(self, node: Node, place: float, edge: Break | None) -> Varied:
+        """An extreme with its derivatives."""
         found = self._at(node, place)
         if edge is not None:
             assert found.slopes is not None

@@ -13,9 +13,15 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apart, with_sides
 from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
-from linkages.design.sensitivity.derived import Derivatives, differentiable
-from linkages.design.sensitivity.moved import Moved
-from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
+from linkages.design.sensitivity.derived import Derivatives, nodes_of
+from linkages.design.sensitivity.moved import Moved, compared_series
+from linkages.design.sensitivity.numbers import (
+    Number,
+    effects,
+    ideal_number,
+    numbers_of,
+    value_of,
+)
 from linkages.design.sensitivity.reductions import differentiated, followed
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
@@ -27,7 +33,6 @@ from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
-from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import Series
 from linkages.spec.measures import argument, read_measure
 
@@ -191,16 +196,27 @@ class Differentiated:
     ) -> Moved:
         """The motion with other numbers; its derivatives are by numbers in `scales`."""
         system = self._system(np.asarray(numbers, dtype=float))
-        require_inertia(system)
         asked = self._numbers if derivatives else ()
+        own = {name: compared_series(each) or each for name, each in series.items()}
+        moved = self._followed(system, asked, own)
+        compared = {name: own[name] for name, each in series.items() if compared_series(each)}
+        if not compared:
+            return moved
+        ideal = System(system.mechanism.ideal())
+        kept = [ideal_number(system.mechanism, ideal.mechanism, number) for number in asked]
+        return moved.against(self._followed(ideal, kept, compared), [*compared])
+
+    def _followed(
+        self, system: System, asked: Sequence[Number | None], series: Mapping[str, Series]
+    ) -> Moved:
+        """The motion of a system with its derivatives by some numbers."""
+        require_inertia(system)
         changing = effects(system, asked).scaled(self.scales[: len(asked)])
         counting = any(each.angle for each in series.values())
-        if derivatives and system.layout.moved:
+        if asked and system.layout.moved:
             system = system.affected(changing)
-        evaluated = [one for one in series.values() if evaluable(one) and one.variable != REACTION]
-        nodes = [one.node(system.model) for one in evaluated]
-        if derivatives:
-            nodes += [differentiable(one, system.model) for one in series.values()]
+        known = [one for one in series.values() if asked or evaluable(one)]
+        nodes = [node for one in known for node in nodes_of(one, system.model)]
         if system.layout.moved:
             nodes += system.model.changes
         found = breaks(system, nodes, changing, self._run.end)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,18 +11,28 @@ from numpy.typing import NDArray
 
 from linkages.design.sensitivity.breaks import Break
 from linkages.design.sensitivity.derived import Derivatives
+from linkages.errors import ComputationError
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_accelerated
 from linkages.solution.measuring.followed import Followed, between, through, unchanged
 from linkages.solution.moving.motion import Motion, Piece
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
 
 JUMP = 1e-9
 """What a series differs by on both sides of a jump, as a part of its size; round-off is less."""
+
+
+def compared_series(series: Series) -> Series | None:
+    """What a series compares with that of the mechanism without clearances, if it does."""
+    variable = VARIABLES.get(series.variable)
+    if variable is None or not variable.compared:
+        return None
+    return replace(series, variable=variable.compared)
 
 
 class Moved:
@@ -77,7 +88,24 @@ class Moved:
         self._first = np.searchsorted(own, self._sides[:, 0])
         self.sides: Floats = self.places(self._sides)
         self.grid: Floats = self.places(own)
+        self._ideal: tuple[Moved, frozenset[str]] | None = None
         self._wanted = np.rint(self._inner(np.arange(len(time), dtype=np.float64))).astype(int)
+
+    def against(self, ideal: Moved, names: Sequence[str]) -> Moved:
+        """The same, with some series less those of another motion.
+
+        Raises
+        ------
+        ComputationError
+            If laws or modes change there at a time at which they do not here.
+        """
+        for each in ideal.breaks:
+            if each.moved.any() and not (self._times == each.time).any():
+                message = "the ideal mechanism changes its mode here, and the own one does not"
+                raise ComputationError(f"{message}; no derivative is known", time=each.time)
+        found = copy.copy(self)
+        found._ideal = ideal, frozenset(names)
+        return found
 
     def places(self, times: Floats) -> Floats:
         """Where times are, in samples from the first one.
@@ -140,12 +168,40 @@ class Moved:
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""
         if places is None:
-            return [self._followed.sampled(name)[0][self._wanted] for name in names]
-        which = np.zeros(len(places), dtype=np.int64)
-        return self._followed.between(names, which, self._inner(places))
+            found = [self._followed.sampled(name)[0][self._wanted] for name in names]
+        else:
+            which = np.zeros(len(places), dtype=np.int64)
+            found = self._followed.between(names, which, self._inner(places))
+        for row, other in self._others(names, lambda ideal, own: ideal.values(own, places)):
+            found[row] = found[row] - other
+        return found
 
     def slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
         """Derivatives of series at places, shape (P, places) each."""
+        found = self._own_slopes(names, places)
+        for row, other in self._others(names, lambda ideal, own: ideal.slopes(own, places)):
+            found[row] = found[row] - other
+        return found
+
+    def sampled(self, names: Sequence[str]) -> Floats:
+        """Derivatives of series at all samples that are asked for, shape (series, P, samples)."""
+        found = self._everywhere(names)[..., self._wanted]
+        for row, other in self._others(names, lambda ideal, own: list(ideal.sampled(own))):
+            found[row] = found[row] - other
+        return found
+
+    def _others(
+        self, names: Sequence[str], of: Callable[[Moved, list[str]], list[Floats]]
+    ) -> Iterator[tuple[int, Floats]]:
+        """Rows of series that are compared, with what they are compared with."""
+        if self._ideal is None:
+            return
+        ideal, compared = self._ideal
+        rows = [row for row, name in enumerate(names) if name in compared]
+        if rows:
+            yield from zip(rows, of(ideal, [names[row] for row in rows]), strict=True)
+
+    def _own_slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
         found = np.empty((len(names), self.count, len(places)))
         left = np.ones(len(places), dtype=bool)
         series = [self._series[name] for name in names]
@@ -177,10 +233,6 @@ class Moved:
                     found[row, k, left] = through(slopes, places[left], smooth)
         return list(found)
 
-    def sampled(self, names: Sequence[str]) -> Floats:
-        """Derivatives of series at all samples that are asked for, shape (series, P, samples)."""
-        return self._everywhere(names)[..., self._wanted]
-
     def _everywhere(self, names: Sequence[str]) -> Floats:
         """Derivatives of series at all samples of the motion."""
         new = [name for name in names if name not in self._sampled]
@@ -195,6 +247,9 @@ class Moved:
         """Derivatives at the wanted samples of a piece, as values are computed there."""
         if piece.samples is None:
             return self._derivatives.evaluated(piece, series, self._effects)[1]
+        if any(each.variable == REACTION for each in series):
+            message = "joint reactions have no derivative within a passage through a change point"
+            raise ComputationError(message, time=piece.crossing)
         values, slopes = self._derivatives.evaluated(piece, series, self._effects)
         _, direct = self._derivatives.evaluated(piece.direct(), series, self._effects)
         found = piece.interpolated(slopes)

@@ -218,3 +218,44 @@ def test_constraints_measure_the_side_that_is_no_constant():
     assert (one.measured.text, one.sign) == (other.measured.text, other.sign) == ("min(a.b)", -1.0)
     assert constraint_of("max(a.b) = 3").violation(-0.5) == 0.5
     assert goal_of(None, " max(a.b) ").text == "maximise max(a.b)"
+
+
+@pytest.mark.parametrize(
+    ("written", "found"),
+    [
+        ("140 ± 0.05 mm", "120 ± 0.05 mm"),
+        ("140 mm ± 50 um", "120 mm ± 50 um"),
+        ("0.14 ± 5e-5", "0.12 ± 5e-5"),
+        ("140 +0.1/-0.05 mm (uniform)", "120 +0.1/-0.05 mm (uniform)"),
+        ("'14 cm ± 5 % (normal, 2 sigma)'", "'12 cm ± 5 % (normal, 2 sigma)'"),
+        ("14 cm", "12 cm"),
+        ("0.14", "120 mm"),
+    ],
+)
+def test_numbers_that_are_found_keep_their_units_and_tolerances(tmp_path, written, found):
+    """The acceleration of a piston is least with the longest rod, so the shortest is found."""
+    text = f"""
+joints: {{O: [0, 0]}}
+bars:
+  crank: {{joints: [O, A], length: 40 mm}}
+  rod: {{joints: [A, B], length: {written}}}
+sliders: {{piston: {{joint: B, through: O, angle: 0}}}}
+drives: {{crank: {{angle: 0, speed: 10}}}}
+assembly: {{B: [0.17, 0]}}
+simulate: {{end: 0.7, samples: 31}}
+"""
+    (tmp_path / "crank.yaml").write_text(text, encoding="utf-8")
+    optimum = linkages.optimise(
+        linkages.load(tmp_path / "crank.yaml"),
+        ["bars.rod.length=120mm:160mm"],
+        maximise="max(abs(piston.acceleration))",
+        runs=20,
+    )
+    assert f"length: {found}}}" in optimum.text
+    assert optimum.mechanism.definition.value(("bars", "rod", "length")) == found.strip("'")
+    nominal = linkages.loads(text).tolerances.get(("bars", "rod", "length"))
+    kept = optimum.mechanism.tolerances.get(("bars", "rod", "length"))
+    assert (nominal is None) == (kept is None)
+    if nominal is not None:
+        part = 120 / 140 if "%" in written else 1.0
+        assert kept.half == pytest.approx(nominal.half * part, rel=1e-9)

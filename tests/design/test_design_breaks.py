@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import yaml
 from design_differences import compared, richardson
 
 import linkages
@@ -153,3 +154,49 @@ def test_the_end_of_the_simulation_is_no_number_of_the_equations():
     mechanism = linkages.load("slider-crank")
     with pytest.raises(InputError, match=r"simulate.end: this number does not enter"):
         Differentiated(mechanism, ["final(piston.position)"], ["simulate.end"])
+
+
+def test_two_jumps_between_two_looks_are_found():
+    """A push of 0.1 ms, half of what lies between two looks: the mean is 5 N m · 2 w/T."""
+    mechanism = linkages.loads("""
+joints: {O: [0, 0]}
+parameters: {width: 5e-5}
+bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
+drives: {arm: {angle: 0, speed: 1}}
+loads: [{bar: arm, torque: "where(abs(t - 0.40009) < width, -5, 0)"}]
+""")
+    run = {"end": 0.8, "samples": 81}
+    found = Differentiated(mechanism, ["mean(arm.effort)"], ["parameters.width"], run=run)
+    evaluated = found.at(found.values)
+    assert evaluated.derivatives is not None
+    # times near 0.4 s are known to 5e-17 s, and sides are 1e-15 s apart
+    np.testing.assert_allclose(evaluated.values, [5 * 2 * 5e-5 / 0.8], rtol=1e-9)
+    np.testing.assert_allclose(evaluated.derivatives, [[5 * 2 / 0.8]], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "bar", "limit"), [("four-bar", "coupler", 0.73),
+                                                    ("class-three", "leg1", 1.03)])  # fmt: skip
+def test_laws_of_state_jump_in_driven_motions_at_times_that_move(name, bar, limit):
+    """Nothing is integrated, so jumps are no modes; loops close by formulas or by iteration."""
+    definition = yaml.safe_load(linkages.load(name).to_yaml())
+    definition["parameters"] = {"limit": limit, "push": 20}
+    definition["loads"] = [
+        {"bar": bar, "torque": f"where({bar}.angle > limit, push, -push)"},
+        *(definition.get("loads") or []),
+    ]
+    paths = ["parameters.limit", "parameters.push"]
+    measures = ["mean(abs(crank.effort))", "rms(crank.effort)", "max(crank.effort)"]
+    found = Differentiated(
+        linkages.loads(yaml.safe_dump(definition)), measures, paths,
+        run={"end": 1.0, "samples": 201},
+    )  # fmt: skip
+    exact = found.at(found.values).derivatives
+    assert exact is not None
+    assert abs(exact[1, 0]) > 0.1
+    for number, value in enumerate(found.values):
+        difference, error = richardson(
+            lambda x: found.at(x, derivatives=False).values, found.values, number, 1e-3 * value
+        )
+        scale = np.abs(exact[:, number]) + 1e-3  # of efforts of about 10 N m
+        # round-off, and iterations that end at 1e-12
+        assert (np.abs(exact[:, number] - difference) <= 1e-8 * scale + 10 * error).all()

@@ -96,7 +96,7 @@ def test_means_of_accelerations_are_what_speeds_gain():
 
 
 def test_means_through_many_touches_of_a_stiff_contact():
-    """39 touches of a pin in its hole, of a force that goes with the power 1.5 of the depth."""
+    """39 touches of a journal, of a force that goes with the power 1.5 of the depth."""
     run = {"end": 0.004, "samples": 401, "rtol": 1e-12}
     measures = ["mean(crank.effort)", "max(crank.effort)"]
     found = Differentiated(

@@ -115,7 +115,7 @@ def test_derivatives_go_through_a_jump_whose_time_depends_on_numbers():
 
 
 def test_derivatives_go_through_touches():
-    """A touch of a pin in its hole; touches make errors of motions larger by their number."""
+    """A journal touches its bearing; touches make errors of motions larger by their number."""
     found = Differentiated(
         linkages.load("slider-crank-contact"), [], ["clearances.gap.size", "bars.rod.length"],
         run={"end": 0.004, "samples": 401, "rtol": 1e-12},

@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 _LOOKS = 4001
 """At how many times it is looked for changes of sign."""
 
+_CLOSER = 64
+"""Parts into which an interval is cut where two changes may hide in it."""
+
 APART = 8
 """How many roundings of a time lie between it and where laws are on one side for certain."""
 
@@ -62,19 +65,20 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
     end
         Of the motion, in seconds.
     """
-    found = {
-        node.operands[0]
-        for node in reachable(nodes)
-        if node.operation == "select" and node.operands[0].level == Level.TIME
-    }
-    conditions = sorted(found, key=lambda node: node.index)
+    conditions = conditions_of(nodes, Level.TIME)
     if not conditions:
         return []
     model = system.model
-    times = np.linspace(0.0, end, _LOOKS)
-    values = system.evaluate(conditions, times)
     directions = [*model.inputs.fed(effects.fed), {model.inputs.time.index: model.graph.one}]
     rows = derivative_along(conditions, directions)
+
+    def look(times: Floats) -> tuple[Floats, Floats]:
+        both = system.evaluate([*conditions, *(row[-1] for row in rows)], times)
+        return both[: len(conditions)], both[len(conditions) :]
+
+    times = np.linspace(0.0, end, _LOOKS)
+    times = np.union1d(times, more_looks(times, *look(times)))
+    values, _ = look(times)
     passed: list[Break] = []
     apart = APART * float(np.spacing(end))
     for condition, row, rates in zip(conditions, values, rows, strict=True):
@@ -85,8 +89,42 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
             starts = k == 0 and row[0] == 0.0
             time = 0.0 if starts else _located(system, condition, low, high)
             slopes = system.evaluate(rates, time, further={"slope": effects.slopes[:, None]})[:, 0]
-            passed.append(Break(time, time - apart, time + apart, moved_by(slopes)))
+            if slopes.any():  # else it jumps where another one does, on which it depends
+                passed.append(Break(time, time - apart, time + apart, moved_by(slopes)))
     return _each_once(sorted(passed, key=lambda each: each.time))
+
+
+def conditions_of(nodes: Sequence[Scalar], level: Level) -> list[Scalar]:
+    """What decides between branches below nodes and depends on no more than that."""
+    found = {
+        node.operands[0]
+        for node in reachable(nodes)
+        if node.operation == "select" and node.operands[0].level == level
+    }
+    return sorted(found, key=lambda node: node.index)
+
+
+def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
+    """Further times at which to look, where a function may dip below zero between two of them.
+
+    There it heads for zero at the first and away from it at the second, and both tangents meet on
+    the other side: what is curved one way only lies on theirs.
+
+    Parameters
+    ----------
+    times, values, rates
+        Shapes (n,), and (functions, n) twice.
+    """
+    sides = np.where(values < 0.0, -1.0, 1.0)
+    size, rate, steps = sides * values, sides * rates, np.diff(times)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        falls, rises = -rate[:, :-1], rate[:, 1:]
+        meet = (size[:, 1:] - size[:, :-1] - rises * steps) / (-falls - rises)
+        lowest = size[:, :-1] - falls * meet
+    hidden = (sides[:, :-1] == sides[:, 1:]) & (falls > 0.0) & (rises > 0.0) & (lowest < 0.0)
+    within = np.flatnonzero(hidden.any(axis=0))
+    parts = np.arange(1, _CLOSER) / _CLOSER
+    return np.asarray(times[within, None] + steps[within, None] * parts).ravel()
 
 
 def _each_once(found: Sequence[Break]) -> list[Break]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apart, with_sides
 from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
+from linkages.design.sensitivity.crossed import crossed
 from linkages.design.sensitivity.derived import Derivatives, nodes_of
 from linkages.design.sensitivity.moved import Moved, compared_series
 from linkages.design.sensitivity.numbers import (
@@ -222,6 +223,11 @@ class Differentiated:
         found = breaks(system, nodes, changing, self._run.end)
         times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
         motion = self._motion(system, counting, times, found)
+        if not system.layout.moved and (
+            more := crossed(nodes, motion, changing, self._derivatives)
+        ):
+            found = [*found, *more]
+            motion = self._motion(system, counting, times, found)
         modes = changing_modes(motion, self._run.end)
         if modes:
             motion = self._motion(system, counting, followed_closely(times, modes), found)

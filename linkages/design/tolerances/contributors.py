@@ -28,7 +28,7 @@ class Contributors:
     zones
         Path → zone of its numbers with a tolerance; not those of clearances.
     clearances
-        Pins that rest against their holes, and blocks against the walls of their guides.
+        Journals that rest against their bearings, and blocks against the walls of their guides.
     """
 
     mechanism: Mechanism

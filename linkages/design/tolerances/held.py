@@ -1,4 +1,4 @@
-"""Pins that rest in their holes, and blocks against a wall: clearances as short driven bars."""
+"""Journals in bearings, and blocks against a wall: clearances as short driven bars."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Floats = NDArray[np.float64]
 Room: TypeAlias = Clearance | ContactClearance | GuideClearance
 
 TURN = f"uniform(0.0, {2.0 * math.pi!r})"
-"""How the direction of a pin in its hole is distributed."""
+"""How the direction of a journal in its bearing is distributed."""
 
 
 @dataclass(frozen=True)
 class HeldClearance:
-    """A clearance whose pin or block rests in one direction during a motion.
+    """A clearance whose journal or block rests in one direction during a motion.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def with_room(mechanism: Mechanism) -> tuple[Room, ...]:
 
 
 def clearances_of(mechanism: Mechanism) -> tuple[HeldClearance, ...]:
-    """The clearances that a mechanism has: of pins in holes, and of blocks in guides that stand."""
+    """The clearances that a mechanism has: of journals, and of blocks in guides that stand."""
     found = []
     for each in with_room(mechanism):
         across = None

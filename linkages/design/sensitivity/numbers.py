@@ -17,13 +17,14 @@ import numpy as np
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
 from linkages.components.contributed.measures import JointFriction, Load
-from linkages.components.contributed.terms import Initial, Parameter, Path
+from linkages.components.contributed.terms import Initial, Parameter, Path, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.mechanisms.reread import owner
-from linkages.design.sensitivity.duals import Dual
+from linkages.design.sensitivity.duals import Dual, Slopes
 from linkages.errors import InputError
-from linkages.kernel.numbers.effects import Effects
+from linkages.kernel.numbers.effects import Effects, slots
+from linkages.kernel.numbers.parameters import table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted, split
 from linkages.reading.wording import nearest
@@ -131,6 +132,7 @@ def effects(system: System, numbers: Sequence[Number | None]) -> Effects:
     rows = {name: row for row, name in enumerate(layout.coordinates)}
     state = np.zeros((2 * half, len(numbers)))
     fed: list[dict[Path, float]] = [{} for _ in numbers]
+    knots: set[tuple[int, Path]] = set()
     there = {k: number for k, number in enumerate(numbers) if number is not None}
     for place in sorted({number.component for number in there.values()}):
         own = {k: number for k, number in there.items() if number.component == place}
@@ -139,13 +141,19 @@ def effects(system: System, numbers: Sequence[Number | None]) -> Effects:
             if path in system.model.inputs.parameters:
                 for k, slope in value.slopes.items():
                     fed[k][path] = slope
+        for table in _tables(terms):
+            if (*table.path, "spline", 0) in system.model.inputs.parameters:
+                for k, entries, still in _splines(table):
+                    fed[k] |= entries
+                    knots |= {(k, path) for path in still}
         for name, value, rate in _initial(terms):
             for row, entry in ((rows.get(name), value), (rows.get(name, 0) + half, rate)):
                 if name in rows and row is not None and isinstance(entry, Dual):
                     for k, slope in entry.slopes.items():
                         state[row, k] = slope
     slopes = np.array([slope for each in fed for slope in each.values()], dtype=float)
-    return Effects(tuple(tuple(each) for each in fed), slopes, state)
+    paths = tuple(tuple(each) for each in fed)
+    return Effects(paths, slopes, state, np.array([one in knots for one in slots(paths)], bool))
 
 
 def _moved(item: Any) -> Iterator[tuple[Path, Dual]]:
@@ -181,8 +189,13 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
         component = _replaced(component, number.keys, k)
     try:
         terms = mechanism.terms_of(component)
-        if any(_tabulated(term) for term in terms):
-            raise TypeError("the coefficients of a table")
+        for table in _tables(terms):
+            if any(isinstance(place, Dual) for place in table.places):
+                raise TypeError("the places of a table")
+            if table.periodic and any(isinstance(table.values[end], Dual) for end in (0, -1)):
+                raise TypeError("the first and the last value, which are one, of what repeats")
+            if table.interpolation == "pchip":
+                raise TypeError("the coefficients of a table that is joined by pchip")
     except TypeError as error:
         first = next(iter(numbers.values()))
         message = f"no derivative is known of what follows from this number ({error})"
@@ -190,18 +203,37 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
     return terms
 
 
-def _tabulated(item: Any) -> bool:
-    """Whether dual numbers stand in a table."""
+def _tables(item: Any) -> Iterator[Table]:
+    """Tables in which dual numbers stand, with what follows from them."""
     match item:
         case Table(_, places, values):
-            return any(isinstance(number, Dual) for number in (*places, *values))
+            if any(isinstance(number, Dual) for number in (*places, *values)):
+                yield item
+            yield from _tables(item.over)
+        case Relation(profile=Table() as profile):
+            yield from _tables((profile, profile.bends))
         case tuple():
-            return any(map(_tabulated, item))
+            for part in item:
+                yield from _tables(part)
         case Mapping():
-            return any(map(_tabulated, item.values()))
+            yield from _tables(tuple(item.values()))
         case _ if is_dataclass(item) and not isinstance(item, type):
-            return any(_tabulated(getattr(item, field.name)) for field in fields(item))
-    return False
+            yield from _tables(tuple(getattr(item, field.name) for field in fields(item)))
+
+
+def _splines(table: Table) -> Iterator[tuple[int, dict[Path, float], list[Path]]]:
+    """For each number in a table what it feeds, and which of that are knots.
+
+    Coefficients are linear in the values: their derivatives are those of a table of derivatives.
+    """
+    slopes: list[Slopes] = [v.slopes if isinstance(v, Dual) else {} for v in table.values]
+    for k in sorted({k for each in slopes for k in each}):
+        moved = replace(table, values=tuple(each.get(k, 0.0) for each in slopes))
+        entries = {
+            (*table.path, "spline", place): number
+            for place, number in enumerate(table_numbers(moved))
+        }
+        yield k, entries, [*entries][: len(entries) // 5 + 1]
 
 
 def _replaced(part: Any, keys: Keys, direction: int) -> Any:
@@ -228,7 +260,8 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
     except InputError:
         return False
     initial = (value for _, *pair in _initial(terms) for value in pair)
-    return any(_moved(terms)) or any(isinstance(value, Dual) for value in initial)
+    moved = any(_moved(terms)) or any(_tables(terms))
+    return moved or any(isinstance(value, Dual) for value in initial)
 
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:

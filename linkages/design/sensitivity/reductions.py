@@ -30,6 +30,10 @@ _ON, _REACHED, _BENT = 1e-6, 1e-11, 1e-6
 """How many samples from a jump a place is on it; by which part less a value is as large; and what
 derivatives differ by on both sides, as a part, where they jump."""
 
+_HALVINGS, _ASIDE = 60, 1e-5
+"""How often an interval is halved in which something becomes zero, and how many samples beside that
+place what is measured is looked at."""
+
 _WIDEST = 16.0
 """Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
 
@@ -362,14 +366,55 @@ class _Differentiation:
         if not whole:
             found = self._power(node, power, np.zeros(1))
             return Varied(np.ravel(found.value)[0], filled(found, moved.count)[:, 0])
-        places, weights = gauss(moved.grid, moved.sides) if moved.breaks else simpson(moved.grid)
+        kinks, jumps = self._kinks(node, power)
+        if moved.breaks or len(kinks):
+            places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
+        else:
+            places, weights = simpson(moved.grid)
         found = self._power(node, power, places)
         value = np.broadcast_to(found.value, places.shape) @ weights / whole
         if found.slopes is None:
             return Varied(value, None)
         size = float(np.abs(found.value).max())
-        jumps = self._jumps(node, power, size) / (moved.time[-1] - moved.time[0])
+        jumps = (jumps + self._jumps(node, power, size)) / (moved.time[-1] - moved.time[0])
         return Varied(value, found.slopes @ weights / whole + jumps)
+
+    def _kinks(self, node: Node, power: int) -> tuple[Floats, Floats]:
+        """Places where what is measured bends or jumps by itself, and what moving jumps add, (P,).
+
+        They are the zeros of what ``abs``, ``sign``, ``where``, ``min`` and ``max`` decide by.
+        """
+        moved, grid = self._moved, self._moved.grid
+        steady = ~np.isin(grid[:-1], moved.sides[:, 0])
+        kinks, added = [np.zeros(0)], np.zeros(moved.count)
+        for decides in dict.fromkeys(_conditions(node)):
+            values = np.broadcast_to(self.series(decides, grid, slopes=False).value, grid.shape)
+            crossed = steady & ((values[:-1] < 0.0) != (values[1:] < 0.0))
+            low, high, below = grid[:-1][crossed], grid[1:][crossed], values[:-1][crossed] < 0.0
+            if not len(low):
+                continue
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                same = (self.series(decides, middle, slopes=False).value < 0.0) == below
+                low, high = np.where(same, middle, low), np.where(same, high, middle)
+            kinks.append(high)
+            if moved.count:
+                added += self._pushed(node, decides, power, high)
+        return np.concatenate(kinks), added
+
+    def _pushed(self, node: Node, decides: Node, power: int, places: Floats) -> Floats:
+        """What jumps where something else is zero add to an integral, shape (P,)."""
+        around = places + _ASIDE * np.array([[-2.0], [-1.0], [1.0], [2.0]])
+        around = np.clip(around, 0.0, float(self._last))
+        found = self._power(node, power, around.ravel()).value.reshape(around.shape)
+        beside = 2.0 * found[1:3] - found[::3]  # both sides at the place itself
+        slopes = filled(self.series(decides, places, slopes=True), self._moved.count)
+        whole = np.zeros(self._moved.count)
+        for jump, slope, place in zip(beside[0] - beside[1], slopes.T, places, strict=True):
+            if abs(jump) > JUMP * np.abs(beside).max():
+                pace = self._near(decides, place).rate(place, 1)[0] / self._step(place)
+                whole -= jump * slope / pace
+        return whole
 
     def _power(self, node: Node, power: int, places: Floats) -> Varied:
         found = self.series(node, places, slopes=True)
@@ -385,6 +430,20 @@ class _Differentiation:
             if abs(jump) > JUMP * size:
                 whole += jump * each.moved
         return whole
+
+
+def _conditions(node: Node) -> list[Node]:
+    """What decides between branches in something that changes with time."""
+    if not isinstance(node, Call) or not is_series(node):
+        return []
+    own: list[Node] = []
+    match node.name, node.arguments:
+        case ("abs" | "sign", (inner,)) | ("where", (inner, _, _)):
+            own = [inner]
+        case "min" | "max", (one, other):
+            own = [Call("sub", (one, other))]
+    within = [each for argument in node.arguments for each in _conditions(argument)]
+    return [each for each in own if is_series(each)] + within
 
 
 def _sensed(node: Node) -> list[str]:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.patches import Circle
 from plot_data import JOINTS, press
 
 from linkages.plots.mechanism.modes import MOST, Mode, figure, shown_modes
@@ -36,8 +37,8 @@ def test_all_at_one_scale_and_the_selected_one_is_framed():
 
 def test_joints_are_where_the_mode_puts_them():
     (ax,) = figure(press(), modes(1)).axes
-    places = {tuple(np.round(line.get_xydata()[0], 9)) for line in ax.lines}
-    assert JOINTS["O"] in places
+    centres = {tuple(np.round(p.center, 9)) for p in ax.patches if isinstance(p, Circle)}
+    assert JOINTS["O"] in centres
 
 
 def test_too_many_say_so_and_keep_the_selected_one():

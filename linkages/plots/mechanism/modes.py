@@ -11,12 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.mechanism import symbols
-from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies
-from linkages.plots.mechanism.drawing import reach
-from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.drawing import reach, under
+from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.sliders import draw_sliders
 from linkages.plots.mechanism.view import Box, Positions
 from linkages.plots.style import DRIVEN, GREY, WIDTH, fitted, styled
 
@@ -104,14 +101,8 @@ def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1)
     ax.grid(visible=False)
     ax.set(xticks=[], yticks=[])
     pose = Pose(mechanism, mode.positions)
-    draw_bodies(ax, pose, width=3.0 if columns <= 3 else 2.0)
-    draw_sliders(ax, pose, Labels(ax))
-    hidden = {*clearance_ends(mechanism), *mechanism.feet}
-    for joint, place in mode.positions.items():
-        if joint in hidden:
-            continue
-        fill = GREY if joint in mechanism.ground else "white"
-        symbols.pin(ax, place, radius=symbols.PIN if columns <= 3 else 2.0, fill=fill)
+    size = 0.85 if columns <= 3 else 0.6
+    Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
     text = f"{mode.number}  {mode.text}".rstrip()
     inches = ax.bbox.width / ax.figure.dpi
     colour = DRIVEN if mode.selected else "black"

@@ -10,11 +10,13 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies, outlines
+from linkages.plots.mechanism.bodies import clearance_ends
+from linkages.plots.mechanism.drawing import under
+from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, frame, picture, pixels
-from linkages.plots.style import GREY, line_style, styled
+from linkages.plots.style import line_style, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,13 +95,10 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """
     box = Box.around(np.asarray(data["joint_position"], dtype=float))
     scale = frame(ax, box, mechanism, MARGIN)
-    start = pose_at(data, mechanism, 0).scaled(scale.factor)
-    draw_bodies(ax, start, muted=True)
-    places = np.array(list(start.positions.values()))
-    ax.plot(*places.T, "o", color=GREY, markersize=3, zorder=1.6)
+    pose = pose_at(data, mechanism, 0)
+    shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)
-    for _, corners in outlines(start):
-        labels.avoid_line(corners)
+    Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
     paths = {n: path * scale.factor for n, path in moving_joints(data, mechanism).items()}
     names, led = list(paths), led_joints(mechanism)
     for index, path in enumerate(paths.values()):

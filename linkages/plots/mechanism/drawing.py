@@ -103,12 +103,12 @@ def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
         *draw_guides(pose, scale),
-        *draw_bearings(pose),
         *draw_gears(pose),
         *draw_racks(pose),
         *draw_cams(pose),
         *draw_clearances(pose),
         *draw_links(pose),
+        *draw_bearings(pose),
         *draw_springs(pose, scale),
         *draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
@@ -186,13 +186,10 @@ def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
     if not shown:
         return
     handles = [Line2D([], [], color=LIGHT[role], linewidth=2.4) for role in shown]
+    below = -0.3 / (ax.bbox.height / ax.figure.dpi)
     ax.legend(
         handles, [MEANINGS[role] for role in shown], loc="upper left", ncols=len(shown),
-        bbox_to_anchor=(0.0, -0.3 / (ax.bbox.height / ax.figure.dpi)), borderaxespad=0.0,
-        borderpad=0.0, handlelength=1.1, handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
+        bbox_to_anchor=(0.0, below), borderaxespad=0.0, borderpad=0.0, handlelength=1.1,
+        handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
     )  # fmt: skip
-    ax.xaxis.set_label_coords(0.5 if len(shown) < 2 else 1.0, -0.3 / _inches(ax))
-
-
-def _inches(ax: Axes) -> float:
-    return float(ax.bbox.height / ax.figure.dpi)
+    ax.set_xlabel(ax.get_xlabel(), loc="right")

@@ -26,7 +26,7 @@ from linkages.plots.mechanism.shapes import Anchor, Direction, Disc, Look, Shape
 Array = NDArray[np.float64]
 
 THICKNESS, CASING = 3.4, 1.3  # points
-UNDER = 1.9
+UNDER = 2.6
 """How much wider a bar is that lies in line under another one that it is welded to."""
 
 ORDER = {"bar": 0, "free": 1, "driven": 2}
@@ -88,15 +88,18 @@ def _link(
 
 
 def _hidden(pose: Pose) -> set[str]:
-    """Bodies that lie in line with one that they are welded to, and would be hidden under it."""
+    """Bodies that lie in line with one that they turn with, and would be hidden under it."""
     found = set()
-    for joint, weld in welded(pose).items():
-        ways = [way_from(pose, bar, pose.positions[joint]) for bar in weld.bars]
-        if None in ways:
+    for relation in pose.mechanism.relations:
+        if len(relation.parts) != 1 or relation.parts[0][1].value != 1.0:
             continue
-        if np.cos(ways[0] - ways[1]) > 0.99:  # type: ignore[operator]
-            order = [ORDER[body_role(pose.mechanism, bar)] for bar in weld.bars]
-            found.add(weld.bars[0] if order[0] < order[1] else weld.bars[1])
+        pair = (relation.body, relation.parts[0][0])
+        shared = [joint for joint in pose.shown(pair[0]) if joint in pose.shown(pair[1])]
+        ways = [way_from(pose, bar, pose.positions[shared[0]]) for bar in pair if shared]
+        first, second = ways if ways else (None, None)
+        if first is not None and second is not None and np.cos(first - second) > 0.99:
+            order = [ORDER[body_role(pose.mechanism, bar)] for bar in pair]
+            found.add(pair[1] if order[1] < order[0] else pair[0])
     return found
 
 

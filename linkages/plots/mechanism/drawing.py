@@ -32,6 +32,7 @@ from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.shapes import Shape, Word
 from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs, draw_torsional
+from linkages.plots.mechanism.stops import draw_stops
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
 from linkages.plots.style import styled
 
@@ -112,6 +113,7 @@ def under(pose: Pose, scale: float) -> list[Shape]:
         *draw_springs(pose, scale),
         *draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
+        *draw_stops(pose),
         *draw_welds(pose),
         *draw_masses(pose),
         *draw_pins(pose),

@@ -120,10 +120,11 @@ def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
     guides = (b.guide for b in pose.mechanism.bodies.values() if b.kind == "slider")
     carries = any(guide is not None and guide.body == name for guide in guides)
     along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
     ways = [
         np.subtract(pose.positions[joint], axis.origin)
         for joint in pose.mechanism.ground
-        if joint in pose.positions
+        if joint in pose.positions and joint in turning
     ]
     low, high = travel_of(pose, name, axis)
     beside, room = (RAIL + 6.0) / scale, (2 * BLOCK[0] + 4.0) / scale
@@ -185,19 +186,17 @@ def _carried(pose: Pose, frame: Frame, name: str, axis: SliderAxis) -> list[Shap
     assert guide is not None
     assert guide.body is not None
     look = Look(body_role(pose.mechanism, guide.body), 1.4, "paper", casing=0.8)
-    if ends is None:
-        slot = pose.slot(name)
-        assert slot is not None  # its axis is known
-        first, last = (frame.fixed(place, guide.body) for place in slot)
-        stem = _stem(pose, frame, guide.body, slot)
-        return [*stem, _slot(frame, first, last, look, name), block]
-    if high == low:  # nobody knows how far it goes
+    if low == high:  # nobody knows how far it goes
         room = LEAST * pose.extent
-        low, high = max(ends[0], low - room), min(ends[1], high + room)
+        low, high = low - room, high + room
+        if ends is not None:
+            low, high = max(ends[0], low), min(ends[1], high)
+    slot = np.array([axis.at(low), axis.at(high)])
+    stem = _stem(pose, frame, guide.body, slot) if ends is None else []
     reach = SMALL_BLOCK[0] - 2.0  # the block stays inside
-    first = moved(frame.fixed(axis.at(low), guide.body), -reach, 0.0)
-    last = moved(frame.fixed(axis.at(high), guide.body), reach, 0.0)
-    return [_slot(frame, first, last, look, name), block]
+    first = moved(frame.fixed(slot[0], guide.body), -reach, 0.0)
+    last = moved(frame.fixed(slot[1], guide.body), reach, 0.0)
+    return [*stem, _slot(frame, first, last, look, name), block]
 
 
 def _slot(frame: Frame, first: Anchor, last: Anchor, look: Look, name: str) -> Strokes:

@@ -14,7 +14,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.plots.mechanism.efforts import draw_drives, draw_forces
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
-from linkages.plots.mechanism.guides import draw_blocks, draw_guides
+from linkages.plots.mechanism.guides import draw_blocks, draw_guides, draw_rods
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.links import (
@@ -104,6 +104,7 @@ def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
         *draw_guides(pose, scale),
+        *draw_rods(pose, scale),
         *draw_gears(pose),
         *draw_racks(pose),
         *draw_cams(pose),

@@ -139,34 +139,37 @@ def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
     return -1 if float(np.mean(reaches or [0.0])) > 0.5 * (low + high) + 1e-9 * pose.extent else 1
 
 
+def draw_rods(pose: Pose, scale: float) -> list[Shape]:
+    """Sliders on the ground that are rods in a bushing: they pass behind cranks."""
+    found: list[Shape] = []
+    for name in pose.mechanism.bodies:
+        axis = pose.axis(name) if grounded(pose, name) else None
+        side = rod_side(pose, name, axis, scale) if axis is not None else 0
+        if axis is not None and side:
+            (low, high), pin = travel_of(pose, name, axis), pin_of(pose, name)
+            beyond = APART + BUSHING[0] + 5.0
+            end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
+            look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
+            frame = Frame(pose, body_direction(pose, name))
+            found.append(frame.line((pin, end), look, name))
+    return found
+
+
 def draw_blocks(pose: Pose, scale: float) -> list[Shape]:
-    """Blocks, rods, slots and cylinders: what moves of sliders."""
+    """Blocks, slots and cylinders: what else moves of sliders."""
     found: list[Shape] = []
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
         if axis is None:
             continue
         frame = Frame(pose, body_direction(pose, name))
-        if grounded(pose, name):
-            found += _on_the_ground(pose, frame, name, axis, scale)
-        else:
+        if not grounded(pose, name):
             found += _carried(pose, frame, name, axis)
+        elif not rod_side(pose, name, axis, scale):
+            loose = any(play.slider == name for play in pose.mechanism.plays)
+            height = BLOCK[1] - ROOM * loose
+            found.append(_block(frame, pin_of(pose, name), BLOCK[0], height, name))
     return found
-
-
-def _on_the_ground(
-    pose: Pose, frame: Frame, name: str, axis: SliderAxis, scale: float
-) -> list[Shape]:
-    side, pin = rod_side(pose, name, axis, scale), pin_of(pose, name)
-    if side:
-        low, high = travel_of(pose, name, axis)
-        beyond = APART + BUSHING[0] + 5.0
-        end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
-        look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
-        return [frame.line((pin, end), look, name)]
-    loose = any(play.slider == name for play in pose.mechanism.plays)
-    half, height = BLOCK
-    return [_block(frame, pin, half, height - ROOM * loose, name)]
 
 
 def _block(frame: Frame, pin: Anchor, half: float, height: float, name: str) -> Strokes:

@@ -16,8 +16,8 @@ from linkages.plots.mechanism.traces import moving_joints
 
 ezdxf = pytest.importorskip("ezdxf")
 
-DIGITS = 1e-6
-"""Millimetres: SVG has nine significant digits of lengths below a metre."""
+DIGITS = 1e-5
+"""Millimetres: SVG has nine significant digits of lengths below ten metres."""
 
 
 @pytest.fixture(scope="module")

@@ -105,7 +105,7 @@ def _hidden(pose: Pose) -> set[str]:
 
 
 def draw_clearances(pose: Pose) -> list[Shape]:
-    """A thin line from every pin to the middle of its hole."""
+    """A thin line from every journal to the middle of its bearing."""
     look = Look("clearance", 1.2)
     return [
         Strokes(((Anchor(((joint, 1.0),)), Anchor(((displaced, 1.0),))),), look, name=joint)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.discovery import modules_of, plugged
+from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 
 if TYPE_CHECKING:
@@ -83,18 +84,18 @@ def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[s
 
     Raises
     ------
-    ValueError
-        For an unknown format, or an option that it does not have.
+    OptionError
+        For an unknown format, or an option that it does not have; it is a ValueError.
     """
     known = exports()
     if to not in known:
         near = suggestion(to, known) or f"; expected one of: {', '.join(known)}"
-        raise ValueError(f"unknown format {to!r} to export to{near}")
+        raise OptionError("to", f"unknown format {to!r}{near}")
     own = list(inspect.signature(known[to]).parameters)[1:]
     for name in options:
         if name not in own:
             has = f"it has: {', '.join(own)}" if own else "it has none"
-            raise ValueError(f"format {to!r} has no option {name!r}; {has}")
+            raise OptionError(name, f"format {to!r} has no option {name!r}; {has}")
     return known[to](subject, **options)
 
 

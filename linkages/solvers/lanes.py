@@ -18,11 +18,11 @@ from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
     Method,
-    PreparedMotion,
     RungeKutta,
 )
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.step import compiled_step
+from linkages.solvers.room import give_rooms
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ALONE,
@@ -94,12 +94,16 @@ def integrate_many(
         if card is not None and isinstance(method, RungeKutta) and card.takes(method, jobs):
             found, interrupted = card.run(method, jobs, look)
         else:
+            give_rooms(jobs)
             found, interrupted = _run(method, jobs, lanes, look)
         ended += len(group)
         for index, outcome in zip(group, found, strict=True):
             outcomes[index] = outcome
         if interrupted:
             break
+    for asked in requests:
+        if not asked.job.has_room:  # it has not begun
+            give_rooms([asked.job])
     return [a.trajectory(outcome) for a, outcome in zip(requests, outcomes, strict=True)]
 
 
@@ -120,10 +124,12 @@ def _run(
         job = jobs[0]
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
-    memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
+    memory = arrays.Memory()
+    motions = {room: method.motions(room) for room in dict.fromkeys(job.room for job in jobs)}
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    view = _lanes(memory, method, jobs, motions, lanes)._replace(
+    contexts = [motions[job.room].contexts[job.row] for job in jobs]
+    view = _lanes(memory, method, jobs, contexts, lanes)._replace(
         outcomes=memory.integers(outcomes), control=memory.floats(control)
     )
 
@@ -138,8 +144,8 @@ def _run(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
         len(jobs), lanes, made, made / max(1, spent), control[ALONE],
     )  # fmt: skip
-    for job, motion in zip(jobs, motions, strict=True):
-        np.copyto(job.state, motion.rows[0, : len(job.state)])
+    for job in jobs:
+        np.copyto(job.state, motions[job.room].rows[job.row, 0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted
 
 
@@ -147,7 +153,7 @@ def _lanes(
     memory: arrays.Memory,
     method: RungeKutta,
     jobs: Sequence[Job],
-    motions: Sequence[PreparedMotion],
+    contexts: Sequence[int],
     lanes: int,
 ) -> Lanes:
     """Room for motions side by side, and what steps in it."""
@@ -188,7 +194,7 @@ def _lanes(
         advance=code.address("advance"),
         begin=BEGIN_MOTION.address,
         conclude=CONCLUDE_STEP.address,
-        motions=memory.integers([motion.context for motion in motions]),
+        motions=memory.integers(contexts),
         number=len(jobs),
         outcomes=0,
         places=memory.integers(np.full(lanes, -1)),

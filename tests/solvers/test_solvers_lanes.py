@@ -61,6 +61,15 @@ def test_order_and_company_do_not_matter():
             require_equal(one, expected[place])
 
 
+def test_motions_with_as_many_samples_as_they_like():
+    """Those with equally many are set up together; lanes do not know."""
+    motions = asked()
+    for k, (flow, state, times, given) in enumerate(motions):
+        motions[k] = flow, state, times[: 2 + k % 3], given
+    for one, other in zip(together(motions, 4), alone(motions), strict=True):
+        require_equal(one, other)
+
+
 def test_motions_backward_in_time():
     motions = asked(times=(0.0, -1.0, -2.0))
     for one, other in zip(together(motions, 4), alone(motions), strict=True):

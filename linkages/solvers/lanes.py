@@ -9,6 +9,7 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.code.machine import has_wide_registers
 from linkages.solvers import arrays
 from linkages.solvers.accelerated import accelerator
 from linkages.solvers.events import Event
@@ -43,6 +44,10 @@ LOGGER = logging.getLogger(__name__)
 LANES = 8
 """Motions side by side: two registers of 256 bits, or one of 512. No bit depends on it."""
 
+MORE_LANES = 16
+"""The same where registers have 512 bits, the motions are many, and no tangents go along: more
+instructions are under way at a time, which gains a tenth. With tangents registers run short."""
+
 LINE = 64
 """Bytes; arrays of lanes begin at multiples of it."""
 
@@ -51,7 +56,7 @@ ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
 
 def integrate_many(
     requests: Sequence[IntegrationRequest],
-    lanes: int = LANES,
+    lanes: int | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> list[Trajectory]:
     """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
@@ -61,7 +66,8 @@ def integrate_many(
     requests
         From `linkages.solvers.integration.request`.
     lanes
-        Number of motions side by side, of those with the same functions.
+        Number of motions side by side, of those with the same functions; what suits them, if not
+        given.
     watch
         Called about 20 times a second with the fraction of the motions that have ended.
 
@@ -73,7 +79,7 @@ def integrate_many(
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):
-        alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
+        alone = () if _is_wide(asked.method, asked.job) and lanes != 1 else (index,)
         key = (
             asked.method.name,
             asked.job.flow.clock,
@@ -95,7 +101,7 @@ def integrate_many(
             found, interrupted = card.run(method, jobs, look)
         else:
             give_rooms(jobs)
-            found, interrupted = _run(method, jobs, lanes, look)
+            found, interrupted = _run(method, jobs, lanes or _suitable(jobs), look)
         ended += len(group)
         for index, outcome in zip(group, found, strict=True):
             outcomes[index] = outcome
@@ -111,6 +117,12 @@ def _is_wide(method: Method, job: Job) -> TypeGuard[RungeKutta]:
     """Whether a job can be integrated beside others."""
     events = all(event.function is None or event.function.wide for event in job.events)
     return isinstance(method, RungeKutta) and job.step is None and bool(job.flow.wide) and events
+
+
+def _suitable(jobs: Sequence[Job]) -> int:
+    """Number of lanes for jobs of the same functions."""
+    many = len(jobs) >= MORE_LANES * LANES
+    return MORE_LANES if many and jobs[0].tangents is None and has_wide_registers() else LANES
 
 
 def _run(

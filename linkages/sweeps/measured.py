@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,14 +36,21 @@ from linkages.solution.moving.many import march_many
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
-from linkages.solution.simulate import require_inertia, simulate
+from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.solution.values.series import TIME, Series
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
 from linkages.sweeps.driven import serves, undisturbed
 from linkages.sweeps.points import Points
-from linkages.sweeps.pointwise import SIDE_BY_SIDE, answered, evaluations, first_system, stop_code
+from linkages.sweeps.pointwise import (
+    SIDE_BY_SIDE,
+    answered,
+    attempted,
+    evaluations,
+    first_system,
+    stop_code,
+)
 from linkages.sweeps.running import stopping
 
 if TYPE_CHECKING:
@@ -261,11 +268,14 @@ class MeasureQuestion(Question):
         for place in range(len(along)):
 
             def keep(system: System, place: int = place) -> Answer:
-                require_inertia(system)
                 systems[place] = system
                 return Answer()
 
             found[place] = answered(along, place, keep)
+        for place in self._doubtful(systems):
+            found[place] = attempted(partial(_with_inertia, systems[place]))
+            if found[place].code != Code.COMPUTED:
+                del systems[place]
         waiting = {self._factor: systems}
         while waiting:
             factor, group = waiting.popitem()
@@ -285,6 +295,17 @@ class MeasureQuestion(Question):
                 else:  # which follows from its steps alone
                     waiting.setdefault(wanted, {})[place] = system
             found |= self._of_moved(moved)
+        return found
+
+    def _doubtful(self, systems: Mapping[int, System]) -> list[int]:
+        """Places of those that may lack inertia."""
+        alike: dict[Hashable, list[int]] = {}
+        for place, system in systems.items():
+            alike.setdefault((system.structure.key, system.topology.free), []).append(place)
+        found: list[int] = []
+        for places in alike.values():
+            sound = have_inertia([systems[place] for place in places])
+            found += [place for place, good in zip(places, sound, strict=True) if not good]
         return found
 
     def _of_moved(self, moved: Mapping[int, tuple[System, Motion]]) -> dict[int, Answer]:
@@ -372,3 +393,8 @@ class MeasureQuestion(Question):
                 raise OverTimeError(f"took more than {self.seconds:g} s; {done} were computed")
 
         return look
+
+
+def _with_inertia(system: System) -> Answer:
+    require_inertia(system)
+    return Answer()

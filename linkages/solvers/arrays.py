@@ -15,9 +15,8 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room
 from linkages.solvers.printed.shape import are_printed, is_printed
-from linkages.solvers.room import Room
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ACTIVE,

@@ -9,8 +9,7 @@ import numpy as np
 
 from linkages.solvers.arrays import Memory
 from linkages.solvers.flow import Companion
-from linkages.solvers.job import Job
-from linkages.solvers.room import Room
+from linkages.solvers.job import Job, Room
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     HALVED,

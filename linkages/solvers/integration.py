@@ -22,7 +22,6 @@ from linkages.solvers.methods.method import Method
 from linkages.solvers.methods.named import METHODS
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.renormalisation import Renormalisation
-from linkages.solvers.room import give_rooms
 from linkages.solvers.supervise import supervise
 from linkages.solvers.trajectory import Trajectory
 
@@ -89,7 +88,6 @@ def carry_out(
 ) -> Trajectory:
     """Integrate what is asked for; see `integrate`."""
     job, clock = asked.job, time.perf_counter()
-    give_rooms([job])
     loop = asked.method.prepare(job)
 
     def look() -> None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +19,15 @@ from linkages.solvers.printed.shape import Shape
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Trajectory
 
-if TYPE_CHECKING:
-    from linkages.solvers.room import Room
+NOTHING_YET = (0, 0, 0, 0, -1, -1)
+"""Samples, steps, rejected steps, evaluations, block, switch: see `steps.views`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Job:
     """Arguments of an integration after their validation.
 
-    Its results are arrays of a `Room`, which it must be given before it is carried out.
+    Its results are arrays of a `Room`, its own one unless it has been given one with others.
 
     Parameters
     ----------
@@ -85,10 +85,12 @@ class Job:
     counters: NDArray[np.int64] = field(init=False)
     control: NDArray[np.float64] = field(init=False)
 
-    @property
-    def has_room(self) -> bool:
-        """Whether it has been given one."""
-        return "room" in vars(self)
+    def __getattr__(self, name: str) -> Any:
+        """What a room has for it; a job that has been given none makes its own."""
+        if name not in self.__dataclass_fields__:
+            raise AttributeError(name)
+        Room([self])
+        return vars(self)[name]
 
     @property
     def sizes(self) -> tuple[Hashable, ...]:
@@ -159,3 +161,65 @@ class Job:
             method=choice.name,
             reason=choice.reason,
         )
+
+
+class Room:
+    """Arrays that loops fill for jobs of the same functions and equal sizes.
+
+    Attributes
+    ----------
+    jobs
+        Each has its row of the arrays.
+    arrays
+        By the names of attributes of a `Job`; the first axis is that of the jobs.
+    """
+
+    def __init__(self, jobs: Sequence[Job]) -> None:
+        first = jobs[0]
+        flow, count, m = first.flow, len(jobs), len(first.times)
+        n, d = flow.coordinates, flow.counted
+        self.jobs = jobs
+        self.arrays: dict[str, NDArray] = {
+            "states": np.zeros((count, m, 2 * n)),
+            "turns": np.zeros((count, m, n), dtype=np.int64),
+            "accelerations": np.zeros((count, m, n)),
+            "final_turns": np.zeros((count, n), dtype=np.int64),
+            "angles": np.zeros((count, m, d)),
+            "final_angles": _stacked((job.begun for job in jobs), (count, d)),
+            "lengths": np.zeros((count, *first.renormalised(m))),
+            "grown": _stacked(
+                (None if job.tangents is None else job.tangents.grown for job in jobs),
+                (count, first.renormalised(m)[1]),
+            ),
+            "held": np.zeros((count, m, flow.held)),
+            "counters": np.tile(np.array(NOTHING_YET, dtype=np.int64), (count, 1)),
+            # time reached, and whether to stop
+            "control": np.array([(job.start, 0.0) for job in jobs]),
+        }
+        log, changes = EventLog((), flow), ChangeLog(flow)
+        for row, (job, *own) in enumerate(zip(self.jobs, *self.arrays.values(), strict=True)):
+            vars(job).update(zip(self.arrays, own, strict=True))
+            met = EventLog(job.events, flow) if job.events else log
+            seen = ChangeLog(flow) if flow.switches else changes
+            numbers = job.holding(job.flow)
+            vars(job).update(room=self, row=row, log=met, changes=seen, parameters=numbers)
+
+
+def give_rooms(jobs: Sequence[Job]) -> None:
+    """Give jobs of the same functions what they need to be carried out."""
+    equal: dict[tuple[Hashable, ...], list[Job]] = {}
+    for job in jobs:
+        equal.setdefault(job.sizes, []).append(job)
+    for own in equal.values():
+        Room(own)
+
+
+def _stacked(
+    rows: Iterable[NDArray[np.float64] | None], shape: tuple[int, int]
+) -> NDArray[np.float64]:
+    """What jobs begin with; zeros where they do not say."""
+    found = np.zeros(shape)
+    for row, own in zip(found, rows, strict=True):
+        if own is not None:
+            row[:] = own
+    return found

@@ -14,7 +14,7 @@ from linkages.solvers import arrays
 from linkages.solvers.accelerated import accelerator
 from linkages.solvers.events import Event
 from linkages.solvers.integration import IntegrationRequest
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, give_rooms
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
@@ -23,7 +23,6 @@ from linkages.solvers.methods.method import (
 )
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.room import give_rooms
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ALONE,
@@ -107,9 +106,6 @@ def integrate_many(
             outcomes[index] = outcome
         if interrupted:
             break
-    for asked in requests:
-        if not asked.job.has_room:  # it has not begun
-            give_rooms([asked.job])
     return [a.trajectory(outcome) for a, outcome in zip(requests, outcomes, strict=True)]
 
 

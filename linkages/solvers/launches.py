@@ -15,7 +15,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room, give_rooms
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
@@ -25,7 +25,6 @@ from linkages.solvers.methods.method import (
 )
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.device import ENDED, FLAGGED, SPENT
-from linkages.solvers.room import Room, give_rooms
 from linkages.solvers.slots import Slots
 from linkages.solvers.steps.views import END, NOW, SAMPLES, STOP, T
 

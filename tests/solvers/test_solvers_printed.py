@@ -15,7 +15,6 @@ from linkages.solvers.printed.control import GROW_MOST, SAFETY, SHRINK_MOST
 from linkages.solvers.printed.power import binary_logarithm, binary_power
 from linkages.solvers.printed.shape import Shape
 from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.room import give_rooms
 from linkages.solvers.steps.views import (
     ACTIVE,
     BEFORE,
@@ -38,7 +37,6 @@ ADAPTIVE = ["dop853", "vern9", "tsit5"]
 
 
 def prepared(asked):
-    give_rooms([asked.job])
     return asked.method.motions(asked.job.room).of(asked.job)
 
 

@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.step import compiled_step
-from linkages.solvers.room import Room
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     EVALUATIONS,

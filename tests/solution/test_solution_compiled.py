@@ -122,3 +122,22 @@ def test_driven_motions_are_left_to_numpy():
     piece = piece_of("slider-crank")
     expected = variable_values(piece, ["drive_effort"])
     assert (compiled.compiled_values(piece, ["drive_effort"]) == expected).all()
+
+
+def test_friction_that_holds_is_left_to_numpy():
+    """What it exerts is not in its mode: zero stands for whatever is needed."""
+    mechanism = linkages.loads(
+        """
+        gravity: [0, -9.81]
+        joints: {O: [0, 0]}
+        bars: {rod: {joints: [O, A], length: 0.5, mass: 1}}
+        free: {rod: {angle: 10 deg, speed: 0}}
+        loads: [{bar: rod, torque: "-0.6*sign(rod.speed)"}]
+        """
+    )
+    solution = linkages.simulate(mechanism, end=4.0, samples=41)
+    (piece,) = solution.motion.pieces
+    expected = variable_values(piece, ["load_torque"])
+    assert expected[0, -1] == pytest.approx(9.81 * 0.25 * np.cos(piece.state[0, -1]), rel=1e-9)
+    assert (compiled.compiled_values(piece, ["load_torque"]) == expected).all()
+    assert linkages.measure(solution, "final(loads[0].torque)") == expected[0, -1]

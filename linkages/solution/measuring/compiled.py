@@ -96,10 +96,16 @@ def can_be_compiled(piece: Piece) -> bool:
     """Whether outputs of a piece are evaluated by compiled functions.
 
     Driven motions need no compiler; the others are those that are assembled otherwise than at the
-    start, and those that carry effects of numbers: their parameters have derivatives behind them.
+    start, those in which friction holds, for what it exerts then follows from a system of its own,
+    and those that carry effects of numbers: their parameters have derivatives behind them.
     """
-    otherwise = bool(piece.flipped) or piece.samples is not None
+    otherwise = bool(piece.flipped) or piece.samples is not None or _sticks(piece)
     return len(piece.state) > 0 and not otherwise and piece.system.effects is None
+
+
+def _sticks(piece: Piece) -> bool:
+    rows = [*piece.system.model.switches.equivalent]
+    return piece.held is not None and bool((piece.held[rows] == 0.0).any())
 
 
 def _called(

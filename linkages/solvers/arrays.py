@@ -27,6 +27,7 @@ from linkages.solvers.steps.views import (
     PLAIN,
     RTOL,
     SAMPLE,
+    SEVERAL,
     WORD,
     Control,
     Events,
@@ -174,6 +175,7 @@ def system(
         "angles": record.angles,
         "ahead": memory.zeros(flow.counted),
         "sampled": record.sampled,
+        **dict.fromkeys(SEVERAL, 0),
     }
     return SystemView(
         clock=flow.clock,
@@ -199,6 +201,7 @@ def system(
         further=code.address("further"),
         interpolate=code.address("interpolate"),
         first=code.address("first"),
+        sample=code.address("sample"),
     )
 
 

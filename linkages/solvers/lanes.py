@@ -27,6 +27,7 @@ from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ALONE,
     FRAME,
+    OF_SAMPLING,
     PACE,
     REJECTED,
     SINGLE,
@@ -51,6 +52,7 @@ LINE = 64
 """Bytes; arrays of lanes begin at multiples of it."""
 
 ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
+SAMPLE_LANES = Loaded("linkages.solvers.loops.lanes", "sample_lanes")
 
 
 def integrate_many(
@@ -137,16 +139,12 @@ def _run(
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
     contexts = [motions[job.room].contexts[job.row] for job in jobs]
-    view = _lanes(memory, method, jobs, contexts, lanes)._replace(
-        outcomes=memory.integers(outcomes), control=memory.floats(control)
-    )
+    view = _lanes(memory, method, jobs, contexts, lanes, outcomes, control)
 
     def stop() -> None:
         control[1] = 1.0
 
-    spent, interrupted = supervise(
-        lambda: ADVANCE_LANES(memory.integers(view)), stop, lambda: look(control[0])
-    )
+    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
@@ -163,8 +161,10 @@ def _lanes(
     jobs: Sequence[Job],
     contexts: Sequence[int],
     lanes: int,
-) -> Lanes:
-    """Room for motions side by side, and what steps in it."""
+    outcomes: NDArray[np.int64],
+    control: NDArray[np.float64],
+) -> int:
+    """Address of `Lanes`: room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
     shape = jobs[0].shape
     assert flow.wide is not None
@@ -175,7 +175,7 @@ def _lanes(
     sizes = {
         "parameters": len(jobs[0].parameters),
         "timed": flow.timed_size,
-        "rows": (tableau.stages + 1) * shape.width,
+        "rows": (len(tableau.extended_c) + 1) * shape.width,
         "pace": PACE,
         "atol": 2 * shape.n,
         "scale": shape.blocks,
@@ -191,8 +191,12 @@ def _lanes(
     held = frame["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
     functions = [_function(memory, event, lanes) for event in jobs[0].events[: shape.events]]
     frame["functions"] = memory.integers([places for places, _ in functions])
-    places = {"clock": wide.clock, "rates": wide.rates, "held": held, **frame}
-    return Lanes(
+    context = np.zeros(len(Lanes._fields), dtype=np.int64)
+    places = {
+        "clock": wide.clock, "rates": wide.rates, "held": held, **frame,
+        "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
+    }  # fmt: skip
+    found = Lanes(
         lanes=lanes,
         frame=memory.integers([places[name] for name in FRAME]),
         **{name: frame[name] for name in Lanes._fields if name in frame},
@@ -200,14 +204,19 @@ def _lanes(
         events=shape.events,
         function_sizes=memory.integers([size for _, size in functions]),
         advance=code.address("advance"),
+        further=code.address("further"),
+        between=code.address("between"),
+        sampling=memory.integers(np.zeros(OF_SAMPLING * lanes)),
         begin=BEGIN_MOTION.address,
         conclude=CONCLUDE_STEP.address,
         motions=memory.integers(contexts),
         number=len(jobs),
-        outcomes=0,
+        outcomes=memory.integers(outcomes),
         places=memory.integers(np.full(lanes, -1)),
-        control=0,
+        control=memory.floats(control),
     )
+    context[:] = found
+    return places["lanes"]
 
 
 def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:

@@ -151,10 +151,10 @@ def advanced(lanes, starts, lengths, tableau, gain, shape):
     code, kernel = compiled_step(tableau, shape, gain, lanes), duffing_code(lanes)
     paces, states = [], []
     for first in range(0, len(starts), lanes):
-        sizes = {"parameters": 4, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
+        sizes = {"parameters": 5, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
                  "pace": PACE, "atol": 2, "scale": 1, "smallest": 1, "turns": 1}  # fmt: skip
         memory = {name: np.zeros((size, lanes)) for name, size in sizes.items()}
-        memory["parameters"][:] = np.array(QUIET)[:, None]
+        memory["parameters"][:] = np.array([*QUIET, 1e300])[:, None]
         memory["atol"][:], memory["scale"][:], memory["smallest"][:] = 1e-8, 1.0, 1e-6
         pace, rows = memory["pace"], memory["rows"]
         own = np.array(starts[first : first + lanes]).T

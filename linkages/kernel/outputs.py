@@ -148,6 +148,9 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
     if dim == "contact":
         return tuple(contact.name for contact in model.walls.contacts)
+    if dim == "touch":
+        mechanism = model.mechanism
+        return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
     if dim == "clearance":
         return model.mechanism.clearance_names
     kinds = {

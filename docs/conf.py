@@ -4,6 +4,7 @@ Everything is local: no inventories are downloaded, and pages need no scripts fr
 """
 
 import dataclasses
+import re
 import sys
 from importlib.metadata import version as installed
 from pathlib import Path
@@ -29,7 +30,7 @@ nitpicky = False
 default_role = "literal"
 highlight_language = "text"
 
-myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence", "deflist"]
+myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
@@ -104,9 +105,17 @@ def _keys(_app, page, source):
         source[0] = source[0].replace(marker, listed)
 
 
+def _contents(_app, _page, source):
+    """Tables of contents stand in comments: hosts of code would show a directive as text."""
+    source[0] = re.sub(
+        r"^<!-- toctree\n(.*?)^-->$", r"```{toctree}\n\1```", source[0], flags=re.S | re.M
+    )
+
+
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("source-read", _keys)
+    app.connect("source-read", _contents)
     # both may have changed although their pages have not
     app.connect("env-get-outdated", lambda *_: ["api", "schema"])
     app.add_html_math_renderer(

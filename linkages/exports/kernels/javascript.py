@@ -1,0 +1,102 @@
+"""Mechanisms as modules of JavaScript, without imports."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from linkages.exports.kernels.exported import Exported, exported
+from linkages.kernel.code.braces import javascript_function
+from linkages.kernel.system import System
+from linkages.operations import ELEMENTARY
+from linkages.solvers.methods.dop853 import tableau
+
+_FUNCTIONS = sorted(
+    {row.name for row in ELEMENTARY.values() if row.operator is None and row.c is None} | {"abs"}
+)
+
+
+def javascript_module(system: System) -> str:
+    """The text of a module that exports ``model``: numbers, states, rates and outputs.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+    """
+    found = exported(system)
+    parts = [
+        f"/* {_safe(system.mechanism.name)}: equations of motion, written by linkages. */",
+        f"const {{ {', '.join(_FUNCTIONS)} }} = Math;\n",
+        _text("functions.js"),
+        *map(javascript_function, found.routines),
+        f"const described = {_json(_described(found))};\n",
+        _text("model.js"),
+    ]
+    return "\n".join(parts)
+
+
+def javascript_integrator() -> str:
+    """The text of a module that exports ``integrate``, an adaptive method with dense output."""
+    method = tableau()
+    assert method.dense_A is not None and method.dense_c is not None
+    assert method.dense is not None
+    numbers = {
+        "A": method.A.tolist(),
+        "b": method.b.tolist(),
+        "c": method.c.tolist(),
+        "error": method.error.tolist(),
+        "furtherA": method.dense_A.tolist(),
+        "furtherC": method.dense_c.tolist(),
+        "dense": method.dense.tolist(),
+    }
+    rows = ",\n".join(f"  {name}: {json.dumps(value)}" for name, value in numbers.items())
+    return f"const DOP853 = {{\n{rows},\n}};\n\n{_text('integrate.js')}"
+
+
+def _described(found: Exported) -> dict[str, Any]:
+    layout, turns = found.system.layout, found.system.mechanism.bodies
+    program = found.program
+    return {
+        "name": found.system.mechanism.name,
+        "coordinates": [*layout.coordinates],
+        "turning": [name in turns and turns[name].rotates for name in layout.coordinates],
+        "free": len(layout.free),
+        "internal": len(layout.internal),
+        "carried": len(layout.carried),
+        "numbers": [
+            {"path": n.path, "value": n.value, "unit": n.unit, "written": n.written, "size": n.size}
+            for n in found.feed.numbers
+        ],
+        "parameters": found.p.tolist(),
+        "paths": [".".join(map(str, path)) for path in found.parameters],
+        "state": found.state.tolist(),
+        "series": [
+            {"name": q.name, "variable": q.variable, "unit": q.unit, "label": q.label}
+            for q in found.quantities
+        ],
+        "statuses": found.statuses,
+        "modes": [switch.name for switch in found.system.model.switches.switches],
+        "marginScale": found.margin_scale.tolist(),
+        "turned": found.turned,
+        "timed": program.timed,
+        "written": found.written,
+    }
+
+
+@cache
+def _text(name: str) -> str:
+    """A part of programs that is the same for all mechanisms."""
+    folder = files("linkages.exports.kernels") / "texts"
+    return (folder / name).read_text(encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    """JSON that may stand in a page as well."""
+    return json.dumps(value, indent=1).replace("<", "\\u003c")
+
+
+def _safe(text: str) -> str:
+    return text.replace("*/", "* /").replace("<", "‹")

@@ -1,0 +1,83 @@
+"""Mechanisms, states and what kernels and NumPy say of them: what exported programs must say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import linkages
+from linkages.exports.kernels.exported import exported
+from linkages.kernel.system import System
+from linkages.solution.values.series import system_series
+
+ROOT = Path(__file__).parents[2]
+NAMES = sorted(path.stem for path in (ROOT / "mechanisms").glob("*.yaml"))
+TIMES = (0.0, 0.013, 0.04)
+
+NEAR = 1e-12
+"""Of the largest value of a variable: libraries differ in last digits of sines, and formulas with
+cancellation carry some of that on."""
+
+
+@cache
+def system(name):
+    """A shipped mechanism, assembled."""
+    return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
+
+
+@cache
+def kernel(name):
+    """The same as it is exported."""
+    return exported(system(name))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A time, a state, and what follows."""
+
+    time: float
+    state: np.ndarray
+    rates: np.ndarray
+    outputs: np.ndarray
+
+
+@cache
+def cases(name):
+    """States about the initial one, whose loops close."""
+    of, random = system(name), np.random.default_rng(5)
+    own = kernel(name).quantities
+    nodes = [system_series(of)[q.name].node(of.model) for q in own]
+    accelerations = of.model.integrated_accelerations(of.model.changes)
+    moved = of.layout.moved
+    half = len(of.layout.coordinates)
+    found = []
+    for time in TIMES:
+        state = of.state.copy()
+        for rows in (slice(0, moved), slice(half, half + moved)):
+            state[rows] += 0.02 * (time > 0) * random.normal(size=moved)
+        held = of.starting_held()[:, None]
+        if of.layout.carried:
+            state[of.layout.carried_rows] = of.evaluate(
+                of.model.settled, time, state[:, None], held=held
+            )[:, 0]
+        second = of.evaluate(accelerations, time, state[:, None], held=held)
+        outputs = of.evaluate(nodes, time, state[:, None], second, held=held)[:, 0]
+        rates = np.concatenate([state[half:], second[:, 0]])
+        rates[len(of.layout.free) : moved] = 0.0
+        found.append(Case(time, state, rates, outputs))
+    return found
+
+
+def assert_near(found, expected, groups=None):
+    """Equal but for round-off of the largest value of a group."""
+    expected = np.array(expected, dtype=float)
+    found = np.array([float(str(value).replace("Infinity", "inf")) for value in found])
+    names = np.array(groups if groups is not None else [""] * len(found))
+    for group in dict.fromkeys(names):
+        rows = names == group
+        sizes = np.abs(expected[rows])
+        near = NEAR * sizes[np.isfinite(sizes)].max(initial=1.0)
+        np.testing.assert_allclose(found[rows], expected[rows], rtol=0, atol=near, err_msg=group)

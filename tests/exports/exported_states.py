@@ -10,7 +10,9 @@ import numpy as np
 
 import linkages
 from linkages.exports.kernels.exported import exported
+from linkages.kernel.numbers.parameters import NEAREST
 from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
 from linkages.solution.values.series import system_series
 
 ROOT = Path(__file__).parents[2]
@@ -81,3 +83,27 @@ def assert_near(found, expected, groups=None):
         sizes = np.abs(expected[rows])
         near = NEAR * sizes[np.isfinite(sizes)].max(initial=1.0)
         np.testing.assert_allclose(found[rows], expected[rows], rtol=0, atol=near, err_msg=group)
+
+
+CHANGED = 1.004
+"""By how much numbers are changed: mechanisms can still be assembled, and round-off is far less."""
+
+
+@cache
+def changes(name):
+    """For each number of the file, and for all at once: numbers, parameters, initial state."""
+    own, varying = kernel(name), Varying(system(name).mechanism)
+    values = [number.value for number in own.feed.numbers]
+    every = range(len(values))
+    found = []
+    for changed in (*({place} for place in every), set(every)):
+        numbers = [v * (CHANGED if k in changed else 1.0) for k, v in enumerate(values)]
+        paths = {own.feed.numbers[k].path: numbers[k] for k in changed}
+        other = varying.at(paths)
+        found.append((numbers, other.parameters, other.state))
+    return found
+
+
+def compared_parameters(name):
+    """Places of parameters that follow from numbers: what tells round-off apart does not."""
+    return [k for k, path in enumerate(kernel(name).parameters) if path != NEAREST]

@@ -1,1 +1,1 @@
-"""What other programs compute with: the equations of a mechanism, and how they follow from a file."""
+"""What other programs compute with: equations, and how they follow from a definition file."""

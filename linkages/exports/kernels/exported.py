@@ -1,4 +1,4 @@
-"""The equations of a mechanism as routines in no particular language, with all names and numbers."""
+"""The equations of a mechanism as routines in no particular language, with names and numbers."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ from linkages.solution.values.series import TIME, Series, system_series
 from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
+
+STEP_TOO_SMALL, MODES = -2, -3
+"""Statuses with which motions end."""
 
 _LEFT_OUT = ("joint_jerk", "closure_residual")
 """Outputs that cost more than all others together, and that say nothing of another program."""
@@ -110,7 +113,12 @@ class Exported:
     @property
     def statuses(self) -> dict[int, str]:
         """Status → what it means."""
-        found = {REFUSED: "these numbers do not lead to the same equations"}
+        modes = ", ".join(switch.name for switch in self.system.model.switches.switches)
+        found = {
+            REFUSED: "these numbers do not lead to the same equations",
+            STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
+            MODES: f"this program does not follow what changes its equations: {modes}",
+        }
         for block in self.system.topology.solved_blocks:
             model, apex = self.system.model, block.loops[0].apex
             names = " and ".join(block.unknowns)
@@ -137,7 +145,7 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
     equations = [*source.accelerations, *model.settled, *model.margins, *switched]
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
-    found = _quantities(system, model, variables)
+    found = _quantities(system, variables)
     outputs = [series.node(model) for series in found.values()]
     wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs}
     program = write_routines(model, wanted, "what the routine says")
@@ -171,9 +179,7 @@ def _whole_turns(angle: Scalar) -> Scalar:
     return graph.apply("floor", angle / (2 * np.pi) + 0.5) * (2 * np.pi)
 
 
-def _quantities(
-    system: System, model: Model, variables: Sequence[str] | None
-) -> dict[str, Series]:
+def _quantities(system: System, variables: Sequence[str] | None) -> dict[str, Series]:
     names = [name for name in available(system) if name not in _LEFT_OUT]
     wanted = set(names if variables is None else variables)
     return {

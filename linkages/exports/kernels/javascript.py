@@ -41,7 +41,8 @@ def javascript_module(system: System) -> str:
 def javascript_integrator() -> str:
     """The text of a module that exports ``integrate``, an adaptive method with dense output."""
     method = tableau()
-    assert method.dense_A is not None and method.dense_c is not None
+    assert method.dense_A is not None
+    assert method.dense_c is not None
     assert method.dense is not None
     numbers = {
         "A": method.A.tolist(),

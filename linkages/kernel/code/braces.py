@@ -123,7 +123,9 @@ class JavaScript(Braced):
 
 def javascript_function(routine: Routine) -> str:
     """A routine as a function of JavaScript."""
-    return _function(f"function {routine.name}({', '.join(routine.arguments)})", JavaScript, routine)
+    return _function(
+        f"function {routine.name}({', '.join(routine.arguments)})", JavaScript, routine
+    )
 
 
 def c_function(routine: Routine) -> str:

@@ -244,4 +244,3 @@ def _place(place: Entry | str) -> str:
     if isinstance(place, str):
         return place
     return "t" if place.array == "t" else f"{place.array}[{place.offset}]"
-

@@ -4,7 +4,8 @@
    model: has rates(t, state, parameters, out) and settled(t, state, parameters) -> status
    state: changes in place, to the last that was reached
    times: increasing or decreasing; visit(i, t, state) gets the state at times[i]
-   Returns {status, time, steps}: 0, a status of the model, or -2 where steps become too small. */
+   Returns {status, time, steps}: 0, a status of the model, -2 where steps become too small, or -3
+   where a contact or friction changes the equations. */
 export function integrate(model, parameters, state, times, options, visit) {
   const { rtol = 1e-9, atol = 1e-12, longest = Infinity } = options || {};
   const { A, b, c, error, furtherA, furtherC, dense } = DOP853;
@@ -92,6 +93,7 @@ export function integrate(model, parameters, state, times, options, visit) {
   }
 
   const ended = (status) => ({ status, time: t, steps });
+  if (model.modes.length) return ended(-3);
   let status = model.settled(t, state, parameters);
   status = status || model.rates(t, state, parameters, stages[0]);
   if (status) return ended(status);

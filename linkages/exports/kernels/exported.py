@@ -78,6 +78,8 @@ class Exported:
         Sizes of margins, which ``equations`` writes behind accelerations and settled coordinates.
     turned
         Places of the parameters that ``settle`` writes.
+    modes
+        Names of contacts and friction that change the equations.
     """
 
     system: System
@@ -89,6 +91,7 @@ class Exported:
     quantities: tuple[Quantity, ...]
     margin_scale: Floats
     turned: tuple[int, ...]
+    modes: tuple[str, ...]
 
     @property
     def routines(self) -> tuple[Routine, ...]:
@@ -113,11 +116,11 @@ class Exported:
     @property
     def statuses(self) -> dict[int, str]:
         """Status → what it means."""
-        modes = ", ".join(switch.name for switch in self.system.model.switches.switches)
         found = {
             REFUSED: "these numbers do not lead to the same equations",
             STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
-            MODES: f"this program does not follow what changes its equations: {modes}",
+            MODES: f"this program does not follow what changes its equations"
+            + (f": {', '.join(self.modes)}" if self.modes else ""),
         }
         for block in self.system.topology.solved_blocks:
             model, apex = self.system.model, block.loops[0].apex
@@ -170,6 +173,7 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
         quantities=tuple(_described(model, series) for series in found.values()),
         margin_scale=system.margin_scale,
         turned=tuple(places["turns", load] for load in turned),
+        modes=tuple(switch.name for switch in model.switches.switches),
     )
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from linkages.exports.kernels.exported import Exported, exported
+from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import javascript_function
 from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY
@@ -30,10 +29,10 @@ def javascript_module(system: System) -> str:
     parts = [
         f"/* {_safe(system.mechanism.name)}: equations of motion, written by linkages. */",
         f"const {{ {', '.join(_FUNCTIONS)} }} = Math;\n",
-        _text("functions.js"),
+        fixed_text("functions.js"),
         *map(javascript_function, found.routines),
         f"const described = {_json(_described(found))};\n",
-        _text("model.js"),
+        fixed_text("model.js"),
     ]
     return "\n".join(parts)
 
@@ -54,7 +53,7 @@ def javascript_integrator() -> str:
         "dense": method.dense.tolist(),
     }
     rows = ",\n".join(f"  {name}: {json.dumps(value)}" for name, value in numbers.items())
-    return f"const DOP853 = {{\n{rows},\n}};\n\n{_text('integrate.js')}"
+    return f"const DOP853 = {{\n{rows},\n}};\n\n{fixed_text('integrate.js')}"
 
 
 def _described(found: Exported) -> dict[str, Any]:
@@ -79,19 +78,12 @@ def _described(found: Exported) -> dict[str, Any]:
             for q in found.quantities
         ],
         "statuses": found.statuses,
-        "modes": [switch.name for switch in found.system.model.switches.switches],
+        "modes": found.modes,
         "marginScale": found.margin_scale.tolist(),
         "turned": found.turned,
         "timed": program.timed,
         "written": found.written,
     }
-
-
-@cache
-def _text(name: str) -> str:
-    """A part of programs that is the same for all mechanisms."""
-    folder = files("linkages.exports.kernels") / "texts"
-    return (folder / name).read_text(encoding="utf-8")
 
 
 def _json(value: Any) -> str:

@@ -7,12 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.exports.kernels.exported import MODES, STEP_TOO_SMALL, Exported, exported
+from linkages.exports.kernels.method import dop853_tables
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import c_function
+from linkages.kernel.code.statements import Routine
 from linkages.kernel.system import System
-from linkages.solvers.methods.dop853 import tableau
+
+Floats = NDArray[np.float64]
 
 STEPS = 1000
 """Of the method with equal steps, by default, within the simulated time."""
@@ -63,7 +67,7 @@ def _named(text: str, prefix: str) -> str:
     return text.replace("linkage_", f"{prefix}_").replace("LINKAGE_", f"{prefix.upper()}_")
 
 
-def _renamed(routine):  # type: ignore[no-untyped-def]
+def _renamed(routine: Routine) -> Routine:
     """``clock`` is a function of the standard library."""
     return replace(routine, name="clock_") if routine.name == "clock" else routine
 
@@ -136,9 +140,8 @@ def _array(declared: str, values: Iterable[object]) -> str:
     return f"{declared}[] = {{\n{''.join(rows)}}};"
 
 
-def _matrix(name: str, values: object) -> str:
+def _matrix(name: str, table: Floats) -> str:
     """A table of numbers with one or two axes."""
-    table = np.asarray(values, dtype=float)
     shape = "".join(f"[{size}]" for size in table.shape)
     rows = [", ".join(map(repr, row.tolist())) for row in np.atleast_2d(table)]
     inner = ",\n  ".join(f"{{{row}}}" if table.ndim == 2 else row for row in rows)
@@ -146,22 +149,11 @@ def _matrix(name: str, values: object) -> str:
 
 
 def _method() -> str:
-    method = tableau()
-    assert method.dense_A is not None
-    assert method.dense is not None
+    tables = dop853_tables()
     constants = {
-        "END": method.stages,
-        "FURTHER": len(method.dense_A),
-        "POWERS": method.dense.shape[1],
-    }
-    tables = {
-        "a": method.A,
-        "b": method.b,
-        "c": method.c,
-        "error": method.error,
-        "further_a": method.dense_A,
-        "further_c": method.dense_c,
-        "dense": method.dense,
+        "END": len(tables["b"]),
+        "FURTHER": len(tables["further_a"]),
+        "POWERS": tables["dense"].shape[1],
     }
     counted = ", ".join(f"{name} = {value}" for name, value in constants.items())
     return f"enum {{ {counted} }};\n" + "".join(
@@ -184,7 +176,9 @@ def _column(name: str) -> str:
 
 def _literal(text: str) -> str:
     """A text as C writes it, in UTF-8."""
-    plain = (chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode())
+    plain = (
+        chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode()
+    )
     return '"' + "".join(plain) + '"'
 
 

@@ -6,11 +6,11 @@ import json
 from typing import Any
 
 from linkages.exports.kernels.exported import Exported, exported
+from linkages.exports.kernels.method import dop853_tables
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import javascript_function
 from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY
-from linkages.solvers.methods.dop853 import tableau
 
 _FUNCTIONS = sorted(
     {row.name for row in ELEMENTARY.values() if row.operator is None and row.c is None} | {"abs"}
@@ -39,20 +39,8 @@ def javascript_module(system: System) -> str:
 
 def javascript_integrator() -> str:
     """The text of a module that exports ``integrate``, an adaptive method with dense output."""
-    method = tableau()
-    assert method.dense_A is not None
-    assert method.dense_c is not None
-    assert method.dense is not None
-    numbers = {
-        "A": method.A.tolist(),
-        "b": method.b.tolist(),
-        "c": method.c.tolist(),
-        "error": method.error.tolist(),
-        "furtherA": method.dense_A.tolist(),
-        "furtherC": method.dense_c.tolist(),
-        "dense": method.dense.tolist(),
-    }
-    rows = ",\n".join(f"  {name}: {json.dumps(value)}" for name, value in numbers.items())
+    tables = dop853_tables().items()
+    rows = ",\n".join(f"  {name}: {json.dumps(values.tolist())}" for name, values in tables)
     return f"const DOP853 = {{\n{rows},\n}};\n\n{fixed_text('integrate.js')}"
 
 

@@ -41,15 +41,17 @@ def {name}({arguments}):
 
 def write_module(doc: str, routines: Sequence[Routine]) -> str:
     """The text of a module with some functions."""
-    return "".join([f'"""{doc}"""\n', *map(_function, routines)])
+    return "".join([f'"""{doc}"""\n', *map(python_function, routines)])
 
 
-def _function(routine: Routine) -> str:
+def python_function(routine: Routine, language: type[Language] | None = None) -> str:
+    """A routine as a function of Python, as a way of writing it has it; `Python` if not given."""
+    lines = (language or Python)(routine.block).lines()
     return _FUNCTION.format(
         name=routine.name,
         arguments=", ".join(routine.arguments),
         doc=routine.doc,
-        body="\n".join(f"    {line}" if line else "" for line in Python(routine.block).lines()),
+        body="\n".join(f"    {line}" if line else "" for line in lines),
     )
 
 

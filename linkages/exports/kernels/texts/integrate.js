@@ -8,7 +8,7 @@
    where a contact or friction changes the equations. */
 export function integrate(model, parameters, state, times, options, visit) {
   const { rtol = 1e-9, atol = 1e-12, longest = Infinity } = options || {};
-  const { A, b, c, error, furtherA, furtherC, dense } = DOP853;
+  const { a, b, c, error, further_a: furtherA, further_c: furtherC, dense } = DOP853;
   const size = state.length, end = b.length, last = times[times.length - 1];
   const sign = last < times[0] ? -1 : 1;
   const stages = Array.from({ length: end + 1 + furtherA.length }, () => new Float64Array(size));
@@ -27,7 +27,7 @@ export function integrate(model, parameters, state, times, options, visit) {
 
   function tried(h) {
     for (let row = 1; row < end; row++) {
-      const status = stage(row, A[row], h, c[row]);
+      const status = stage(row, a[row], h, c[row]);
       if (status) return status;
     }
     const status = stage(end, b, h, 1);

@@ -164,7 +164,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     assert "gap: touch" in contact.stderr
 
 
-# --- Python ----------------------------------------------------------------------------------------
+# --- Python ---
 
 
 @pytest.fixture(scope="module")

@@ -176,10 +176,8 @@ def _column(name: str) -> str:
 
 def _literal(text: str) -> str:
     """A text as C writes it, in UTF-8."""
-    plain = (
-        chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode()
-    )
-    return '"' + "".join(plain) + '"'
+    plain = {byte: chr(byte) for byte in range(32, 127) if chr(byte) not in '"\\?'}
+    return '"' + "".join(plain.get(byte, f"\\{byte:03o}") for byte in text.encode()) + '"'
 
 
 def _safe(text: str) -> str:

@@ -119,8 +119,7 @@ class Exported:
         found = {
             REFUSED: "these numbers do not lead to the same equations",
             STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
-            MODES: f"this program does not follow what changes its equations"
-            + (f": {', '.join(self.modes)}" if self.modes else ""),
+            MODES: f"this program does not follow contacts: {', '.join(self.modes) or 'none'}",
         }
         for block in self.system.topology.solved_blocks:
             model, apex = self.system.model, block.loops[0].apex

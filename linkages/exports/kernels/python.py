@@ -9,7 +9,6 @@ from linkages.exports.kernels.exported import Exported, exported
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.printing import Python, call
 from linkages.kernel.code.printing import python_function as function_of
-from linkages.kernel.code.statements import Routine
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.several import system_size
 from linkages.kernel.system import System

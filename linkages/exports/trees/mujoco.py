@@ -82,7 +82,7 @@ class _Writer:
             if name not in links and body.mass.value == 0.0:
                 yield body.path, f"{name} has no mass, and MuJoCo needs one; expected 'mass'"
         for contact in self.mechanism.contacts:
-            yield contact.path, "MuJoCo has no clearance that opens, in this export"
+            yield contact.path, "clearances that open are not exported to MuJoCo"
         for end in self.mechanism.ends:
             yield end.path, "ends at which bodies bounce are not exported to MuJoCo"
         for play in self.mechanism.plays:
@@ -98,7 +98,9 @@ class _Writer:
                 yield self.mechanism.prescribed[name].path, message
         for load in self.mechanism.loads:
             if not load.absent and self._line(load) is None:
-                message = "only springs and dampers of constant numbers are exported to MuJoCo"
+                message = (
+                    "only springs, dampers and forces of constant numbers are exported to MuJoCo"
+                )
                 yield load.path, message
 
     def _line(self, load: Load) -> Line | None:
@@ -106,7 +108,8 @@ class _Writer:
         found = line_of(load)
         if found is None or load.states or load.bearing is not None:
             return None
-        if isinstance(load.measure, Coordinate | BodyAxis) or (found.constant and not found.stiffness):
+        moving = found.stiffness or found.damping
+        if isinstance(load.measure, BodyAxis) or (isinstance(load.measure, Coordinate) and moving):
             return None
         return found if min(found.stiffness, found.damping) >= 0.0 else None
 
@@ -115,7 +118,9 @@ class _Writer:
         law = self.system.model.positions.laws[name]
         times = np.linspace(0.0, max(abs(self.mechanism.simulation.end), 1.0), 7)
         _, rates, accelerations = self.system.evaluate(
-            [law.value, law.rate, law.acceleration], times, np.repeat(self.system.state[:, None], 7, 1)
+            [law.value, law.rate, law.acceleration],
+            times,
+            np.repeat(self.system.state[:, None], 7, 1),
         )
         if np.ptp(accelerations) > 1e-12 * max(1.0, np.abs(accelerations).max()):
             return None
@@ -141,7 +146,7 @@ class _Writer:
             self._body(branch)
         self._sites()
         equality = SubElement(root, "equality")
-        tendon = SubElement(root, "tendon")
+        tendon, actuator = SubElement(root, "tendon"), SubElement(root, "actuator")
         for pin in self.tree.loops:
             self._loop(equality, pin)
         for relation in self.mechanism.relations:
@@ -153,8 +158,8 @@ class _Writer:
             self._drive(tendon, equality, name)
         for place, load in enumerate(self.mechanism.loads):
             if not load.absent:
-                self._spring(tendon, f"load.{place}", load)
-        for part in (equality, tendon):
+                self._load(tendon, actuator, f"load.{place}", load)
+        for part in (equality, tendon, actuator):
             if not len(part):
                 root.remove(part)
         # MuJoCo counts joints as they stand in its tree
@@ -230,24 +235,24 @@ class _Writer:
         if pin.one != WORLD:
             named["body2"] = pin.one
         place = self.frames[pin.other].local(self.places[pin.joint])
-        SubElement(equality, "connect", name=f"{pin.joint}.{pin.other}", anchor=_point(place), **named)
+        named |= {"name": f"{pin.joint}.{pin.other}", "anchor": _point(place)}
+        SubElement(equality, "connect", named)
 
     # --- coordinates as sums of joints ---
 
     def _coordinate(self, name: str) -> dict[str, float]:
         """Joint → factor, whose sum is what a body's coordinate has changed by."""
-        body = self.mechanism.bodies[name]
-        if not body.rotates:
-            branches = (b for b in self.tree.branches if isinstance(b.joining, Rail))
-            return {next(b.body for b in branches if b.joining.slider == name): 1.0}
-        links = {term.links[0].name: term for term in self.mechanism.displacements}
-        if name in links:
-            branch = next(b for b in self.tree.branches
-                          if isinstance(b.joining, Gap) and b.joining.term is links[name])
-            return {**self._angle(branch.parent), name: 1.0}
-        return self._angle(name)
+        if self.mechanism.bodies[name].rotates:
+            return self._angle(name)
+        joinings = ((branch.joining, branch.body) for branch in self.tree.branches)
+        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.slider == name}
 
     def _angle(self, name: str) -> dict[str, float]:
+        """Hinges below a body, or below the link of a clearance and its own."""
+        above = {b.joining.term.links[0].name: b for b in self.tree.branches
+                 if isinstance(b.joining, Gap)}  # fmt: skip
+        if name in above:
+            return {**self._angle(above[name].parent), name: 1.0}
         found: dict[str, float] = {}
         for branch in self.tree.path(name):
             if isinstance(branch.joining, Gap):
@@ -265,13 +270,11 @@ class _Writer:
 
     def _fixed(self, tendon: Element, name: str, parts: dict[str, float], **more: str) -> None:
         """A sum of coordinates."""
-        node = SubElement(tendon, "fixed", name=name, **more)
+        node = SubElement(tendon, "fixed", {"name": name, **more})
         for joint, factor in self._sum(parts).items():
             SubElement(node, "joint", joint=joint, coef=repr(factor))
 
-    def _held(
-        self, tendon: Element, equality: Element, name: str, parts: dict[str, float]
-    ) -> None:
+    def _held(self, tendon: Element, equality: Element, name: str, parts: dict[str, float]) -> None:
         """A sum of coordinates that stays what it is."""
         self._fixed(tendon, name, parts)
         SubElement(equality, "tendon", name=name, tendon1=name, polycoef="0 0 0 0 0")
@@ -286,26 +289,43 @@ class _Writer:
         SubElement(equality, "tendon", name=own, tendon1=own, tendon2=clock,
                    polycoef=_row([0.0, *polynomial, 0.0, 0.0]))  # fmt: skip
 
-    # --- springs ---
+    # --- loads ---
 
-    def _spring(self, tendon: Element, name: str, load: Load) -> None:
+    def _load(self, tendon: Element, actuator: Element, name: str, load: Load) -> None:
+        """A spring and damper along a tendon, or a constant force: an actuator without control."""
         line = self._line(load)
         assert line is not None
-        relaxed = line.constant / line.stiffness if line.stiffness else 0.0
-        numbers = {"stiffness": repr(line.stiffness), "damping": repr(line.damping)}
+        if isinstance(load.measure, Coordinate):
+            gear = [0.0] * 6
+            gear[load.measure.axis] = 1.0
+            along = {"site": f"site.{load.measure.joint}", "refsite": "site.", "gear": _row(gear)}
+        else:
+            along = {"tendon": name}
+            relaxed = line.constant / line.stiffness if line.stiffness else 0.0
+            numbers = {"stiffness": line.stiffness, "damping": line.damping}
+            self._tendon(tendon, name, load, relaxed, {n: repr(v) for n, v in numbers.items() if v})
+        if not line.stiffness:
+            along |= {"name": name, "gainprm": "0", "biastype": "affine"}
+            SubElement(actuator, "general", along, biasprm=_row([line.constant, 0.0, 0.0]))
+
+    def _tendon(
+        self, tendon: Element, name: str, load: Load, relaxed: float, numbers: dict[str, str]
+    ) -> None:
+        """What a load acts along; sums of joints count from the start."""
+        spring = {"springlength": repr(relaxed)} if "stiffness" in numbers else {}
+        from_start = {key: repr(relaxed - self._at(load)) for key in spring}
         match load.measure:
             case Distance(first, second):
-                node = SubElement(tendon, "spatial", name=name, springlength=repr(relaxed), **numbers)
+                node = SubElement(tendon, "spatial", {"name": name, **numbers, **spring})
                 SubElement(node, "site", site=f"site.{first}")
                 SubElement(node, "site", site=f"site.{second}")
             case Turn(body, reference):
                 parts = {body: 1.0} | ({} if reference is None else {reference: -1.0})
-                self._fixed(tendon, name, parts, springlength=repr(relaxed - self._at(load)), **numbers)
+                self._fixed(tendon, name, parts, **numbers, **from_start)
             case Slide(body):
-                self._fixed(tendon, name, {body: 1.0}, springlength=repr(relaxed - self._at(load)),
-                            **numbers)  # fmt: skip
+                self._fixed(tendon, name, {body: 1.0}, **numbers, **from_start)
             case Coordinate() | BodyAxis():
-                raise AssertionError(load.measure)  # refused
+                raise AssertionError(load.measure)  # has no tendon, or is refused
             case _:
                 assert_never(load.measure)
 
@@ -315,8 +335,15 @@ class _Writer:
         return float(self.system.evaluate([nodes.displacement])[0, 0])
 
     def _sites(self) -> None:
-        ends = [load.measure for load in self.mechanism.loads if isinstance(load.measure, Distance)]
-        for joint in dict.fromkeys(joint for end in ends for joint in (end.first, end.second)):
+        joints: list[str] = []
+        for measure in (load.measure for load in self.mechanism.loads):
+            if isinstance(measure, Distance):
+                joints += [measure.first, measure.second]
+            elif isinstance(measure, Coordinate):
+                joints.append(measure.joint)
+        if joints:
+            SubElement(self.nodes[WORLD], "site", name="site.", pos="0 0 0")
+        for joint in dict.fromkeys(joints):
             body = self.mechanism.carrier(joint) or WORLD
             place = self.frames[body].local(self.places[joint])
             SubElement(self.nodes[body], "site", name=f"site.{joint}", pos=_point(place))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,26 +51,27 @@ def frames_of(system: System) -> dict[str, Frame]:
     model, mechanism = system.model, system.mechanism
     names = list(mechanism.bodies)
     turning = [name for name in names if mechanism.bodies[name].rotates]
-    angles = dict(zip(turning, _values(system, [model.positions.angle(n) for n in turning])))
+    angles = _values(system, {name: model.positions.angle(name) for name in turning})
     angles |= {name: float(np.arctan2(y, x)) for name, (x, y) in system.axes.items()}
-    speeds = dict(zip(names, _values(system, [model.velocities.turning(n) for n in names])))
+    speeds = _values(system, {name: model.velocities.turning(name) for name in names})
     places = system.places()
     found = {WORLD: GROUND}
     for name, body in mechanism.bodies.items():
         joint, point = next(iter(body.points.items()))
-        own = Frame(np.zeros(2), float(angles[name]), float(speeds[name]))
+        own = Frame(np.zeros(2), angles[name], speeds[name])
         local = np.array([number.value for number in point])
         found[name] = Frame(places[joint] - own.axes @ local, own.angle, own.speed)
     return found
 
 
-def slides_of(system: System) -> Mapping[str, float]:
+def slides_of(system: System) -> dict[str, float]:
     """Slider → rate of its displacement at the start."""
     bodies = system.mechanism.bodies
-    names = [name for name, body in bodies.items() if not body.rotates]
-    rates = [system.model.velocities.moving(name) for name in names]
-    return dict(zip(names, map(float, _values(system, rates)), strict=True))
+    sliders = [name for name, body in bodies.items() if not body.rotates]
+    return _values(system, {name: system.model.velocities.moving(name) for name in sliders})
 
 
-def _values(system: System, nodes: list[Scalar]) -> Floats:
-    return system.evaluate(nodes)[:, 0] if nodes else np.zeros(0)
+def _values(system: System, nodes: dict[str, Scalar]) -> dict[str, float]:
+    """Values at the start."""
+    values = system.evaluate([*nodes.values()])[:, 0]
+    return dict(zip(nodes, map(float, values), strict=True))

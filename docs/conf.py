@@ -23,7 +23,7 @@ author = "the authors of linkages"
 copyright = "the authors of linkages, MIT licence"  # noqa: A001
 release = version = installed("linkages")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_build", "_static"]
 root_doc = "index"
 nitpicky = False
@@ -32,6 +32,7 @@ highlight_language = "text"
 
 myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+nb_execution_mode = "off"  # notebooks have their outputs: docs/run_notebooks.py
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

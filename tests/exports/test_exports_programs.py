@@ -10,14 +10,26 @@ from runpy import run_path
 
 import numpy as np
 import pytest
-from exported_states import NAMES, assert_near, cases, changes, compared_parameters, kernel, system
+from exported_states import (
+    NAMES,
+    SCENES,
+    SWITCHED,
+    assert_near,
+    cases,
+    changes,
+    compared_parameters,
+    followed_rows,
+    kernel,
+    switched,
+    system,
+)
 
 import linkages
 from linkages.exports.kernels.c import c_files
 from linkages.exports.kernels.python import python_module
 
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
-SOME = ["andrews", "class-three", "five-bar", "jansen", "ninebar", "slider-crank-contact"]
+SOME = ["andrews", "class-three", "five-bar", "ninebar", "slider-crank-contact", *SCENES]
 """Several coordinates, iterated groups, infinite outputs, welds, clearances, modes."""
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc on the PATH")
@@ -159,9 +171,30 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     wrong = program("four-bar", "bars.crank.lenght=3")
     assert wrong.returncode == 2
     assert "bars.crank.length=" in wrong.stderr
-    contact = program("slider-crank-contact")
+    contact = program("slider-crank-contact", "--method", "rk4")
     assert contact.returncode == 1
+    assert "does not follow" in contact.stderr
     assert "gap: touch" in contact.stderr
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", SWITCHED)
+def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
+    times, expected = switched(name)
+    options = [
+        "--end",
+        str(SWITCHED[name]),
+        "--samples",
+        "31",
+        "--rtol",
+        "1e-12",
+        "--atol",
+        "1e-14",
+    ]
+    done = program(name, *options)
+    assert done.returncode == 0, done.stderr
+    table = np.array([*csv.reader(done.stdout.splitlines())][1:], dtype=float)[:, 1:]
+    np.testing.assert_allclose(table[:, followed_rows(name)], expected, rtol=0, atol=1e-9)
 
 
 # --- Python ---
@@ -219,6 +252,12 @@ del sys.argv[0]
 runpy.run_path(sys.argv[0], run_name="__main__")
 assert not any(name.split(".")[0] == "linkages" for name in sys.modules)
 """
+
+
+def test_python_refuses_to_follow_contacts(module):
+    _, found = module("slider-crank-contact")
+    with pytest.raises(ArithmeticError, match="gap: touch"):
+        found["integrate"]([0.0, 0.1], *found["start"]())
 
 
 def test_python_integrates_the_double_pendulum(module):

@@ -39,8 +39,9 @@ typedef struct {
 /* Is told of the state at a time. */
 typedef void (*linkage_visit)(double t, const double *y, const double *p, void *data);
 
-/* Follows a motion from times[0]; y becomes the last state that was reached, *reached its time. */
-int linkage_integrate(const double *p, double *y, const double *times, int count,
+/* Follows a motion from times[0]; y becomes the last state that was reached, *reached its time, and
+   modes in p, of contacts and friction, those that it has there. */
+int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached);
 

@@ -11,13 +11,13 @@ import linkages
 from linkages.errors import InputError
 from linkages.exports import Subject, exports, files_of
 from linkages.exports.geometry.outlines import rounded
-from linkages.plots.mechanism.bodies import convex_hull
+from linkages.plots.mechanism.bodies import clearance_ends, convex_hull
 from linkages.plots.mechanism.traces import moving_joints
 
 ezdxf = pytest.importorskip("ezdxf")
 
-DIGITS = 1e-6
-"""Millimetres: SVG has nine significant digits of lengths below a metre."""
+DIGITS = 1e-5
+"""Millimetres: SVG has nine significant digits of lengths below ten metres."""
 
 
 @pytest.fixture(scope="module")
@@ -128,6 +128,14 @@ def test_arcs_of_svg_are_those_of_dxf(solution):
     assert re.findall(r"A (\S+) (\S+) 0 0 0", edge) == [("8", "8"), ("8", "8")]
 
 
+@pytest.mark.parametrize("name", ["four-bar", "scotch-yoke", "ninebar"])
+def test_dxf_has_nothing_that_other_programs_would_mend(name):
+    solution = linkages.simulate(linkages.load(name), end=0.1, samples=11)
+    audit = dxf_of(solution).audit()
+    assert not audit.errors
+    assert not audit.fixes
+
+
 def test_links_or_paths_alone(solution):
     only = {layer.dxf.name for layer in dxf_of(solution, links=False).layers}
     assert not any(name.startswith("link") for name in only)
@@ -177,7 +185,7 @@ def test_from_python_and_from_the_command_line(solution, tmp_path):
         assert run(request, to, hole=None) == 0
     assert (tmp_path / "four-bar.svg").read_bytes() == file.read_bytes()
     assert (tmp_path / "four-bar.dxf").exists()  # one format leaves the other's files alone
-    with pytest.raises(InputError, match="svgg"):
+    with pytest.raises(InputError, match="--to: .*\\s.*'svgg'; did you mean 'svg'"):
         run(request, "svgg")
 
 
@@ -185,6 +193,30 @@ def test_without_ezdxf_dxf_says_what_to_install(solution, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "ezdxf", None)
     with pytest.raises(ValueError, match=r"linkages\[dxf\]"):
         files_of(Subject(solution.mechanism, "m", solution), "dxf", {})
+
+
+@pytest.mark.parametrize("name", ["four-bar", "quick-return", "ninebar", "andrews"])
+def test_symbols_stand_where_their_joints_are(name):
+    """Every pin of the drawing, in millimetres; symbols are as large as printed points are."""
+    solution = linkages.simulate(linkages.load(name), end=0.01, samples=3)
+    root = svg_of(solution, symbols=True)
+    drawing = named(root, "drawing")
+    pins = {}
+    for element in drawing:
+        if element.tag.endswith("circle") and element.get("data-name"):
+            pins[element.get("data-name")] = element
+    box = numbers(root.get("viewBox"))
+    hidden = clearance_ends(solution.mechanism)
+    for joint in solution.data["joint"].values:
+        if joint in hidden:
+            continue
+        x, y = positions(solution, joint)[0]
+        circle = pins[joint]
+        place = [float(circle.get("cx")), -float(circle.get("cy"))]
+        assert place == pytest.approx([x, y], abs=DIGITS)
+        assert float(circle.get("r")) * 72 / 25.4 < 7.0
+        assert box[0] < x < box[0] + box[2]
+        assert box[1] < -y < box[1] + box[3]
 
 
 def test_formats_are_found_by_name():

@@ -49,14 +49,16 @@ def write(files, folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(SOME)))
 def test_c_is_strict_c99(name, tmp_path):
-    write(c_files(system(name), name), tmp_path)
+    write(c_files(system(name), name, system(name).mechanism.simulation), tmp_path)
     subprocess.run([*STRICT, "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)
 
 
 @pytest.fixture(scope="module", params=SOME)
 def library(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("c")
-    write(c_files(system(request.param), "model"), folder)
+    write(
+        c_files(system(request.param), "model", system(request.param).mechanism.simulation), folder
+    )
     options = ["-O0", "-ffp-contract=off", "-DMODEL_WITHOUT_MAIN", "-shared", "-fPIC"]
     command = [*STRICT, *options, "model.c", "-o", "model.so", "-lm"]
     subprocess.run(command, cwd=folder, check=True)
@@ -130,7 +132,7 @@ def program(tmp_path_factory):
 
     def run(name, *arguments):
         if not (folder / name).exists():
-            write(c_files(system(name), name), folder)
+            write(c_files(system(name), name, system(name).mechanism.simulation), folder)
             subprocess.run([*STRICT, "-O1", f"{name}.c", "-o", name, "-lm"], cwd=folder, check=True)
         command = [folder / name, *arguments]
         return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
@@ -180,7 +182,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
 @needs_gcc
 @pytest.mark.parametrize("name", SWITCHED)
 def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
-    times, expected = switched(name)
+    _, expected = switched(name)
     options = [
         "--end",
         str(SWITCHED[name]),
@@ -208,7 +210,10 @@ def module(tmp_path_factory):
 
     def load(name):
         if name not in known:
-            write({f"{name}.py": python_module(system(name))}, folder)
+            write(
+                {f"{name}.py": python_module(system(name), system(name).mechanism.simulation)},
+                folder,
+            )
             known[name] = folder / f"{name}.py", run_path(str(folder / f"{name}.py"))
         return known[name]
 

@@ -15,6 +15,7 @@ from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import c_function
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.system import System
+from linkages.options.run import SimulationOptions
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ STEPS = 1000
 """Of the method with equal steps, by default, within the simulated time."""
 
 
-def c_files(system: System, stem: str) -> dict[str, str]:
+def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, str]:
     """A header and a program with ``main``.
 
     Parameters
@@ -31,6 +32,8 @@ def c_files(system: System, stem: str) -> dict[str, str]:
         The mechanism.
     stem
         What files and, in letters of C, functions are called.
+    options
+        Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
     """
     found = exported(system)
     prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
@@ -39,11 +42,10 @@ def c_files(system: System, stem: str) -> dict[str, str]:
     header = title + _filled(fixed_text("model.h"), _sizes(found))
     routines = [_static(c_function(_renamed(routine))) for routine in found.routines]
     body = "\n".join(routines)
-    defaults = system.mechanism.simulation
     main = {
-        "END": repr(float(defaults.end)),
-        "SAMPLES": repr(float(defaults.samples)),
-        "STEP": repr(abs(float(defaults.end)) / STEPS),
+        "END": repr(float(options.end)),
+        "SAMPLES": repr(float(options.samples)),
+        "STEP": repr(abs(float(options.end)) / STEPS),
     }
     parts = [
         title,

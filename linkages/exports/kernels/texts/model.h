@@ -1,6 +1,10 @@
 #ifndef LINKAGE_H
 #define LINKAGE_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
   LINKAGE_NUMBERS = @NUMBERS@,       /* of the definition file, which may be changed */
   LINKAGE_PARAMETERS = @PARAMETERS@, /* of the equations, and what is prepared of them */
@@ -44,5 +48,9 @@ typedef void (*linkage_visit)(double t, const double *y, const double *p, void *
 int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

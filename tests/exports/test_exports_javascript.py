@@ -20,6 +20,7 @@ from exported_states import (
 
 import linkages
 from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.kernel.system import System
 
 pytestmark = needs_browser
 
@@ -125,6 +126,16 @@ def test_numbers_of_the_file_lead_to_its_parameters_and_state(name, page):
             atol=1e-15,
         )
         np.testing.assert_allclose(found["state"], state, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("tolerances", ["{}", "{rtol: 1e-7, atol: 0}", "{rtol: 1e-7, atol: null}"])
+def test_what_stays_zero_has_no_error(tolerances, page):
+    """A bar at rest in its balance: no tolerance is asked of zeros."""
+    text = "joints: {O: [0, 0]}\nbars: {b: {joints: [O, P], length: 1, mass: 1}}\n"
+    of = System(linkages.loads(text + "free: {b: {angle: 0, speed: 0}}"))
+    still = f"integrate(model, model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
+    ended = run(page, javascript_module(of) + javascript_integrator(), still)
+    assert (ended["status"], ended["time"]) == (0, 1)
 
 
 @pytest.mark.parametrize("name", SWITCHED)

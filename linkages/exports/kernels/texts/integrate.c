@@ -1,3 +1,5 @@
+#define LEAST_TOLERANCE 1e-300 /* so that what is and stays zero has no error */
+
 typedef struct {
   double *p;
   double t, y[LINKAGE_STATE + 1], next[LINKAGE_STATE + 1], trial[LINKAGE_STATE + 1];
@@ -32,7 +34,7 @@ static double error_of(const motion *m, double h, const linkage_options *options
     for (int e = 0; e < 2; e++) {
       double found = 0.0;
       for (int j = 0; j <= END; j++) found += dop853_error[e][j] * m->slopes[j][i];
-      found /= options->atol + options->rtol * size;
+      found /= fmax(options->atol, LEAST_TOLERANCE) + options->rtol * size;
       sums[e] += found * found;
     }
   }
@@ -53,7 +55,7 @@ static void between(motion *m, double h, double part) {
 static double first_step(const motion *m, const linkage_options *options) {
   double position = 0.0, slope = 0.0;
   for (int i = 0; i < LINKAGE_STATE; i++) {
-    const double scale = options->atol + options->rtol * fabs(m->y[i]);
+    const double scale = fmax(options->atol, LEAST_TOLERANCE) + options->rtol * fabs(m->y[i]);
     position += m->y[i] / scale * (m->y[i] / scale);
     slope += m->slopes[0][i] / scale * (m->slopes[0][i] / scale);
   }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, assert_never
+from typing import Any, assert_never, cast
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -133,9 +133,19 @@ def _style(look: Look, pale: bool, size: float) -> dict[str, Any]:
     if look.dashes:
         found["linestyle"] = (0, tuple(look.dashes))
     if look.casing:
-        under = Stroke(linewidth=width + 2 * size * look.casing, foreground=LIGHT["paper"])
+        under = _Casing(linewidth=width + 2 * size * look.casing, foreground=LIGHT["paper"])
         found["path_effects"] = [under, Normal()]
     return found
+
+
+class _Casing(Stroke):
+    """A stroke under the edge of a shape, which leaves its fill alone."""
+
+    def draw_path(
+        self, renderer: Any, gc: Any, tpath: Any, affine: Any, rgbFace: Any = None  # noqa: ARG002
+    ) -> None:  # fmt: skip
+        """Draw the edge only."""
+        super().draw_path(renderer, gc, tpath, affine, cast(Any, None))
 
 
 def _rgb(colour: Any) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ is Python: it is carried out once more with dual numbers in their places.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -22,6 +22,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.mechanisms.reread import owner
 from linkages.design.sensitivity.duals import Dual
+from linkages.design.sensitivity.followed import FollowedNumber
 from linkages.errors import InputError
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.system import System
@@ -126,11 +127,11 @@ def effects(system: System, numbers: Sequence[Number]) -> Effects:
     for place in sorted({number.component for number in numbers}):
         own = {k: number for k, number in enumerate(numbers) if number.component == place}
         terms = _dual_terms(mechanism, place, own)
-        for path, value in _moved(terms):
-            if path in system.model.inputs.parameters:
+        for path, value in moved(terms):
+            if path in system.model.inputs.parameters and isinstance(value, Dual):
                 for k, slope in value.slopes.items():
                     fed[k][path] = slope
-        for name, value, rate in _initial(terms):
+        for name, value, rate in initial_values(terms):
             for row, entry in ((rows.get(name), value), (rows.get(name, 0) + half, rate)):
                 if name in rows and row is not None and isinstance(entry, Dual):
                     for k, slope in entry.slopes.items():
@@ -139,23 +140,23 @@ def effects(system: System, numbers: Sequence[Number]) -> Effects:
     return Effects(tuple(tuple(each) for each in fed), slopes, state)
 
 
-def _moved(item: Any) -> Iterator[tuple[Path, Dual]]:
-    """Path and value of the parameters in a term that change."""
+def moved(item: Any) -> Iterator[tuple[Path, FollowedNumber]]:
+    """Path and value of the parameters in a term that follow from numbers."""
     match item:
-        case Parameter(path, Dual() as value):
+        case Parameter(path, FollowedNumber() as value):
             yield path, value
         case tuple():
             for part in item:
-                yield from _moved(part)
+                yield from moved(part)
         case Mapping():
             for part in item.values():
-                yield from _moved(part)
+                yield from moved(part)
         case _ if is_dataclass(item) and not isinstance(item, type):
             for field in fields(item):
-                yield from _moved(getattr(item, field.name))
+                yield from moved(getattr(item, field.name))
 
 
-def _initial(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
+def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
     """Coordinates with their initial values and rates; internal states are rates."""
     for term in terms:
         if isinstance(term, Initial):
@@ -167,25 +168,55 @@ def _initial(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
 
 def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) -> tuple[Term, ...]:
     """What a component contributes, with derivatives along some of its numbers."""
-    component: Any = mechanism.components[place]
-    for k, number in numbers.items():
-        component = _replaced(component, number.keys, k)
+
+    def dual(k: int) -> Callable[[Any], Any]:
+        def made(number: Any) -> Dual:
+            if isinstance(number, Dual):
+                return Dual(number.value, {**number.slopes, k: 1.0})
+            return Dual(float(number), {k: 1.0})
+
+        return made
+
+    made = [(number, dual(k)) for k, number in numbers.items()]
     try:
-        terms = mechanism.terms_of(component)
-        if any(_tabulated(term) for term in terms):
-            raise TypeError("the coefficients of a table")
+        return terms_with(mechanism, place, made)
     except TypeError as error:
         first = next(iter(numbers.values()))
         message = f"no derivative is known of what follows from this number ({error})"
         raise mechanism.error([(split(first.path) or (), message)]) from None
+
+
+def terms_with(
+    mechanism: Mechanism, place: int, made: Iterable[tuple[Number, Callable[[Any], Any]]]
+) -> tuple[Term, ...]:
+    """What a component contributes with others in the place of some of its numbers.
+
+    Parameters
+    ----------
+    mechanism, place
+        The component is the one at this place.
+    made
+        Numbers of the component, and what becomes of each.
+
+    Raises
+    ------
+    TypeError
+        If something is made of a number that cannot be followed.
+    """
+    component: Any = mechanism.components[place]
+    for number, make in made:
+        component = _replaced(component, number.keys, make)
+    terms = mechanism.terms_of(component)
+    if any(_tabulated(term) for term in terms):
+        raise TypeError("the coefficients of a table")
     return terms
 
 
 def _tabulated(item: Any) -> bool:
-    """Whether dual numbers stand in a table."""
+    """Whether followed numbers stand in a table."""
     match item:
         case Table(_, places, values):
-            return any(isinstance(number, Dual) for number in (*places, *values))
+            return any(isinstance(number, FollowedNumber) for number in (*places, *values))
         case tuple():
             return any(map(_tabulated, item))
         case Mapping():
@@ -195,21 +226,19 @@ def _tabulated(item: Any) -> bool:
     return False
 
 
-def _replaced(part: Any, keys: Keys, direction: int) -> Any:
-    """A component with a dual number in the place of one of its numbers."""
+def _replaced(part: Any, keys: Keys, make: Callable[[Any], Any]) -> Any:
+    """A component with another number in the place of one of its numbers."""
     if not keys:
-        if isinstance(part, Dual):
-            return Dual(part.value, {**part.slopes, direction: 1.0})
-        return Dual(float(part), {direction: 1.0})
+        return make(part)
     key, *rest = keys
     if isinstance(key, int):
-        inner = _replaced(part[key], tuple(rest), direction)
+        inner = _replaced(part[key], tuple(rest), make)
         return (*part[:key], inner, *part[key + 1 :])
     if isinstance(part, Mapping):
-        return {**part, key: _replaced(part[key], tuple(rest), direction)}
+        return {**part, key: _replaced(part[key], tuple(rest), make)}
     changed = copy.copy(part)
     # components are frozen and checked; what stands for a number passes by both
-    object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), direction))
+    object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), make))
     return changed
 
 
@@ -218,8 +247,8 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
         terms = _dual_terms(mechanism, number.component, {0: number})
     except InputError:
         return False
-    initial = (value for _, *pair in _initial(terms) for value in pair)
-    return any(_moved(terms)) or any(isinstance(value, Dual) for value in initial)
+    initial = (value for _, *pair in initial_values(terms) for value in pair)
+    return any(moved(terms)) or any(isinstance(value, Dual) for value in initial)
 
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:

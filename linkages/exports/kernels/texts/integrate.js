@@ -1,0 +1,126 @@
+/* Follows a motion from times[0] with Dormand and Prince's method of order 8 (Hairer, Nørsett,
+   Wanner: Solving Ordinary Differential Equations I, II.5, II.6 and II.10).
+
+   model: has rates(t, state, parameters, out) and settled(t, state, parameters) -> status
+   state: changes in place, to the last that was reached
+   times: increasing or decreasing; visit(i, t, state) gets the state at times[i]
+   Returns {status, time, steps}: 0, a status of the model, -2 where steps become too small, or -3
+   where a contact or friction changes the equations. */
+export function integrate(model, parameters, state, times, options, visit) {
+  const { rtol = 1e-9, atol = 1e-12, longest = Infinity } = options || {};
+  const { a, b, c, error, further_a: furtherA, further_c: furtherC, dense } = DOP853;
+  const size = state.length, end = b.length, last = times[times.length - 1];
+  const sign = last < times[0] ? -1 : 1;
+  const stages = Array.from({ length: end + 1 + furtherA.length }, () => new Float64Array(size));
+  const next = new Float64Array(size), trial = new Float64Array(size);
+  let t = times[0], index = 0, steps = 0;
+
+  function stage(row, weights, h, at) {
+    trial.set(state);
+    for (let j = 0; j < weights.length; j++) {
+      if (weights[j] === 0) continue;
+      const factor = h * weights[j], slopes = stages[j];
+      for (let i = 0; i < size; i++) trial[i] += factor * slopes[i];
+    }
+    return model.rates(t + at * h, trial, parameters, stages[row]);
+  }
+
+  function tried(h) {
+    for (let row = 1; row < end; row++) {
+      const status = stage(row, a[row], h, c[row]);
+      if (status) return status;
+    }
+    const status = stage(end, b, h, 1);
+    next.set(trial);
+    return status;
+  }
+
+  function errorOf(h) {
+    const sums = [0, 0];
+    for (let i = 0; i < size; i++) {
+      const scale = atol + rtol * Math.max(Math.abs(state[i]), Math.abs(next[i]));
+      for (let e = 0; e < 2; e++) {
+        let found = 0;
+        for (let j = 0; j <= end; j++) found += error[e][j] * stages[j][i];
+        sums[e] += (found / scale) ** 2;
+      }
+    }
+    if (sums[0] === 0) return 0;
+    return (Math.abs(h) * sums[0]) / Math.sqrt((sums[0] + 0.01 * sums[1]) * size);
+  }
+
+  /* The state at a part of the step, from all stages. */
+  function between(h, part) {
+    trial.set(state);
+    dense.forEach((powers, j) => {
+      let weight = 0;
+      for (let k = powers.length - 1; k >= 0; k--) weight = (weight + powers[k]) * part;
+      for (let i = 0; i < size; i++) trial[i] += h * weight * stages[j][i];
+    });
+    return trial;
+  }
+
+  /* Samples within the step; those of iterated groups are settled. */
+  function sampled(h, reached) {
+    let prepared = false;
+    while (index < times.length && sign * (times[index] - reached) <= 0) {
+      if (times[index] === reached) trial.set(next);
+      else {
+        for (let k = 0; !prepared && k < furtherA.length; k++) {
+          const status = stage(end + 1 + k, furtherA[k], h, furtherC[k]);
+          if (status) return status;
+        }
+        prepared = true;
+        between(h, (times[index] - t) / h);
+      }
+      const status = model.settled(times[index], trial, parameters);
+      if (status) return status;
+      visit(index, times[index], trial);
+      index += 1;
+    }
+    return 0;
+  }
+
+  function firstStep() {
+    let position = 0, slope = 0;
+    for (let i = 0; i < size; i++) {
+      const scale = atol + rtol * Math.abs(state[i]);
+      position += (state[i] / scale) ** 2;
+      slope += (stages[0][i] / scale) ** 2;
+    }
+    const both = position > 1e-10 && slope > 1e-10;
+    return both ? 0.01 * Math.sqrt(position / slope) : 1e-6;
+  }
+
+  const ended = (status) => ({ status, time: t, steps });
+  if (model.modes.length) return ended(-3);
+  let status = model.settled(t, state, parameters);
+  status = status || model.rates(t, state, parameters, stages[0]);
+  if (status) return ended(status);
+  for (; index < times.length && times[index] === t; index++) visit(index, t, state);
+  let h = sign * Math.min(firstStep(), longest), rejected = false;
+  while (sign * (last - t) > 0) {
+    if (Math.abs(h) < 1e-14 * Math.max(Math.abs(t), 1e-3)) return ended(status || -2);
+    const final = sign * (t + 1.01 * h - last) > 0;
+    if (final) h = last - t;
+    status = tried(h);
+    const error = status ? Infinity : errorOf(h);
+    if (!(error <= 1)) {
+      h *= error < Infinity ? Math.max(1 / 3, 0.9 * error ** (-1 / 8)) : 0.25;
+      rejected = true;
+      continue;
+    }
+    const reached = final ? last : t + h;
+    status = sampled(h, reached) || model.settled(reached, next, parameters);
+    if (status) return ended(status);
+    t = reached;
+    state.set(next);
+    status = model.rates(t, state, parameters, stages[0]);
+    if (status) return ended(status);
+    steps += 1;
+    const growth = error > 0 ? Math.min(6, 0.9 * error ** (-1 / 8)) : 6;
+    h = sign * Math.min(Math.abs(h) * (rejected ? Math.min(1, growth) : growth), longest);
+    rejected = false;
+  }
+  return ended(0);
+}

@@ -19,7 +19,7 @@ from linkages.plots.chaos import maps as chaos_maps
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import Box, picture
+from linkages.plots.mechanism.view import picture
 from linkages.plots.motion import clearance_orbit as orbits
 from linkages.plots.motion import phase, time_figures
 from linkages.plots.motion.free_axes import Free, free_coordinates
@@ -92,8 +92,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
-        box = Box.around(np.asarray(data["joint_position"], dtype=float))
-        ax = picture(box, joint_traces.MARGIN)[1]
+        ax = picture(joint_traces.traced(data, solution.mechanism), joint_traces.MARGIN)[1]
     return joint_traces.draw(ax, data, solution.mechanism)
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import PLAYING
 from linkages.exports import Subject
 from linkages.exports.geometry.outlines import Outline, rectangle, rounded
-from linkages.plots.mechanism.bodies import outlines, slots_of
+from linkages.plots.mechanism.bodies import slots_of
+from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.traces import moving_joints

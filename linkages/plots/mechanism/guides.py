@@ -1,0 +1,255 @@
+"""Sliders of a drawing: rails, rods in bushings, blocks, slots and cylinders."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.plots.mechanism import outlining
+from linkages.plots.mechanism.bodies import body_role
+from linkages.plots.mechanism.frames import Frame, body_direction, moved
+from linkages.plots.mechanism.links import CASING, THICKNESS
+from linkages.plots.mechanism.outlining import BLOCK, ROOM, SMALL_BLOCK
+from linkages.plots.mechanism.pose import LEAST, Pose, SliderAxis, along_carrier
+from linkages.plots.mechanism.shapes import Anchor, Direction, Look, Shape, Strokes
+
+Array = NDArray[np.float64]
+
+AXIS_LINE = (9.0, 2.0, 1.5, 2.0)
+RAIL = BLOCK[1] + 1.2  # points from the axis
+BUSHING, APART = (9.0, 3.2), 30.0  # half length and half height; from the last place of the block
+ASIDE = 0.12
+"""Of the picture: how far the ground lies beside an axis that has rails on the other side only."""
+
+BARREL = 5.5
+
+
+def travel_of(pose: Pose, name: str, axis: SliderAxis) -> tuple[float, float]:
+    """Least and largest displacement in the units of the pose, the present one among them."""
+    low, high = (pose.unit * value for value in pose.travel.get(name, (np.nan, np.nan)))
+    return float(np.fmin(low, axis.reach)), float(np.fmax(high, axis.reach))
+
+
+def grounded(pose: Pose, name: str) -> bool:
+    """Whether a slider moves along an axis on the ground."""
+    guide = pose.mechanism.bodies[name].guide
+    return guide is not None and guide.body is None
+
+
+def pin_of(pose: Pose, name: str) -> Anchor:
+    """Where the block of a slider is."""
+    return Anchor(((next(iter(pose.mechanism.bodies[name].points)), 1.0),))
+
+
+def half_length(pose: Pose, name: str) -> float:
+    """Of the block of a slider, in points."""
+    return BLOCK[0] if grounded(pose, name) else SMALL_BLOCK[0]
+
+
+def draw_guides(pose: Pose, scale: float) -> list[Shape]:
+    """What guides sliders on the ground: it stands still. `scale` is in points per metre."""
+    found: list[Shape] = []
+    for name in pose.mechanism.bodies:
+        axis = pose.axis(name) if grounded(pose, name) else None
+        if axis is None:
+            continue
+        frame, (low, high) = Frame(pose, Direction(axis.angle)), travel_of(pose, name, axis)
+        first, last = (frame.fixed(axis.at(reach), None) for reach in (low, high))
+        line = Look("guide", 0.7, dashes=AXIS_LINE)
+        beyond = 2 * BLOCK[0] + 20.0
+        ends = moved(first, -beyond, 0.0), moved(last, beyond, 0.0)
+        found.append(frame.line(ends, line, name))
+        side = rod_side(pose, name, axis, scale)
+        if side:
+            centre = moved(last if side > 0 else first, side * APART, 0.0)
+            found.append(_bushing(frame, centre, name))
+        else:
+            found.append(_rails(pose, frame, axis, (first, last), (high - low) * scale, name))
+    return found
+
+
+def _bushing(frame: Frame, centre: Anchor, name: str) -> Strokes:
+    upper = outlining.hatching(-BUSHING[0], BUSHING[0], -BUSHING[1])
+    strokes = [*upper, *outlining.mirrored(upper)]
+    return frame.symbol(centre, strokes, Look("ink"), name=name)
+
+
+def _rails(
+    pose: Pose, frame: Frame, axis: SliderAxis, ends: tuple[Anchor, Anchor], length: float,
+    name: str,
+) -> Strokes:  # fmt: skip
+    """Two lines along all of the travel, one of them hatched; that one alone beside a linkage."""
+    along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    places = [pose.positions[j] for j in pose.mechanism.ground if j in pose.positions]
+    across = [float(np.subtract(place, axis.origin) @ (-along[1], along[0])) for place in places]
+    aside = float(np.mean(across or [0.0])) / pose.extent
+    solid = 1.0 if aside < -ASIDE else -1.0
+    left, right = moved(ends[0], -2 * BLOCK[0], 0.0), moved(ends[1], 2 * BLOCK[0], 0.0)
+    strokes = [(moved(left, 0.0, solid * RAIL), moved(right, 0.0, solid * RAIL))]
+    if abs(aside) <= ASIDE:
+        strokes.append((moved(left, 0.0, -solid * RAIL), moved(right, 0.0, -solid * RAIL)))
+    count = max(2, int((length + 4 * BLOCK[0]) / 3.4))
+    for share in (np.arange(count) + 0.9) / count:
+        foot = mixed(left, right, float(share))
+        begin = moved(foot, 0.0, solid * RAIL)
+        strokes.append((begin, moved(begin, -3.2, solid * 3.6)))
+    return Strokes(tuple(strokes), Look("ink"), frame.direction, name=name)
+
+
+def mixed(first: Anchor, second: Anchor, share: float) -> Anchor:
+    """A share of the way from one anchor to another."""
+    weights = {joint: (1.0 - share) * weight for joint, weight in first.joints}
+    for joint, weight in second.joints:
+        weights[joint] = weights.get(joint, 0.0) + share * weight
+    metres, points = (
+        (
+            (1.0 - share) * a[0] + share * b[0],
+            (1.0 - share) * a[1] + share * b[1],
+        )
+        for a, b in ((first.metres, second.metres), (first.points, second.points))
+    )
+    return Anchor(tuple(weights.items()), metres, points)
+
+
+def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
+    """Where a slider on the ground is a rod in a bushing, instead of a block between rails.
+
+    That is one that carries another slider's axis, and one whose rails would cross the ground: 1
+    for a bushing beyond its largest displacement, -1 for one beyond the least, 0 for rails.
+    """
+    guides = (b.guide for b in pose.mechanism.bodies.values() if b.kind == "slider")
+    carries = any(guide is not None and guide.body == name for guide in guides)
+    along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    ways = [
+        np.subtract(pose.positions[joint], axis.origin)
+        for joint in pose.mechanism.ground
+        if joint in pose.positions
+    ]
+    low, high = travel_of(pose, name, axis)
+    beside, room = (RAIL + 6.0) / scale, (2 * BLOCK[0] + 4.0) / scale
+    reaches = [float(way @ along) for way in ways]
+    crossed = [
+        reach
+        for way, reach in zip(ways, reaches, strict=True)
+        if abs(way @ (-along[1], along[0])) < beside and low - room < reach < high + room
+    ]
+    if not carries and (not crossed or high == low):
+        return 0
+    return -1 if float(np.mean(reaches or [0.0])) > 0.5 * (low + high) + 1e-9 * pose.extent else 1
+
+
+def draw_blocks(pose: Pose, scale: float) -> list[Shape]:
+    """Blocks, rods, slots and cylinders: what moves of sliders."""
+    found: list[Shape] = []
+    for name, body in pose.mechanism.bodies.items():
+        axis = pose.axis(name) if body.guide is not None else None
+        if axis is None:
+            continue
+        frame = Frame(pose, body_direction(pose, name))
+        if grounded(pose, name):
+            found += _on_the_ground(pose, frame, name, axis, scale)
+        else:
+            found += _carried(pose, frame, name, axis)
+    return found
+
+
+def _on_the_ground(
+    pose: Pose, frame: Frame, name: str, axis: SliderAxis, scale: float
+) -> list[Shape]:
+    side, pin = rod_side(pose, name, axis, scale), pin_of(pose, name)
+    if side:
+        low, high = travel_of(pose, name, axis)
+        beyond = APART + BUSHING[0] + 5.0
+        end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
+        look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
+        return [frame.line((pin, end), look, name)]
+    loose = any(play.slider == name for play in pose.mechanism.plays)
+    half, height = BLOCK
+    return [_block(frame, pin, half, height - ROOM * loose, name)]
+
+
+def _block(frame: Frame, pin: Anchor, half: float, height: float, name: str) -> Strokes:
+    corners = [outlining.rectangle(half, height)]
+    return frame.symbol(pin, corners, Look("ink", 0.8, "pale"), closed=True, name=name)
+
+
+def _carried(pose: Pose, frame: Frame, name: str, axis: SliderAxis) -> list[Shape]:
+    """A block in a slot of what carries it, or the rod of a cylinder that ends before its pin."""
+    ends, pin = along_carrier(pose, name), pin_of(pose, name)
+    low, high = travel_of(pose, name, axis)
+    near = 1e-6 * pose.extent
+    if ends is not None and (high > ends[1] + near or low < ends[0] - near):
+        return _cylinder(pose, frame, name, axis, ends)
+    block = _block(frame, pin, *SMALL_BLOCK, name)
+    guide = pose.mechanism.bodies[name].guide
+    assert guide is not None
+    assert guide.body is not None
+    look = Look(body_role(pose.mechanism, guide.body), 1.4, "paper", casing=0.8)
+    if ends is None:
+        slot = pose.slot(name)
+        assert slot is not None  # its axis is known
+        first, last = (frame.fixed(place, guide.body) for place in slot)
+        stem = _stem(pose, frame, guide.body, slot)
+        return [*stem, _slot(frame, first, last, look, name), block]
+    if high == low:  # nobody knows how far it goes
+        room = LEAST * pose.extent
+        low, high = max(ends[0], low - room), min(ends[1], high + room)
+    reach = SMALL_BLOCK[0] - 2.0  # the block stays inside
+    first = moved(frame.fixed(axis.at(low), guide.body), -reach, 0.0)
+    last = moved(frame.fixed(axis.at(high), guide.body), reach, 0.0)
+    return [_slot(frame, first, last, look, name), block]
+
+
+def _slot(frame: Frame, first: Anchor, last: Anchor, look: Look, name: str) -> Strokes:
+    """As wide as the block in it, with round ends."""
+    right = [moved(last, *point) for point in outlining.cap(SMALL_BLOCK[1], 0.0)]
+    left = [moved(first, *point) for point in outlining.cap(SMALL_BLOCK[1], np.pi)]
+    return Strokes(((*right, *left),), look, frame.direction, closed=True, name=name)
+
+
+def _stem(pose: Pose, frame: Frame, carrier: str, slot: Array) -> list[Shape]:
+    """From the pin of a block that carries a slot to the slot, if it lies beside it."""
+    if pose.mechanism.bodies[carrier].rotates:
+        return []
+    pin = np.array(next(iter(pose.shown(carrier).values())))
+    way = slot[1] - slot[0]
+    share = float(np.clip((pin - slot[0]) @ way / (way @ way), 0.0, 1.0))
+    foot = slot[0] + share * way
+    if np.hypot(*(foot - pin)) < 1e-9 * pose.extent:
+        return []
+    look = Look(body_role(pose.mechanism, carrier), THICKNESS, casing=CASING)
+    return [frame.line((frame.fixed(pin, carrier), frame.fixed(foot, carrier)), look, carrier)]
+
+
+def _cylinder(
+    pose: Pose, frame: Frame, name: str, axis: SliderAxis, ends: tuple[float, float]
+) -> list[Shape]:
+    """A barrel along the bar that carries a slider, and the slider as piston and rod."""
+    guide = pose.mechanism.bodies[name].guide
+    assert guide is not None
+    low, high = travel_of(pose, name, axis)
+    side = 1.0 if high > ends[1] else -1.0
+    bottom, rim = ends if side > 0 else ends[::-1]
+    inner, outer = (low, high) if side > 0 else (high, low)
+    length = abs(rim - bottom)
+    if low == high:
+        rod = abs(outer - 0.5 * (bottom + rim))
+    else:
+        rod = min(abs(outer - rim) + 0.15 * length, max(abs(inner - bottom) - 0.1 * length, 0.0))
+    first, last = (frame.fixed(axis.at(reach), guide.body) for reach in (bottom, rim))
+    first = moved(first, side * 8.0, 0.0)
+    corners = tuple(
+        moved(anchor, 0.0, across)
+        for anchor, across in (
+            (first, BARREL), (first, -BARREL), (last, -BARREL), (last, BARREL)
+        )
+    )  # fmt: skip
+    barrel = Look(body_role(pose.mechanism, str(guide.body)), 1.3, "paper", casing=0.8)
+    role, pin = body_role(pose.mechanism, name), pin_of(pose, name)
+    piston = Anchor(pin.joints, (-side * rod, 0.0))
+    disc = (moved(piston, 0.0, BARREL - 1.0), moved(piston, 0.0, 1.0 - BARREL))
+    return [
+        Strokes((corners,), barrel, frame.direction, closed=True, name=name),
+        frame.line((piston, pin), Look(role, 2.2, casing=0.8), name),
+        frame.line(disc, Look(role, 2.6), name),
+    ]

@@ -145,6 +145,22 @@ def animate(
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 
 
+@computes(SimulationOptions, without=("figures",))
+def view(
+    outputs: Annotated[
+        str | None,
+        typer.Option(
+            help="Comma-separated variables to show, or 'all'; default: kinematics, efforts, "
+            "reactions, loads."
+        ),
+    ] = None,
+    browser: Annotated[
+        bool, typer.Option("--open", help="Open the page in the browser, too.")
+    ] = False,
+) -> None:
+    """Write one HTML page that shows the motion and computes it again for other numbers."""
+
+
 @computes(SimulationOptions)
 def phase(
     x: Annotated[
@@ -324,6 +340,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, export, animate, phase, poincare, lyapunov, bifurcation, map_,
+    simulate, check, equations, export, view, animate, phase, poincare, lyapunov, bifurcation, map_,
     sweep, sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

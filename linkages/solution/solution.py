@@ -66,8 +66,8 @@ class Solution:
         return f"Solution({self.mechanism.name!r}, {self.summary})"
 
     def _repr_html_(self) -> str:
-        """What notebooks show: how it was computed, largest values, notes."""
-        return str(import_module("linkages.plots.notebook").solution_html(self))  # stands above
+        """What notebooks show: the motion to play with, how it was computed, largest values."""
+        return str(import_module("linkages.viewer.notebook").solution_html(self))  # stands above
 
     @property
     def summary(self) -> str:

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 import linkages
+from linkages.kernel.system import System
 
 
 @pytest.mark.parametrize("name", ["ninebar", "slider-crank", "andrews", "peaucellier"])
@@ -51,6 +52,24 @@ def test_a_solution_is_a_table_of_largest_values():
 
 def size(row):
     return abs(row["value"])
+
+
+def test_a_topology_is_its_blocks_in_their_order():
+    topology = System(linkages.load("ninebar")).topology
+    root = ElementTree.fromstring(f"<div>{closed(topology._repr_html_())}</div>")
+    assert root.find("p").text.startswith("mobility 3: driven crank1, crank4; free r1; 6 dependent")
+    rows = [[cell.text for cell in row][1:] for row in root.find("table")][1:]
+    assert rows == [
+        ["RRR dyad", "link2, link3"],
+        ["RRR dyad", "rocker6, link7"],
+        ["RRP dyad", "link8, slider9"],
+    ]
+
+
+def test_a_pendulum_has_no_blocks_to_list():
+    text = System(linkages.load("pendulum")).topology._repr_html_()
+    assert "mobility 1: free" in text
+    assert "<table>" not in text
 
 
 def test_what_comes_from_a_file_is_escaped():

@@ -38,10 +38,10 @@ def view(source: Source, path: str | Path | None = None) -> Path:
     ValueError
         If results do not say where joints are.
     """
+    text = html(source)
     mechanism = source if isinstance(source, Mechanism) else source.mechanism
     stem = Path(mechanism.source).stem or "mechanism"
     file = Path(f"{stem}.html") if path is None else Path(path)
-    text = html(source)
     with replaced(file) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return file

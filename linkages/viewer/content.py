@@ -30,6 +30,9 @@ from linkages.viewer.template import template
 if TYPE_CHECKING:
     import xarray as xr
 
+SAID = ("end", "samples", "method", "rtol", "atol", "step")
+"""Options that a page names; it carries all of them."""
+
 PEAKS = [0.0, *(10.0**power for power in range(-18, 13))]
 """Sizes from which another prefix may be customary."""
 
@@ -114,8 +117,7 @@ def _summary(system: System) -> str:
 def _how(origin: dict[str, str]) -> str:
     """By which version, with which options."""
     options = json.loads(origin["options"])
-    said = [f"{name} {value}" for name, value in options.items()
-            if isinstance(value, int | float | str) and not isinstance(value, bool)]  # fmt: skip
+    said = [f"{name} {options[name]}" for name in SAID if options.get(name) is not None]
     return f"Computed by {origin['version']}: {', '.join(said)}."
 
 

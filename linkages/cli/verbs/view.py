@@ -38,8 +38,7 @@ def run(request: Request, outputs: str | None, browser: bool) -> int:
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(request.mechanism.name)}[/bold]: {escape(solution.summary)}")
         print_notes(solution.notes, screen)
-        size = path.stat().st_size / 1000
-        screen.print(f"{path}, {size:.0f} kB: open it in a browser", markup=False, soft_wrap=True)
+        screen.print(f"{path}: open it in a browser", markup=False, soft_wrap=True)
 
     content = {**how_far(solution, failure), "bytes": path.stat().st_size,
                "notes": list(solution.notes)}  # fmt: skip

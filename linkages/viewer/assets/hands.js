@@ -51,9 +51,11 @@ function holdStage(stage, player) {
   canvas.addEventListener("dblclick", () => { camera.whole(); changed(); });
 }
 
-function sizeButtons(camera) {
+function sizeButtons(stage) {
+  const { camera } = stage;
   const act = (id, what) => document.getElementById(id).addEventListener("click", () => {
     what();
+    stage.words.sides = null;
     changed();
   });
   act("nearer", () => camera.enlarge(1.4));

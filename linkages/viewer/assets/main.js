@@ -73,7 +73,7 @@ async function start() {
   const live = CONTENT.live ? await liveNumbers(get("numbers"), page) : null;
   if (!live) get("numbers").append(element("p", {}, NOT_LIVE));
   holdStage(stage, player);
-  sizeButtons(stage.camera);
+  sizeButtons(stage);
   followKeys(player);
   new ResizeObserver(changed).observe(document.body);
   const frame = () => {

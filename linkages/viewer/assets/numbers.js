@@ -9,6 +9,7 @@ class Numbers {
     this.values = model.numbers.map((one) => one.value);
     this.rows = model.numbers.map((one, k) => this.row(one, k, size));
     this.note = element("p");
+    this.missing = missingText(model);
     this.reset = element("button", { type: "button" }, "Reset all");
     this.save = element("button", { type: "button" }, "Download YAML");
     this.reset.addEventListener("click", () => this.set(model.numbers.map((one) => one.value)));
@@ -16,8 +17,9 @@ class Numbers {
     host.append(element("div", { class: "bar" }, this.note, this.reset, this.save));
     const groups = new Map();
     model.numbers.forEach((one, k) => {
-      const [section, name] = parts(one.path), key = name ? `${section} ${name}` : section;
-      if (!groups.has(key)) groups.set(key, element("fieldset", {}, element("legend", {}, groupName(section, name))));
+      const [section, name] = parts(one.path), key = `${section} ${name}`;
+      const heading = name ? [name, element("span", {}, section)] : [section];
+      if (!groups.has(key)) groups.set(key, element("fieldset", {}, element("legend", {}, ...heading)));
       groups.get(key).append(this.rows[k].root);
     });
     host.append(...groups.values());
@@ -25,7 +27,7 @@ class Numbers {
   }
 
   row(one, k, size) {
-    const id = `number-${k}`, name = parts(one.path)[2] || parts(one.path)[0];
+    const id = `number-${k}`, name = parts(one.path)[2];
     const label = element("label", { for: id, title: one.path }, name);
     const slider = element("input", { type: "range", min: -1, max: 1, step: "any", value: 0, "aria-label": one.path, tabindex: -1 });
     const field = element("input", { type: "number", step: "any", id, "aria-label": `${one.path} in ${unitText(one.written) || "1"}` });
@@ -77,7 +79,7 @@ class Numbers {
     this.reset.disabled = this.save.disabled = count === 0;
     this.note.textContent = count === 0 ? "All numbers are those of the file."
       : `${count === 1 ? "One number differs" : `${count} numbers differ`} from the file: ${
-        different.map((k) => this.model.numbers[k].path).join(", ")}.`;
+        different.map((k) => this.model.numbers[k].path).join(", ")}.${this.missing}`;
     const badge = document.querySelector("#tab-numbers");
     badge?.replaceChildren("Change", ...(count ? [element("span", { class: "count" }, String(count))] : []));
   }
@@ -101,6 +103,13 @@ class Numbers {
   }
 }
 
+/** Quantities of the file's motion that are not there for other numbers. */
+function missingText(model) {
+  const live = new Set(model.series.map((one) => one.variable));
+  const gone = new Set(Object.values(CONTENT.series).filter((one) => !live.has(one.variable)).map((one) => one.label));
+  return gone.size ? ` Not computed for other numbers: ${[...gone].join(", ")}.` : "";
+}
+
 /** How a slider from -1 to 1 becomes a value: by a factor, or by a distance. */
 function rangeOf({ value, unit, path }, size) {
   const place = /\]$/.test(path) && unit === "m";
@@ -109,14 +118,12 @@ function rangeOf({ value, unit, path }, size) {
   return { value: (s) => value * TIMES ** s, part: (v) => (v / value > 0 ? clip(Math.log(v / value) / Math.log(TIMES)) : -1) };
 }
 
-/** Section, name of the entry, and what is left of a path. */
+/** Section, name of the entry, and what a number in it is called. */
 function parts(path) {
-  const [section, name = "", ...rest] = path.split(/\.|(?=\[)/);
-  return [section, name, rest.join(" ")];
-}
-
-function groupName(section, name) {
-  return name ? `${name} (${section})` : section;
+  const axes = path.replace(/\[([01])\]$/, (_, axis) => ` ${"xy"[axis]}`);
+  const [section, ...steps] = axes.split(/[. ]/);
+  const entry = steps.length > 1 ? steps.shift() : "";
+  return [section, entry, steps.join(" ") || section];
 }
 
 function unitText(unit) {

@@ -56,9 +56,12 @@ function paint(ctx, path, shape, colours, point) {
   }
 }
 
+const HIDDEN = -1;
+const CROWDED = 0.2; // of the motion: how long names may meet
+
 /**
  * Names: each keeps the side on which it is least in the way over the whole motion, so that none
- * jumps about.
+ * jumps about. A name of a body that has no room among others is left out until there is some.
  */
 class Words {
   constructor(shapes) {
@@ -78,17 +81,19 @@ class Words {
     this.sides = this.words.map((word) => {
       ctx.font = this.font(word, point);
       const size = [ctx.measureText(word.text).width, 10 * point];
-      let best = 0, least = Infinity;
+      let best = 0, least = Infinity, crowd = 0;
       for (let side = 0; side < 8; side++) {
-        let cost = side === 1 ? 0 : 0.2;
+        let cost = side === 1 ? 0 : 0.2, met = 0;
         scenes.forEach((scene, k) => {
           const box = this.box(word, scene, camera, point, side, size);
           if (!box) return;
           for (const spot of busy[k]) if (inside(spot, box)) cost += 1;
-          for (const other of taken[k]) if (meet(other, box)) cost += 12;
+          for (const other of taken[k]) if (meet(other, box)) met += 1;
         });
-        if (cost < least) [best, least] = [side, cost];
+        cost += 12 * met;
+        if (cost < least) [best, least, crowd] = [side, cost, met];
       }
+      if (!word.strong && crowd > CROWDED * scenes.length) return HIDDEN;
       scenes.forEach((scene, k) => {
         const box = this.box(word, scene, camera, point, best, size);
         if (box) taken[k].push(box);
@@ -135,6 +140,7 @@ class Words {
     ctx.textAlign = "center";
     ctx.textBaseline = "middle";
     this.words.forEach((word, k) => {
+      if (this.sides[k] === HIDDEN) return;
       ctx.font = this.font(word, point);
       const size = [ctx.measureText(word.text).width, 10 * point];
       const box = this.box(word, scene, camera, point, this.sides[k], size);

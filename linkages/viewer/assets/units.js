@@ -13,19 +13,24 @@ function scaleFor(peak, unit) {
 function figures(value, digits = 5) {
   if (!Number.isFinite(value)) return Number.isNaN(value) ? "–" : value > 0 ? "∞" : "−∞";
   if (value === 0) return "0";
-  const size = Math.abs(value);
-  const text = size >= 1e6 || size < 1e-4
-    ? value.toExponential(digits - 1).replace("e", "·10^")
-    : Number(value.toPrecision(digits)).toString();
-  return text.replaceAll("-", "−");
+  return written(value, digits, () => Number(value.toPrecision(digits)).toString());
 }
 
 /** The same with all zeros that its digits end in: columns do not jump. */
 function steady(value, digits = 5) {
   if (!Number.isFinite(value) || value === 0) return figures(value, digits);
+  const long = Math.abs(value) >= 10 ** digits;
+  return written(value, digits, () => (long ? String(Math.round(value)) : value.toPrecision(digits)));
+}
+
+function written(value, digits, plain) {
   const size = Math.abs(value);
-  if (size >= 1e6 || size < 1e-4) return figures(value, digits);
-  return value.toPrecision(digits).replaceAll("-", "−");
+  if (size >= 1e9 || size < 1e-4) {
+    const [front, power] = value.toExponential(digits - 1).split("e");
+    const raised = Array.from(String(Number(power)), (sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]);
+    return `${front}·10${raised.join("")}`.replaceAll("-", "−");
+  }
+  return plain().replaceAll("-", "−");
 }
 
 /** An SI value with its unit. */

@@ -103,7 +103,7 @@ def equations(
 @computes(SimulationOptions, without=("figures", "form"))
 def export(
     to: Annotated[
-        str, typer.Option("--to", metavar="FORMAT", help="svg, dxf, or another one that is found.")
+        str, typer.Option("--to", metavar="FORMAT", help="c, python, javascript, mjcf, svg, dxf.")
     ],
     hole: Annotated[
         float | None,

@@ -113,3 +113,23 @@ def test_numbers_of_the_file_lead_to_its_parameters_and_state(name, page):
             atol=1e-15,
         )
         np.testing.assert_allclose(found["state"], state, rtol=1e-12, atol=1e-14)
+
+
+def test_contacts_are_those_of_simulate(page):
+    """The first two touches of a pin and a hole, with what is remembered of their speed."""
+    own = system("slider-crank-contact")
+    times = np.linspace(0.0, 0.003, 31)
+    data = linkages.simulate(own.mechanism, times=times, rtol=1e-12, outputs=TOUCHED).data
+    assert (np.diff((data.clearance_indentation.values > 0).astype(int), axis=0) > 0).sum() >= 1
+    expected = np.hstack([data[name].values.reshape(len(times), -1) for name in TOUCHED])
+    quantities = kernel("slider-crank-contact").quantities
+    rows = [k for name in TOUCHED for k, q in enumerate(quantities) if q.variable == name]
+    text = javascript_module(own) + javascript_integrator()
+    ended = run(page, text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
+    assert ended["status"] == 0
+    found = np.array(ended["values"], dtype=float)[:, rows]
+    print(np.abs(found - expected).max(axis=0), np.abs(found - expected).max(axis=1), data.clearance_indentation.values.ravel())
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+TOUCHED = ("joint_position", "slider_position", "clearance_indentation")

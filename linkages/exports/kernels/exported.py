@@ -16,12 +16,15 @@ from linkages.kernel.code.program import Program, write_routines
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
+from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.moving.plan import kernel_source
+from linkages.kernel.transitions import transition_nodes
+from linkages.solution.moving.plan import kernel_source, switching_of
 from linkages.solution.remarks.stops import block_alignment
 from linkages.solution.values.requests import available
 from linkages.solution.values.series import TIME, Series, system_series
+from linkages.solvers.flow import Switching
 from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
@@ -32,9 +35,11 @@ STEP_TOO_SMALL, MODES = -2, -3
 _LEFT_OUT = ("joint_jerk", "closure_residual")
 """Outputs that cost more than all others together, and that say nothing of another program."""
 
-_RATES = "equations", "Accelerations, settled coordinates, margins, and functions of modes."
+_RATES = "equations", "Accelerations, settled coordinates, functions of modes and their rates."
 _SETTLE = "settle", "Whole turns of angles that springs feel."
 _OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
+
+_CHANGE = "become", "What is remembered, and new rates, where a mode changes."
 
 
 @dataclass(frozen=True)
@@ -64,8 +69,8 @@ class Exported:
     feed
         How parameters and initial state follow from numbers of the definition file.
     program
-        ``prepare(p)``, ``clock(t, p, timed)``, ``equations(y, p, timed, out)``, ``settle`` and
-        ``quantities`` with the same arguments.
+        ``prepare(p)``, ``clock(t, p, timed)``, ``equations(y, p, timed, out)``, and with the same
+        arguments ``settle``, ``quantities`` and ``become``.
     parameters
         Paths of parameters.
     state
@@ -74,12 +79,10 @@ class Exported:
         All that stands in the array of parameters at the start.
     quantities
         What ``quantities`` writes.
-    margin_scale
-        Sizes of margins, which ``equations`` writes behind accelerations and settled coordinates.
     turned
         Places of the parameters that ``settle`` writes.
-    modes
-        Names of contacts and friction that change the equations.
+    switching
+        Contacts and friction that change the equations; None if there are none.
     """
 
     system: System
@@ -89,9 +92,13 @@ class Exported:
     state: Floats
     p: Floats
     quantities: tuple[Quantity, ...]
-    margin_scale: Floats
     turned: tuple[int, ...]
-    modes: tuple[str, ...]
+    switching: Switching | None
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of what changes the equations."""
+        return () if self.switching is None else self.switching.names
 
     @property
     def routines(self) -> tuple[Routine, ...]:
@@ -143,17 +150,17 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
     """
     source = kernel_source(system.topology)
     model = source.model
-    switched = source.switched[: len(source.switched) // 2]
-    equations = [*source.accelerations, *model.settled, *model.margins, *switched]
+    equations = [*source.accelerations, *model.settled, *source.switched]
+    changed = transition_nodes(model, Layout.of(system.topology))
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
     found = _quantities(system, variables)
     outputs = [series.node(model) for series in found.values()]
-    wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs}
+    wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
     program = write_routines(model, wanted, "what the routine says")
     used = [
         node
-        for node in reachable([*equations, *turns, *outputs])
+        for node in reachable([*equations, *turns, *outputs, *changed])
         if node.operation in ("input", "spline")
     ]
     places = model.inputs.parameters
@@ -170,9 +177,8 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
         state=system.state.copy(),
         p=p,
         quantities=tuple(_described(model, series) for series in found.values()),
-        margin_scale=system.margin_scale,
         turned=tuple(places["turns", load] for load in turned),
-        modes=tuple(switch.name for switch in model.switches.switches),
+        switching=switching_of(model, Layout.of(system.topology)),
     )
 
 

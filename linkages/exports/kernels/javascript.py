@@ -67,9 +67,19 @@ def _described(found: Exported) -> dict[str, Any]:
         ],
         "statuses": found.statuses,
         "modes": found.modes,
-        "marginScale": found.margin_scale.tolist(),
+        "switching": None
+        if found.switching is None
+        else {
+            "active": found.switching.active,
+            "owners": found.switching.owners,
+            "jumps": found.switching.jumps,
+            "sticks": found.switching.sticks,
+            "shakes": found.switching.shakes,
+            "held": len(found.p) - found.program.held,
+        },
         "turned": found.turned,
         "timed": program.timed,
+        "become": program.routines[-1].arguments["out"],
         "written": found.written,
     }
 

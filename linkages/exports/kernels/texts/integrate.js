@@ -4,8 +4,9 @@
    model: has rates(t, state, parameters, out) and settled(t, state, parameters) -> status
    state: changes in place, to the last that was reached
    times: increasing or decreasing; visit(i, t, state) gets the state at times[i]
+   parameters: their modes, of contacts and friction, change as well
    Returns {status, time, steps}: 0, a status of the model, -2 where steps become too small, or -3
-   where a contact or friction changes the equations. */
+   where friction or contacts change in a way that is not followed (also: back in time). */
 export function integrate(model, parameters, state, times, options, visit) {
   const { rtol = 1e-9, atol = 1e-12, longest = Infinity } = options || {};
   const { a, b, c, error, further_a: furtherA, further_c: furtherC, dense } = DOP853;
@@ -13,7 +14,9 @@ export function integrate(model, parameters, state, times, options, visit) {
   const sign = last < times[0] ? -1 : 1;
   const stages = Array.from({ length: end + 1 + furtherA.length }, () => new Float64Array(size));
   const next = new Float64Array(size), trial = new Float64Array(size);
-  let t = times[0], index = 0, steps = 0;
+  const discarded = new Float64Array(size);
+  const switching = model.modes.length > 0;
+  let t = times[0], index = 0, steps = 0, prepared = false;
 
   function stage(row, weights, h, at) {
     trial.set(state);
@@ -60,17 +63,49 @@ export function integrate(model, parameters, state, times, options, visit) {
     return trial;
   }
 
+  /* Further stages for dense output, once for a step. */
+  function prepare(h) {
+    for (let k = 0; !prepared && k < furtherA.length; k++) {
+      const status = stage(end + 1 + k, furtherA[k], h, furtherC[k]);
+      if (status) return status;
+    }
+    prepared = true;
+    return 0;
+  }
+
+  /* The mode that the state at a part of the step contradicts; -1 if none, or if there is no such
+     state: steps that go on there are rejected. */
+  function contradicted(h, part) {
+    const status = model.rates(t + part * h, between(h, part), parameters, discarded);
+    return status ? -1 : model.contradicted(parameters);
+  }
+
+  /* The part of the step after which a mode changes, just behind that, and which; of 8 places the
+     first that contradicts a mode, then bisection. */
+  function change(h) {
+    let low = 0, high = 0, mode = -1;
+    for (let k = 1; k <= 8 && mode < 0; k++) {
+      low = high;
+      high = k / 8;
+      mode = contradicted(h, high);
+    }
+    for (let k = 0; mode >= 0 && k < 60; k++) {
+      const middle = (low + high) / 2;
+      const found = contradicted(h, middle);
+      if (middle === low || middle === high) break;
+      if (found < 0) low = middle;
+      else [high, mode] = [middle, found];
+    }
+    return { mode, part: high };
+  }
+
   /* Samples within the step; those of iterated groups are settled. */
   function sampled(h, reached) {
-    let prepared = false;
     while (index < times.length && sign * (times[index] - reached) <= 0) {
       if (times[index] === reached) trial.set(next);
       else {
-        for (let k = 0; !prepared && k < furtherA.length; k++) {
-          const status = stage(end + 1 + k, furtherA[k], h, furtherC[k]);
-          if (status) return status;
-        }
-        prepared = true;
+        const status = prepare(h);
+        if (status) return status;
         between(h, (times[index] - t) / h);
       }
       const status = model.settled(times[index], trial, parameters);
@@ -93,12 +128,12 @@ export function integrate(model, parameters, state, times, options, visit) {
   }
 
   const ended = (status) => ({ status, time: t, steps });
-  if (model.modes.length) return ended(-3);
+  if (switching && sign < 0) return ended(-3);
   let status = model.settled(t, state, parameters);
   status = status || model.rates(t, state, parameters, stages[0]);
   if (status) return ended(status);
   for (; index < times.length && times[index] === t; index++) visit(index, t, state);
-  let h = sign * Math.min(firstStep(), longest), rejected = false;
+  let h = sign * Math.min(firstStep(), longest), rejected = false, changes = 0, since = t;
   while (sign * (last - t) > 0) {
     if (Math.abs(h) < 1e-14 * Math.max(Math.abs(t), 1e-3)) return ended(status || -2);
     const final = sign * (t + 1.01 * h - last) > 0;
@@ -110,13 +145,30 @@ export function integrate(model, parameters, state, times, options, visit) {
       rejected = true;
       continue;
     }
-    const reached = final ? last : t + h;
+    prepared = false;
+    let reached = final ? last : t + h, mode = -1;
+    if (switching) {
+      status = prepare(h);
+      if (status) return ended(status);
+      const found = change(h);
+      mode = found.mode;
+      if (mode >= 0) {
+        reached = t + found.part * h;
+        next.set(between(h, found.part));
+      }
+    }
     status = sampled(h, reached) || model.settled(reached, next, parameters);
     if (status) return ended(status);
     t = reached;
     state.set(next);
-    status = model.rates(t, state, parameters, stages[0]);
+    if (mode >= 0) status = model.changed(mode, t, state, parameters);
+    status = status || model.rates(t, state, parameters, stages[0]);
     if (status) return ended(status);
+    if (mode >= 0) {
+      changes = t - since > 1e-10 * Math.abs(t) ? 1 : changes + 1;
+      if (changes === 1) since = t;
+      if (changes > 100) return ended(-2);
+    }
     steps += 1;
     const growth = error > 0 ? Math.min(6, 0.9 * error ** (-1 / 8)) : 6;
     h = sign * Math.min(Math.abs(h) * (rejected ? Math.min(1, growth) : growth), longest);

@@ -1,7 +1,7 @@
 export const model = (() => {
   const n = described.coordinates.length;
   const free = described.free, carried = described.carried, internal = described.internal;
-  const firstCarried = free + internal, firstMargin = n + 2 * carried;
+  const firstCarried = free + internal, moved = firstCarried;
   const timed = new Float64Array(described.timed), work = new Float64Array(described.written);
   const full = new Float64Array(3 * n), turns = new Float64Array(described.turned.length);
   const asWritten = Float64Array.from(described.numbers, (number) => number.value);
@@ -29,16 +29,63 @@ export const model = (() => {
 
   /* From numbers and a state whose dependent coordinates are about right. */
   function start(numbers, parameters, state) {
-    const refused = feed(numbers, parameters, state);
-    if (refused) return refused;
-    prepare(parameters);
-    const status = settled(0, state, parameters);
-    if (status || turns.length === 0) return status;
+    let status = feed(numbers, parameters, state);
+    if (status) return status;
     described.turned.forEach((place) => { parameters[place] = 0; });
-    settle(state, parameters, timed, turns);
-    described.turned.forEach((place, k) => { parameters[place] = turns[k]; });
     prepare(parameters);
-    return settled(0, state, parameters);
+    status = settled(0, state, parameters);
+    if (!status && turns.length > 0) {
+      settle(state, parameters, timed, turns);
+      described.turned.forEach((place, k) => { parameters[place] = turns[k]; });
+      prepare(parameters);
+      status = settled(0, state, parameters);
+    }
+    return status || (modes ? wake(0, state, parameters, -1) : 0);
+  }
+
+  /* --- modes: contacts and friction that change the equations --- */
+
+  const modes = described.modes.length, firstFunction = n + 2 * carried;
+  const { active, owners, jumps, sticks, shakes, held } = described.switching || { owners: [] };
+  const values = new Float64Array(described.become);
+
+  const functionOf = (k) => work[firstFunction + k];
+  const rateOf = (k) => work[firstFunction + modes + k];
+  const isWatched = (k, p) => active[k] < 0 || p[held + active[k]] > 0;
+
+  /* Sets modes that follow from the state: all of them, or those behind one that has changed. */
+  function wake(t, state, p, behind) {
+    for (let k = 0; k < modes; k++) {
+      let owner = behind < 0 ? behind : active[k];
+      while (owner >= 0 && owner !== behind) owner = active[owner];
+      if (owner !== behind) continue;
+      const status = evaluated(t, state, p);
+      if (status) return status;
+      const on = functionOf(k) > 0 || (functionOf(k) === 0 && rateOf(k) >= 0);
+      p[held + k] = isWatched(k, p) && on ? 1 : -1;
+      if (behind < 0) remember(k, t, state, p);
+    }
+    return evaluated(t, state, p);
+  }
+
+  function remember(k, t, state, p) {
+    if (!owners.includes(k)) return;
+    become(state, p, timed, values);
+    owners.forEach((owner, r) => { if (owner === k) p[held + modes + r] = values[r]; });
+  }
+
+  /* A mode that stuck goes to the side to which its function leaves. */
+  function takeSide(k, t, state, p) {
+    p[held + k] = -1;
+    let status = evaluated(t, state, p);
+    const down = -rateOf(k);
+    p[held + k] = 1;
+    status = status || evaluated(t, state, p);
+    if (!status && rateOf(k) < down) {
+      p[held + k] = -1;
+      status = evaluated(t, state, p);
+    }
+    return status;
   }
 
   const model = {
@@ -66,6 +113,45 @@ export const model = (() => {
     },
 
     settled,
+
+    /* The first mode that the state contradicts after `rates` there; -1 if there is none. */
+    contradicted(parameters) {
+      for (let k = 0; k < modes; k++) {
+        const mode = parameters[held + k] || 1;
+        if (isWatched(k, parameters) && mode * functionOf(k) < 0) return k;
+      }
+      return -1;
+    },
+
+    /* Changes a mode where its function has crossed zero, and what follows from that in state and
+       parameters; returns a status, -3 for what is not followed. */
+    changed(k, t, state, parameters) {
+      const p = parameters;
+      let status = evaluated(t, state, p);
+      if (status) return status;
+      if (shakes[k]) return -3;
+      if (p[held + k] === 0) return takeSide(k, t, state, p);
+      const rises = p[held + k] < 0, before = rateOf(k);
+      if (values.length) become(state, p, timed, values);
+      const jumping = rises && jumps[k] >= 0 && before > 0;
+      if (!(rises && jumps[k] >= 0) || jumping) p[held + k] = -p[held + k];
+      if (rises) {
+        owners.forEach((owner, r) => { if (owner === k) p[held + modes + r] = values[r]; });
+      }
+      if (jumping) for (let i = 0; i < moved; i++) state[n + i] = values[jumps[k] + i];
+      status = settled(t, state, p);
+      if (!status && jumping && rateOf(k) < 0) {
+        p[held + k] = -1;
+        status = evaluated(t, state, p);
+      }
+      status = status || wake(t, state, p, k);
+      if (!status && p[held + k] * rateOf(k) < -1e-9 * abs(before)) {
+        if (!sticks[k]) return -3;
+        p[held + k] = 0;
+        status = evaluated(t, state, p) || (functionOf(k) < -1e-9 ? -3 : 0);
+      }
+      return status;
+    },
 
     /* Parameters and initial state from numbers of the definition file, in the order of `numbers`;
        returns a status. Dependent coordinates without a closed form are followed from the numbers

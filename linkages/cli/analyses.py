@@ -115,6 +115,9 @@ def export(
     ] = None,
     paths: Annotated[bool | None, typer.Option(help="Write the paths of joints.")] = None,
     links: Annotated[bool | None, typer.Option(help="Write the outlines of links.")] = None,
+    symbols: Annotated[
+        bool | None, typer.Option("--symbols", help="Draw the mechanism as figures do.")
+    ] = None,
 ) -> None:
     """Write the mechanism for another program: drawings at 1:1, programs, models."""
 

@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 from linkages.exports import Subject
 
 if TYPE_CHECKING:
-    import numpy as np
+    from numpy import float64
     from numpy.typing import NDArray
 
     from linkages.exports.geometry.outlines import Outline
@@ -27,6 +27,7 @@ def svg(
     width: float | None = None,
     paths: bool = True,
     links: bool = True,
+    symbols: bool = False,
 ) -> Mapping[str, str]:
     """Write links where the motion begins, and the paths of joints, in millimetres 1:1.
 
@@ -38,24 +39,33 @@ def svg(
         Diameter of holes and width of links in metres; default: as the mechanism's size wants.
     paths, links
         Whether to write either.
+    symbols
+        Whether to draw the mechanism as figures do: over the links, in symbols of printed size.
     """
+    import numpy as np
+
     from linkages.exports.geometry.parts import drawn_of
+    from linkages.exports.geometry.symbols import symbols_of
 
     drawn = drawn_of(subject, hole, width, paths=paths, links=links)
     low, high = drawn.box
-    size = high - low
     body = [line for part in drawn.parts for line in _part(part, drawn.sizes.hole)]
+    if symbols:
+        elements, lowest, highest = symbols_of(subject)
+        low, high = np.minimum(low, lowest), np.maximum(high, highest)
+        body += ['<g id="drawing">', *elements, "</g>"]
     body += [
         f'<path id="path-{_text(name)}" class="path" d="{_polyline(line)}"/>'
         for name, line in drawn.paths.items()
     ]
+    size = high - low
     frame = f"{low[0]:.9g} {-high[1]:.9g} {size[0]:.9g} {size[1]:.9g}"
     text = "\n".join([
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]:.9g}mm" '
         f'height="{size[1]:.9g}mm" viewBox="{frame}">',
         f"<title>{_text(subject.mechanism.name)}</title>",
-        f"<style>path, circle {{fill: none; stroke: #000000; stroke-width: {PEN}}} "
+        f"<style>.edge, .path, .hole {{fill: none; stroke: #000000; stroke-width: {PEN}}} "
         ".path {stroke: #0072B2}</style>",
         *body,
         "</svg>",
@@ -67,7 +77,7 @@ def svg(
 def _part(part: Part, hole: float) -> list[str]:
     """A group with the edge of a link, its slots, and its holes."""
     holes = [
-        f'<circle id="{_text(part.name)}-{_text(joint)}" cx="{x:.9g}" cy="{-y:.9g}" '
+        f'<circle class="hole" id="{_text(part.name)}-{_text(joint)}" cx="{x:.9g}" cy="{-y:.9g}" '
         f'r="{0.5 * hole:.9g}"/>'
         for joint, (x, y) in part.holes.items()
     ]
@@ -90,7 +100,7 @@ def _closed(outline: Outline) -> str:
     return " ".join([*words, "Z"])
 
 
-def _polyline(line: NDArray[np.float64]) -> str:
+def _polyline(line: NDArray[float64]) -> str:
     return "M " + " ".join(f"{x:.9g} {-y:.9g}" for x, y in line)
 
 

@@ -11,13 +11,13 @@ import linkages
 from linkages.errors import InputError
 from linkages.exports import Subject, exports, files_of
 from linkages.exports.geometry.outlines import rounded
-from linkages.plots.mechanism.bodies import convex_hull
+from linkages.plots.mechanism.bodies import clearance_ends, convex_hull
 from linkages.plots.mechanism.traces import moving_joints
 
 ezdxf = pytest.importorskip("ezdxf")
 
-DIGITS = 1e-6
-"""Millimetres: SVG has nine significant digits of lengths below a metre."""
+DIGITS = 1e-5
+"""Millimetres: SVG has nine significant digits of lengths below ten metres."""
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +185,30 @@ def test_without_ezdxf_dxf_says_what_to_install(solution, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "ezdxf", None)
     with pytest.raises(ValueError, match=r"linkages\[dxf\]"):
         files_of(Subject(solution.mechanism, "m", solution), "dxf", {})
+
+
+@pytest.mark.parametrize("name", ["four-bar", "quick-return", "ninebar", "andrews"])
+def test_symbols_stand_where_their_joints_are(name):
+    """Every pin of the drawing, in millimetres; symbols are as large as printed points are."""
+    solution = linkages.simulate(linkages.load(name), end=0.01, samples=3)
+    root = svg_of(solution, symbols=True)
+    drawing = named(root, "drawing")
+    pins = {}
+    for element in drawing:
+        if element.tag.endswith("circle") and element.get("data-name"):
+            pins[element.get("data-name")] = element
+    box = numbers(root.get("viewBox"))
+    hidden = clearance_ends(solution.mechanism)
+    for joint in solution.data["joint"].values:
+        if joint in hidden:
+            continue
+        x, y = positions(solution, joint)[0]
+        circle = pins[joint]
+        place = [float(circle.get("cx")), -float(circle.get("cy"))]
+        assert place == pytest.approx([x, y], abs=DIGITS)
+        assert float(circle.get("r")) * 72 / 25.4 < 7.0
+        assert box[0] < x < box[0] + box[2]
+        assert box[1] < -y < box[1] + box[3]
 
 
 def test_formats_are_found_by_name():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,7 +43,7 @@ def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
 
 
 def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
-    """Shapes of a drawing that stay where they are, and those that move.
+    """Shapes of a drawing that stay where they are, and those that move or lie above one that does.
 
     Parameters
     ----------
@@ -51,8 +52,6 @@ def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
     scale
         Points per metre of the picture.
     """
-    still: list[Shape] = []
-    moving: list[Shape] = []
-    for shape in under(first, scale):
-        (still if stands_still(shape, first.mechanism.ground) else moving).append(shape)
-    return still, moving
+    shapes, ground = under(first, scale), first.mechanism.ground
+    still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))
+    return still, shapes[len(still) :]

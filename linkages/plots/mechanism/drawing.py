@@ -12,9 +12,10 @@ from matplotlib.lines import Line2D
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
+from linkages.plots.mechanism.dimensions import draw_centres, length_words
 from linkages.plots.mechanism.efforts import draw_drives, draw_forces
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
-from linkages.plots.mechanism.guides import draw_blocks, draw_guides
+from linkages.plots.mechanism.guides import draw_blocks, draw_guides, draw_rods
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.links import (
@@ -32,6 +33,7 @@ from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.shapes import Shape, Word
 from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs, draw_torsional
+from linkages.plots.mechanism.stops import draw_stops
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
 from linkages.plots.style import styled
 
@@ -50,9 +52,9 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
 
 
 @styled
-def start_figure(system: System) -> Figure:
-    """A mechanism at t = 0, without a motion."""
-    return posed(start_pose(system))
+def start_figure(system: System, *, dimensions: bool = False) -> Figure:
+    """A mechanism at t = 0, without a motion; with lengths and centres of mass if that is asked."""
+    return posed(start_pose(system), dimensions=dimensions)
 
 
 def start_pose(system: System) -> Pose:
@@ -65,10 +67,10 @@ def start_pose(system: System) -> Pose:
     return Pose(system.mechanism, positions, angles)
 
 
-def posed(pose: Pose) -> Figure:
+def posed(pose: Pose, *, dimensions: bool = False) -> Figure:
     """The figure of a mechanism in a position, given in metres."""
     result, ax = picture(reach(pose))
-    draw_pose(ax, pose)
+    draw_pose(ax, pose, dimensions=dimensions)
     return result
 
 
@@ -103,6 +105,7 @@ def under(pose: Pose, scale: float) -> list[Shape]:
     """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
     return [
         *draw_guides(pose, scale),
+        *draw_rods(pose, scale),
         *draw_gears(pose),
         *draw_racks(pose),
         *draw_cams(pose),
@@ -112,6 +115,7 @@ def under(pose: Pose, scale: float) -> list[Shape]:
         *draw_springs(pose, scale),
         *draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
+        *draw_stops(pose),
         *draw_welds(pose),
         *draw_masses(pose),
         *draw_pins(pose),
@@ -146,10 +150,13 @@ def draw(
     return draw_pose(ax, Pose(mechanism, positions, angles or {}))
 
 
-def draw_pose(ax: Axes, pose: Pose) -> Axes:
+def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
-    factor = frame(ax, reach(pose), pose.mechanism).factor
+    scale = frame(ax, reach(pose), pose.mechanism)
+    factor = scale.factor
     shapes = shapes_of(pose, points_per_unit(ax) * factor)
+    if dimensions:
+        shapes += [*draw_centres(pose), *length_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
     Inked(ax, shapes, shown).avoided(labels)
     note_gears(ax, pose)
@@ -164,7 +171,7 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
     for word in shapes:
         if isinstance(word, Word):
             places = placed(shown, word.beside, word.direction, point)
-            size = {"fontsize": 8.0} if word.look.role == "load" else {}
+            size = {"fontsize": 8.0} if word.look.role == "load" or word.gap < 4.0 else {}
             weight = "bold" if word.strong else "normal"
             labels.beside(
                 word.text, places, word.gap, color=LIGHT[word.look.role], weight=weight, **size

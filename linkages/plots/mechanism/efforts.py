@@ -11,7 +11,7 @@ from linkages.components.contributed.measures import BodyAxis, Coordinate, Load,
 from linkages.components.contributed.sensing import named
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.frames import Frame, body_direction, joints
-from linkages.plots.mechanism.guides import grounded, half_length, pin_of
+from linkages.plots.mechanism.guides import grounded, half_length, pin_of, rod_side
 from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.outlining import BLOCK, MASS, SMALL_BLOCK, Stroke
 from linkages.plots.mechanism.pose import Pose
@@ -32,7 +32,7 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
     for name in mechanism.prescribed:
         sense = drive_sense(mechanism, name)
         if not mechanism.bodies[name].rotates:
-            found += _beside_block(pose, name, sense, "driven", over=True)
+            found += _beside_block(pose, name, sense, "driven", scale, over=True)
             continue
         shown = sorted(pose.shown(name), key=lambda joint: joint not in mechanism.ground)
         if len(shown) > 1 and sense:
@@ -88,7 +88,7 @@ def draw_forces(pose: Pose, scale: float) -> list[Shape]:
             found += _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, "load", turn.body)
     for slide, load in kinds.slides:
         if load.pushes:
-            found += _beside_block(pose, slide.body, load_sense(load, mechanism), "load")
+            found += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
     return found
 
 
@@ -103,7 +103,7 @@ def _straight(start: float, across: float, sense: int) -> Stroke:
 
 
 def _beside_block(
-    pose: Pose, name: str, sense: int, role: str, *, over: bool = False
+    pose: Pose, name: str, sense: int, role: str, scale: float, *, over: bool = False
 ) -> list[Shape]:
     """An arrow over a block, or before or behind it: pulling or pushing."""
     axis = pose.axis(name)
@@ -114,6 +114,8 @@ def _beside_block(
     if not grounded(pose, name):
         height = SMALL_BLOCK[1]
     side = 0 if over else force_side(pose, name, sense)
+    if side and grounded(pose, name) and rod_side(pose, name, axis, scale) == side:
+        side = 0  # there is the rod of the slider
     if side == 0:
         line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
     else:

@@ -120,10 +120,11 @@ def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
     guides = (b.guide for b in pose.mechanism.bodies.values() if b.kind == "slider")
     carries = any(guide is not None and guide.body == name for guide in guides)
     along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
     ways = [
         np.subtract(pose.positions[joint], axis.origin)
         for joint in pose.mechanism.ground
-        if joint in pose.positions
+        if joint in pose.positions and joint in turning
     ]
     low, high = travel_of(pose, name, axis)
     beside, room = (RAIL + 6.0) / scale, (2 * BLOCK[0] + 4.0) / scale
@@ -138,34 +139,37 @@ def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
     return -1 if float(np.mean(reaches or [0.0])) > 0.5 * (low + high) + 1e-9 * pose.extent else 1
 
 
+def draw_rods(pose: Pose, scale: float) -> list[Shape]:
+    """Sliders on the ground that are rods in a bushing: they pass behind cranks."""
+    found: list[Shape] = []
+    for name in pose.mechanism.bodies:
+        axis = pose.axis(name) if grounded(pose, name) else None
+        side = rod_side(pose, name, axis, scale) if axis is not None else 0
+        if axis is not None and side:
+            (low, high), pin = travel_of(pose, name, axis), pin_of(pose, name)
+            beyond = APART + BUSHING[0] + 5.0
+            end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
+            look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
+            frame = Frame(pose, body_direction(pose, name))
+            found.append(frame.line((pin, end), look, name))
+    return found
+
+
 def draw_blocks(pose: Pose, scale: float) -> list[Shape]:
-    """Blocks, rods, slots and cylinders: what moves of sliders."""
+    """Blocks, slots and cylinders: what else moves of sliders."""
     found: list[Shape] = []
     for name, body in pose.mechanism.bodies.items():
         axis = pose.axis(name) if body.guide is not None else None
         if axis is None:
             continue
         frame = Frame(pose, body_direction(pose, name))
-        if grounded(pose, name):
-            found += _on_the_ground(pose, frame, name, axis, scale)
-        else:
+        if not grounded(pose, name):
             found += _carried(pose, frame, name, axis)
+        elif not rod_side(pose, name, axis, scale):
+            loose = any(play.slider == name for play in pose.mechanism.plays)
+            height = BLOCK[1] - ROOM * loose
+            found.append(_block(frame, pin_of(pose, name), BLOCK[0], height, name))
     return found
-
-
-def _on_the_ground(
-    pose: Pose, frame: Frame, name: str, axis: SliderAxis, scale: float
-) -> list[Shape]:
-    side, pin = rod_side(pose, name, axis, scale), pin_of(pose, name)
-    if side:
-        low, high = travel_of(pose, name, axis)
-        beyond = APART + BUSHING[0] + 5.0
-        end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
-        look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
-        return [frame.line((pin, end), look, name)]
-    loose = any(play.slider == name for play in pose.mechanism.plays)
-    half, height = BLOCK
-    return [_block(frame, pin, half, height - ROOM * loose, name)]
 
 
 def _block(frame: Frame, pin: Anchor, half: float, height: float, name: str) -> Strokes:
@@ -185,19 +189,17 @@ def _carried(pose: Pose, frame: Frame, name: str, axis: SliderAxis) -> list[Shap
     assert guide is not None
     assert guide.body is not None
     look = Look(body_role(pose.mechanism, guide.body), 1.4, "paper", casing=0.8)
-    if ends is None:
-        slot = pose.slot(name)
-        assert slot is not None  # its axis is known
-        first, last = (frame.fixed(place, guide.body) for place in slot)
-        stem = _stem(pose, frame, guide.body, slot)
-        return [*stem, _slot(frame, first, last, look, name), block]
-    if high == low:  # nobody knows how far it goes
+    if low == high:  # nobody knows how far it goes
         room = LEAST * pose.extent
-        low, high = max(ends[0], low - room), min(ends[1], high + room)
+        low, high = low - room, high + room
+        if ends is not None:
+            low, high = max(ends[0], low), min(ends[1], high)
+    slot = np.array([axis.at(low), axis.at(high)])
+    stem = _stem(pose, frame, guide.body, slot) if ends is None else []
     reach = SMALL_BLOCK[0] - 2.0  # the block stays inside
-    first = moved(frame.fixed(axis.at(low), guide.body), -reach, 0.0)
-    last = moved(frame.fixed(axis.at(high), guide.body), reach, 0.0)
-    return [_slot(frame, first, last, look, name), block]
+    first = moved(frame.fixed(slot[0], guide.body), -reach, 0.0)
+    last = moved(frame.fixed(slot[1], guide.body), reach, 0.0)
+    return [*stem, _slot(frame, first, last, look, name), block]
 
 
 def _slot(frame: Frame, first: Anchor, last: Anchor, look: Look, name: str) -> Strokes:

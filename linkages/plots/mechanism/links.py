@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.measures import Distance
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import PLAYING, Body
 from linkages.components.weld import Weld
@@ -104,7 +105,7 @@ def _hidden(pose: Pose) -> set[str]:
 
 
 def draw_clearances(pose: Pose) -> list[Shape]:
-    """A thin line from every pin to the middle of its hole."""
+    """A thin line from every journal to the middle of its bearing."""
     look = Look("clearance", 1.2)
     return [
         Strokes(((Anchor(((joint, 1.0),)), Anchor(((displaced, 1.0),))),), look, name=joint)
@@ -117,7 +118,7 @@ def draw_bearings(pose: Pose) -> list[Shape]:
     """Hatched ground under the joints that it holds."""
     found: list[Shape] = []
     for joint in pose.positions:
-        if joint in pose.mechanism.ground and not _fixed(pose, joint):
+        if joint in pose.mechanism.ground and _held(pose, joint) and not _fixed(pose, joint):
             frame = Frame(pose, Direction(ground_direction(pose, joint) + 0.5 * np.pi))
             triangle = [[(0.0, 0.0), (-5.5, -9.5), (5.5, -9.5)]]
             centre, look = frame.at(joint), Look("ink", 0.8, "pale")
@@ -141,7 +142,8 @@ def draw_pins(pose: Pose) -> list[Shape]:
         if joint in ends.values():
             ring = Look("clearance", 0.9, "paper")
             found.append(Disc(centre, ring, points=outlining.CLEARANCE_RING, name=joint))
-        free_end = joint not in mechanism.ground and meeting.count(joint) < 2
+        pinned = joint in mechanism.ground and _held(pose, joint)
+        free_end = not pinned and meeting.count(joint) < 2
         radius, fill = (outlining.FREE_END, "ink") if free_end else (outlining.PIN, "paper")
         found.append(Disc(centre, Look("ink", 0.9, fill), points=radius, name=joint))
     return found
@@ -186,6 +188,15 @@ def _corner(first: float, second: float) -> outlining.Stroke:
         ends = 0.5 * np.array([1.0, 1.0, -1.0, -1.0])[:, None] * ways[0]
         corner = outlining.WEDGE * (ends + np.array([1.0, -1.0, -1.0, 1.0])[:, None] * across)
     return [(float(x), float(y)) for x, y in corner]
+
+
+def _held(pose: Pose, joint: str) -> bool:
+    """Whether something turns at a joint or pulls at it: others are places that axes go through."""
+    mechanism = pose.mechanism
+    lines = (load.measure for load in mechanism.loads if isinstance(load.measure, Distance))
+    return any(joint in body.points for body in mechanism.bodies.values()) or any(
+        joint in (line.first, line.second) for line in lines
+    )
 
 
 def _fixed(pose: Pose, joint: str) -> bool:

@@ -71,7 +71,7 @@ class Look:
     casing
         Points of paper beside its edge, which part it from what it crosses.
     dashes
-        Lengths of strokes and gaps in points; none for a solid line.
+        Lengths of strokes and gaps in widths of the edge; none for a solid line.
     """
 
     role: str

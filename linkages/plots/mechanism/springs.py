@@ -18,20 +18,21 @@ from linkages.plots.mechanism.outlining import CUP
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.senses import load_sense
 from linkages.plots.mechanism.shapes import Anchor, Direction, Look, Shape, Strokes
+from linkages.plots.mechanism.stops import without_stops
 
 SPRING, THRUST = Look("spring", 1.1), Look("load", 1.1)
 BESIDE = 13.0  # points between symbols that lie side by side
 STUB = 9.0  # points from a joint to where they part
 COIL, AMPLITUDE = 8.0, 4.5  # points along and across
 COILS = (4, 14)
-WALL = 22.0  # points from the last place of a block to a wall
+WALL = 28.0  # points from the last place of a block to a wall
 OUTER = 15.0  # radius of a bent dashpot around a spiral
 
 
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    for ends, load in by_kind(pose.mechanism.loads).lines:
+    for ends, load in by_kind(without_stops(pose.mechanism)).lines:
         if {ends.first, ends.second} <= set(pose.positions):
             first, second = sorted((ends.first, ends.second))
             lines.setdefault((first, second), []).extend(_parts(load))
@@ -118,7 +119,7 @@ def _barrel(first: Anchor, second: Anchor, length: float) -> list[tuple[Anchor, 
 def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
-    for slide, load in by_kind(pose.mechanism.loads).slides:
+    for slide, load in by_kind(without_stops(pose.mechanism)).slides:
         found = of_slider.setdefault(slide.body, [])
         if not load.pushes:
             found += ["spring"] * load.elastic + ["damper"] * load.dissipates
@@ -145,7 +146,7 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
 
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    slides = by_kind(pose.mechanism.loads).slides
+    slides = by_kind(without_stops(pose.mechanism)).slides
     forces = [load for slide, load in slides if slide.body == name and load.pushes]
     side = force_side(pose, name, -1)
     stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
@@ -156,7 +157,7 @@ def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
     found: list[Shape] = []
-    for turn, load in by_kind(pose.mechanism.loads).turns:
+    for turn, load in by_kind(without_stops(pose.mechanism)).turns:
         joint = pivot(pose, turn)
         if load.given or load.applied or joint is None:
             continue
@@ -195,7 +196,7 @@ def _free_direction(pose: Pose, joint: str) -> float:
     """The direction from a joint that is farthest from all bars there."""
     place = pose.positions[joint]
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    pairs = [(line.first, line.second) for line, _ in by_kind(pose.mechanism.loads).lines]
+    pairs = [(line.first, line.second) for line, _ in by_kind(without_stops(pose.mechanism)).lines]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(other, place)

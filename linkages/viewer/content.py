@@ -55,7 +55,6 @@ def written(
     """
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
-    live = not system.model.switches.switches
     tolerances = {**asdict(options_of(SimulationOptions, mechanism, {})), **options}
     content = {
         "mechanism": described(system),
@@ -70,7 +69,6 @@ def written(
         "rates": {name: found.rate for name, found in VARIABLES.items() if found.rate},
         "palette": {"light": dict(LIGHT), "dark": dict(DARK)},
         "lines": {"light": list(PALETTE), "dark": [_paler(colour) for colour in PALETTE]},
-        "live": live,
         "series": _known(system, [str(name) for name in data.data_vars]),
         "tolerances": {name: tolerances[name] for name in ("rtol", "atol")},
         "template": template(mechanism),
@@ -78,7 +76,7 @@ def written(
         "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
-    kernel = [javascript_module(system), javascript_integrator()] if live else []
+    kernel = [javascript_module(system), javascript_integrator()]
     return page({**content, "numbers": packed.text()}, kernel)
 
 

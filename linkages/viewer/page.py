@@ -24,7 +24,7 @@ _EXPORT = re.compile(r"^export ", re.MULTILINE)
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
 
 
-def page(content: dict[str, Any], kernel: Sequence[str] = ()) -> str:
+def page(content: dict[str, Any], kernel: Sequence[str]) -> str:
     """The whole file.
 
     Parameters
@@ -32,9 +32,9 @@ def page(content: dict[str, Any], kernel: Sequence[str] = ()) -> str:
     content
         What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
     kernel
-        Modules without imports that export ``model`` and ``integrate``, if there are any.
+        Modules without imports that export ``model`` and ``integrate``.
     """
-    beside = [*kernel, _asset("worker.js")] if kernel else []
+    beside = [*kernel, _asset("worker.js")]
     parts = {
         "title": escape(str(content["mechanism"]["name"])),
         "style": _asset("style.css"),

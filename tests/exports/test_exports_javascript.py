@@ -128,7 +128,11 @@ def test_contacts_are_those_of_simulate(page):
     ended = run(page, text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
     assert ended["status"] == 0
     found = np.array(ended["values"], dtype=float)[:, rows]
-    print(np.abs(found - expected).max(axis=0), np.abs(found - expected).max(axis=1), data.clearance_indentation.values.ravel())
+    print(
+        np.abs(found - expected).max(axis=0),
+        np.abs(found - expected).max(axis=1),
+        data.clearance_indentation.values.ravel(),
+    )
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 

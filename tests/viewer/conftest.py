@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -36,17 +37,27 @@ def solved() -> Callable[..., Solution]:
     return solve
 
 
+@pytest.fixture(scope="session")
+def written(
+    solved: Callable[..., Solution], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[str], Path]:
+    """The file of a mechanism's page, written once."""
+    folder = tmp_path_factory.mktemp("viewer")
+
+    def write(name: str) -> Path:
+        file = folder / f"{name}.html"
+        return file if file.exists() else linkages.view(solved(name), file)
+
+    return write
+
+
 @pytest.fixture
-def opened(
-    browser: Browser, solved: Callable[..., Solution], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[..., Page]:
+def opened(browser: Browser, written: Callable[[str], Path]) -> Callable[..., Page]:
     """A page of a mechanism, with its parts in `v`."""
 
     def opening(name: str, *, size: tuple[int, int] = (1300, 900), dark: bool = False) -> Page:
-        file = tmp_path_factory.mktemp("viewer") / f"{name}.html"
-        linkages.view(solved(name), file)
         page = browser.page(*size, dark=dark)
-        page.open(file)
+        page.open(written(name))
         page.evaluate("viewer.then((parts) => { window.v = parts; })")
         return page
 

@@ -1,9 +1,6 @@
 /** Puts the page together. */
 let dirty = true;
 
-const NOT_LIVE = "Contacts or friction change the equations of this motion while it goes on; this page "
-  + "does not compute that. Change the definition file, and write the page again.";
-
 /** Something is to be drawn anew. */
 function changed() { dirty = true; }
 
@@ -70,8 +67,7 @@ async function start() {
   page.tabs = new Tabs(get("tabs"), {
     plots: "Diagrams", values: "Values", numbers: "Change", about: "About",
   });
-  const live = CONTENT.live ? await liveNumbers(get("numbers"), page) : null;
-  if (!live) get("numbers").append(element("p", {}, NOT_LIVE));
+  const live = await liveNumbers(get("numbers"), page);
   holdStage(stage, player);
   sizeButtons(stage);
   followKeys(player);

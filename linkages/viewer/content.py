@@ -55,7 +55,6 @@ def written(
     """
     system, packed = System(mechanism), Packed()
     origin = origin_of(mechanism, options)
-    tolerances = {**asdict(options_of(SimulationOptions, mechanism, {})), **options}
     content = {
         "mechanism": described(system),
         "summary": _summary(system),
@@ -70,7 +69,7 @@ def written(
         "palette": {"light": dict(LIGHT), "dark": dict(DARK)},
         "lines": {"light": list(PALETTE), "dark": [_paler(colour) for colour in PALETTE]},
         "series": _known(system, [str(name) for name in data.data_vars]),
-        "tolerances": {name: tolerances[name] for name in ("rtol", "atol")},
+        "tolerances": _tolerances(mechanism, options),
         "template": template(mechanism),
         "file": f"{Path(mechanism.source).stem or 'mechanism'}.yaml",
         "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
@@ -92,6 +91,15 @@ def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
                        "unit": units, "label": label, "angle": variable.angle,
                        "smooth": variable.smooth}  # fmt: skip
     return found
+
+
+def _tolerances(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, float]:
+    """How exactly a page computes motions: as this one, and all of a state as its finest part."""
+    said = {**asdict(options_of(SimulationOptions, mechanism, {})), **options}
+    rtol, atol = said["rtol"], said["atol"]
+    if atol is None:
+        atol = rtol * min([1.0, *(contact.size.value for contact in mechanism.contacts)])
+    return {"rtol": rtol, "atol": atol}
 
 
 def _paler(colour: str) -> str:

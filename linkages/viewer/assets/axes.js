@@ -28,7 +28,7 @@ class Axis {
       found.push(k * step);
     }
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    return found.map((at) => [at, at.toFixed(Math.min(digits, 12)).replace("-", "−")
-      .replace(/^−(0(\.0*)?)$/, "$1")]);
+    if (digits > 4) return found.map((at) => [at, figures(Math.abs(at) < 1e-9 * step ? 0 : at, 2)]);
+    return found.map((at) => [at, at.toFixed(digits).replace("-", "−").replace(/^−(0(\.0*)?)$/, "$1")]);
   }
 }

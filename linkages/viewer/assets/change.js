@@ -42,7 +42,7 @@ async function liveNumbers(host, page) {
 /** When, where and why a motion ends before its time; empty if it does not. */
 function stopText(model, { time, status }) {
   if (!status) return "";
-  const why = model.statuses[status] ?? `status ${status}`;
+  const why = typeof status === "string" ? status : model.statuses[status] ?? `status ${status}`;
   if (time.length < 2) return `${why[0].toUpperCase()}${why.slice(1)}. The motion before is still shown.`;
   return `Stops at t = ${figures(time[time.length - 1], 4)} s: ${why}.`;
 }

@@ -4,6 +4,8 @@ const FINE = 14; // frames per swing, with fewer of which a motion is computed a
 const MOST_FRAMES = 12000;
 
 class Live {
+  static limit = 20; // seconds after which a computation is given up
+
   constructor(text) {
     this.address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
     this.model = this.begin();
@@ -14,7 +16,10 @@ class Live {
     this.worker = new Worker(this.address);
     this.busy = null;
     return new Promise((done, failed) => {
-      this.worker.onerror = (event) => failed(new Error(event.message));
+      this.worker.onerror = (event) => {
+        failed(new Error(event.message));
+        if (this.busy) this.restart(event.message);
+      };
       this.worker.onmessage = ({ data }) => {
         if (data.kind === "model") done(data.model); else this.finished(data);
       };
@@ -35,16 +40,22 @@ class Live {
     const { numbers, times, tolerances } = this.next;
     this.busy = { ...this.next, since: performance.now() };
     this.next = null;
-    this.worker.postMessage({ id: 0, numbers, times, ...tolerances });
+    this.worker.postMessage({ numbers, times, ...tolerances });
+    this.watch = setTimeout(
+      () => this.restart(`Not computed within ${Live.limit} s`), 1000 * Live.limit);
   }
 
-  restart() {
+  /** End what is computed; whoever waits for it gets nothing, or is told why. */
+  restart(why = null) {
+    clearTimeout(this.watch);
     this.worker.terminate();
-    this.busy.done(null);
-    this.begin().then(() => this.next && this.send());
+    const { done, times } = this.busy;
+    done(why && { time: times.subarray(0, 0), rows: [], status: why });
+    this.begin().then(() => this.next && !this.busy && this.send());
   }
 
   finished({ rows, reached, status }) {
+    clearTimeout(this.watch);
     const { times, done } = this.busy;
     this.busy = null;
     if (this.next) {

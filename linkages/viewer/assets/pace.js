@@ -42,6 +42,7 @@ function roundSpeed(speed) {
 
 /** The speed at which everything can be followed, and a motion lasts neither too short nor long. */
 function comfortable(motion, fastest) {
+  if (!motion.duration) return 0;
   let speed = 1;
   if (motion.duration > SECONDS[1]) speed = motion.duration / SECONDS[1];
   if (motion.duration < SECONDS[0]) speed = motion.duration / SECONDS[0];
@@ -57,6 +58,7 @@ function speedText(speed) {
 
 /** What is said of a speed, and whether it is too high: {text, warn}. */
 function paceText(fastest, speed) {
+  if (!Number.isFinite(speed) || !speed) return { text: "one frame", warn: false };
   if (!fastest.rate) return { text: speedText(speed), warn: false };
   const rate = (fastest.rate * speed) / FRAMES;
   const what = `${fastest.name} ${fastest.turns ? "turns" : "swings"}`;

@@ -34,14 +34,22 @@ class Panels {
   defaults() {
     const { free, driven } = CONTENT.mechanism, all = (variable) => `all ${variable}`;
     const has = (variable) => this.motion.series.some((one) => one.variable === variable);
-    const found = [[TIME, all(has("slider_position") ? "slider_position" : "bar_angle")]];
+    const output = has("slider_position") ? all("slider_position") : this.rocking() ?? all("bar_angle");
+    const found = [[TIME, output]];
     const second = ["clearance_force", "drive_effort", "bar_speed"].find(has);
     if (second) found.push([TIME, all(second)]);
-    const moved = free[0] ?? driven[0], rate = moved && this.rateOf(moved);
-    if (free.length && rate) found.push([moved, rate]);
-    else if (moved && has("slider_velocity")) found.push([moved, all("slider_velocity")]);
-    else if (moved && has("bar_speed")) found.push([moved, all("bar_speed")]);
+    const moved = free[0] ?? driven[0];
+    const rate = free.length ? this.rateOf(moved) : this.rateOf(output) ?? (has("slider_velocity") && all("slider_velocity"));
+    if (moved && rate) found.push([moved, rate]);
     return found;
+  }
+
+  /** The last bar that swings to and fro and is not driven. */
+  rocking() {
+    const led = new Set([...CONTENT.mechanism.driven, ...CONTENT.mechanism.free]);
+    return this.motion.series.filter((one) => one.variable === "bar_angle" && !led.has(one.name))
+      .filter((one) => { const [low, high] = this.motion.range(one); return high - low > 1e-3 && high - low < 2 * Math.PI; })
+      .at(-1)?.name;
   }
 
   rateOf(name) {

@@ -26,7 +26,7 @@ class Player {
     this.fastest = fastestOf(motion, names);
     this.auto = comfortable(motion, this.fastest);
     const { speed } = this.parts;
-    speed.replaceChildren(new Option(`auto (${speedName(this.auto)})`, "auto"),
+    speed.replaceChildren(new Option(this.auto ? `auto (${speedName(this.auto)})` : "auto", "auto"),
       ...SPEEDS.map((one) => new Option(speedName(one), String(one))));
     speed.value = this.chosen;
     this.tellPace();
@@ -38,7 +38,7 @@ class Player {
 
   tellPace() {
     const { text, warn } = paceText(this.fastest, this.speed);
-    const frames = this.motion.time.length / (this.motion.duration * this.fastest.rate || Infinity);
+    const frames = this.motion.time.length / (this.motion.duration * this.fastest.rate);
     const coarse = frames < 4 ? `; the file has only ${figures(frames, 2)} frames per swing` : "";
     this.parts.pace.textContent = text + coarse;
     this.parts.pace.classList.toggle("warn", warn || coarse !== "");

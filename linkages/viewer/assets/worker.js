@@ -2,7 +2,7 @@
 const listed = ({ numbers, series, free, statuses, modes }) => ({ numbers, series, free, statuses, modes });
 postMessage({ kind: "model", model: listed(model) });
 
-onmessage = ({ data: { id, numbers, times, rtol, atol } }) => {
+onmessage = ({ data: { numbers, times, rtol, atol } }) => {
   const parameters = Float64Array.from(model.parameters), state = Float64Array.from(model.state);
   const rows = model.series.map(() => new Float64Array(times.length));
   const out = new Float64Array(model.series.length);
@@ -18,6 +18,6 @@ onmessage = ({ data: { id, numbers, times, rtol, atol } }) => {
   } else if (!status) {
     status = integrate(model, parameters, state, times, { rtol, atol }, visit).status;
   }
-  postMessage({ kind: "motion", id, rows, reached, status: status || failed },
+  postMessage({ kind: "motion", rows, reached, status: status || failed },
     rows.map((row) => row.buffer));
 };

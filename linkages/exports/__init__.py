@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.discovery import modules_of, plugged
+from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 
 if TYPE_CHECKING:
     from linkages.components.mechanisms.mechanism import Mechanism
     from linkages.kernel.system import System
+    from linkages.options.run import SimulationOptions
     from linkages.solution.solution import Solution
 
 GROUP = "linkages.exports"
@@ -56,6 +58,14 @@ class Subject:
         return System(self.mechanism)
 
     @cached_property
+    def simulation(self) -> SimulationOptions:
+        """How the motion is computed if nothing else is said."""
+        from linkages.options.run import SimulationOptions
+        from linkages.solution.options import options_of
+
+        return options_of(SimulationOptions, self.mechanism, self.options)
+
+    @cached_property
     def solution(self) -> Solution:
         """The motion that is given, or the one that the definition asks for."""
         if self.given is not None:
@@ -83,18 +93,18 @@ def files_of(subject: Subject, to: str, options: Mapping[str, Any]) -> Mapping[s
 
     Raises
     ------
-    ValueError
-        For an unknown format, or an option that it does not have.
+    OptionError
+        For an unknown format, or an option that it does not have; it is a ValueError.
     """
     known = exports()
     if to not in known:
         near = suggestion(to, known) or f"; expected one of: {', '.join(known)}"
-        raise ValueError(f"unknown format {to!r} to export to{near}")
+        raise OptionError("to", f"unknown format {to!r}{near}")
     own = list(inspect.signature(known[to]).parameters)[1:]
     for name in options:
         if name not in own:
             has = f"it has: {', '.join(own)}" if own else "it has none"
-            raise ValueError(f"format {to!r} has no option {name!r}; {has}")
+            raise OptionError(name, f"format {to!r} has no option {name!r}; {has}")
     return known[to](subject, **options)
 
 

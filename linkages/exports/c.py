@@ -17,7 +17,7 @@ def c(subject: Subject) -> Mapping[str, str]:
     """
     from linkages.exports.kernels.c import c_files
 
-    return c_files(subject.system, subject.name)
+    return c_files(subject.system, subject.name, subject.simulation)
 
 
 EXPORT = c

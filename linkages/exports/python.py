@@ -17,7 +17,7 @@ def python(subject: Subject) -> Mapping[str, str]:
     """
     from linkages.exports.kernels.python import python_module
 
-    return {f"{subject.name}.py": python_module(subject.system)}
+    return {f"{subject.name}.py": python_module(subject.system, subject.simulation)}
 
 
 EXPORT = python

@@ -97,7 +97,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
-        ax = picture(joint_traces.traced(data, solution.mechanism), joint_traces.MARGIN)[1]
+        ax = picture(drawing.framed(data, solution.mechanism)[1], joint_traces.MARGIN)[1]
     return joint_traces.draw(ax, data, solution.mechanism)
 
 

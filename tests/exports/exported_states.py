@@ -16,7 +16,73 @@ from linkages.kernel.varying import Varying
 from linkages.solution.values.series import system_series
 
 ROOT = Path(__file__).parents[2]
-NAMES = sorted(path.stem for path in (ROOT / "mechanisms").glob("*.yaml"))
+SHIPPED = sorted(path.stem for path in (ROOT / "mechanisms").glob("*.yaml"))
+SCENES = {
+    # tables over time and over an angle, an internal state, a function, a clearance that is led
+    "tables": """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 1.2, inertia: 0.08}
+  rod: {joints: [A, B], length: 140 mm, mass: 0.4}
+sliders:
+  piston: {joint: B, through: O, mass: 0.45}
+free: {crank: {angle: 0.3, speed: 100}}
+maxwell:
+  - {slider: piston, stiffness: 20 N/mm, damping: 400 N s/m}
+loads:
+  - slider: piston
+    force: {table: {over: crank.angle, at: [0, 1, 3, 6.2832], values: [-9, -5, 0, -9],
+            periodic: true}}
+  - bar: crank
+    torque: {table: {times: [0, 0.01, 0.03], values: [1, 3, 2], interpolation: pchip}}
+  - {bar: crank, torque: -0.01*tanh(crank.speed/20)*exp(-t)}
+assembly: {B: [180 mm, 0]}
+""",
+    # springs that feel whole turns of dependent angles; a gear, a weld, a cam
+    "wound": """
+gravity: [0, -9.81]
+joints: {O: [0, 0], C: [0.3, 0], Q: [0, 0.4]}
+bars:
+  crank: {joints: [O, A], length: 0.1, mass: 1}
+  coupler: {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [C, B], length: 0.2, mass: 1}
+  wheel: {joints: [Q, W], length: 0.05, mass: 0.2}
+  arm: {joints: [W, V], length: 0.1, mass: 0.1}
+sliders:
+  valve: {joint: P, through: [0, 0.8], angle: 90 deg, mass: 0.1}
+free: {crank: {angle: 1, speed: 2}}
+springs:
+  - {bar: rocker, stiffness: 3, angle: 400 deg}
+  - {between_bars: [coupler, rocker], stiffness: 2, angle: 20 deg, damping: 0.1}
+gears:
+  - {bars: [crank, wheel], ratio: -1.7}
+welds:
+  W: {bars: [wheel, arm], angle: 40 deg}
+cams:
+  - {slider: valve, bar: wheel, angles: [0, 2, 4, 360 deg], lifts: [0, 6 mm, 1 mm, 0],
+     offset: 50 mm}
+assembly: {B: left}
+""",
+    # an impact with restitution, seven times
+    "bounce": """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+sliders: {ball: {joint: B, through: O, angle: 90 deg, mass: 1}}
+stops: [{slider: ball, lower: 0, restitution: 0.8}]
+free: {ball: {position: 1, speed: 0}}
+""",
+    # Coulomb friction, in which the block sticks in the end
+    "rub": """
+joints: {O: [0, 0]}
+sliders: {block: {joint: B, through: O, mass: 1}}
+springs: [{slider: block, stiffness: 50, position: 0}]
+loads: [{slider: block, force: -2*sign(block.velocity)}]
+free: {block: {position: 0.3, speed: 0}}
+""",
+}  # fmt: skip
+NAMES = [*SHIPPED, *SCENES]
+SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
+"""Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)
 
 NEAR = 1e-12
@@ -26,7 +92,9 @@ cancellation carry some of that on."""
 
 @cache
 def system(name):
-    """A shipped mechanism, assembled."""
+    """A shipped mechanism or a scene, assembled."""
+    if name in SCENES:
+        return System(linkages.loads(SCENES[name]))
     return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
 
 
@@ -108,3 +176,19 @@ def changes(name):
 def compared_parameters(name):
     """Places of parameters that follow from numbers: what tells round-off apart does not."""
     return [k for k, path in enumerate(kernel(name).parameters) if path != NEAREST]
+
+
+FOLLOWED = ("joint_position", "slider_position")
+
+
+def switched(name):
+    """Times, and what `linkages.simulate` says of a mechanism whose equations change."""
+    times = np.linspace(0.0, SWITCHED[name], 31)
+    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
+    return times, np.hstack([data[variable].values.reshape(31, -1) for variable in FOLLOWED])
+
+
+def followed_rows(name):
+    """Places of the same among all outputs."""
+    quantities = kernel(name).quantities
+    return [k for v in FOLLOWED for k, q in enumerate(quantities) if q.variable == v]

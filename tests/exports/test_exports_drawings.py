@@ -128,6 +128,14 @@ def test_arcs_of_svg_are_those_of_dxf(solution):
     assert re.findall(r"A (\S+) (\S+) 0 0 0", edge) == [("8", "8"), ("8", "8")]
 
 
+@pytest.mark.parametrize("name", ["four-bar", "scotch-yoke", "ninebar"])
+def test_dxf_has_nothing_that_other_programs_would_mend(name):
+    solution = linkages.simulate(linkages.load(name), end=0.1, samples=11)
+    audit = dxf_of(solution).audit()
+    assert not audit.errors
+    assert not audit.fixes
+
+
 def test_links_or_paths_alone(solution):
     only = {layer.dxf.name for layer in dxf_of(solution, links=False).layers}
     assert not any(name.startswith("link") for name in only)
@@ -177,7 +185,7 @@ def test_from_python_and_from_the_command_line(solution, tmp_path):
         assert run(request, to, hole=None) == 0
     assert (tmp_path / "four-bar.svg").read_bytes() == file.read_bytes()
     assert (tmp_path / "four-bar.dxf").exists()  # one format leaves the other's files alone
-    with pytest.raises(InputError, match="svgg"):
+    with pytest.raises(InputError, match="--to: .*\\s.*'svgg'; did you mean 'svg'"):
         run(request, "svgg")
 
 

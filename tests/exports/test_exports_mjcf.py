@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from exported_states import NAMES, system
+from exported_states import SHIPPED, system
 
 import linkages
 from linkages.errors import InputError
@@ -18,7 +18,7 @@ REFUSED = {
     "peaucellier": "constant speed or acceleration",
     "slider-crank-contact": "clearances that open",
 }
-EXPRESSED = sorted(set(NAMES) - set(REFUSED))
+EXPRESSED = sorted(set(SHIPPED) - set(REFUSED))
 
 LOADED = """
 gravity: [0, -9.81]

@@ -2,6 +2,7 @@
 
 import csv
 import ctypes
+import json
 import os
 import shutil
 import subprocess
@@ -10,18 +11,41 @@ from runpy import run_path
 
 import numpy as np
 import pytest
-from exported_states import NAMES, assert_near, cases, changes, compared_parameters, kernel, system
+from exported_states import (
+    NAMES,
+    SCENES,
+    SWITCHED,
+    assert_near,
+    cases,
+    changes,
+    compared_parameters,
+    followed_rows,
+    kernel,
+    switched,
+    system,
+)
 
 import linkages
+from linkages.exports import Subject, files_of
 from linkages.exports.kernels.c import c_files
+from linkages.exports.kernels.javascript import javascript_module
 from linkages.exports.kernels.python import python_module
+from linkages.kernel.system import System
 
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
-SOME = ["andrews", "class-three", "five-bar", "jansen", "ninebar", "slider-crank-contact"]
+SOME = ["andrews", "class-three", "five-bar", "ninebar", "slider-crank-contact", *SCENES]
 """Several coordinates, iterated groups, infinite outputs, welds, clearances, modes."""
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc on the PATH")
 Doubles = ctypes.POINTER(ctypes.c_double)
+
+
+def in_c(name, stem):
+    return c_files(system(name), stem, system(name).mechanism.simulation)
+
+
+def in_python(of):
+    return python_module(of, of.mechanism.simulation)
 
 
 def groups(name):
@@ -37,14 +61,14 @@ def write(files, folder):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(SOME)))
 def test_c_is_strict_c99(name, tmp_path):
-    write(c_files(system(name), name), tmp_path)
+    write(in_c(name, name), tmp_path)
     subprocess.run([*STRICT, "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)
 
 
 @pytest.fixture(scope="module", params=SOME)
 def library(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("c")
-    write(c_files(system(request.param), "model"), folder)
+    write(in_c(request.param, "model"), folder)
     options = ["-O0", "-ffp-contract=off", "-DMODEL_WITHOUT_MAIN", "-shared", "-fPIC"]
     command = [*STRICT, *options, "model.c", "-o", "model.so", "-lm"]
     subprocess.run(command, cwd=folder, check=True)
@@ -118,7 +142,7 @@ def program(tmp_path_factory):
 
     def run(name, *arguments):
         if not (folder / name).exists():
-            write(c_files(system(name), name), folder)
+            write(in_c(name, name), folder)
             subprocess.run([*STRICT, "-O1", f"{name}.c", "-o", name, "-lm"], cwd=folder, check=True)
         command = [folder / name, *arguments]
         return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
@@ -159,12 +183,39 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     wrong = program("four-bar", "bars.crank.lenght=3")
     assert wrong.returncode == 2
     assert "bars.crank.length=" in wrong.stderr
-    contact = program("slider-crank-contact")
+    contact = program("slider-crank-contact", "--method", "rk4")
     assert contact.returncode == 1
+    assert "does not follow" in contact.stderr
     assert "gap: touch" in contact.stderr
 
 
+@needs_gcc
+@pytest.mark.parametrize("name", SWITCHED)
+def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
+    _, expected = switched(name)
+    options = [
+        "--end",
+        str(SWITCHED[name]),
+        "--samples",
+        "31",
+        "--rtol",
+        "1e-12",
+        "--atol",
+        "1e-14",
+    ]
+    done = program(name, *options)
+    assert done.returncode == 0, done.stderr
+    table = np.array([*csv.reader(done.stdout.splitlines())][1:], dtype=float)[:, 1:]
+    np.testing.assert_allclose(table[:, followed_rows(name)], expected, rtol=0, atol=1e-9)
+
+
 # --- Python ---
+
+
+def run_module(text, folder):
+    """The names of a module in a namespace of its own."""
+    (folder / "alone.py").write_text(text, encoding="utf-8")
+    return run_path(str(folder / "alone.py"))
 
 
 @pytest.fixture(scope="module")
@@ -175,7 +226,10 @@ def module(tmp_path_factory):
 
     def load(name):
         if name not in known:
-            write({f"{name}.py": python_module(system(name))}, folder)
+            write(
+                {f"{name}.py": in_python(system(name))},
+                folder,
+            )
             known[name] = folder / f"{name}.py", run_path(str(folder / f"{name}.py"))
         return known[name]
 
@@ -221,6 +275,12 @@ assert not any(name.split(".")[0] == "linkages" for name in sys.modules)
 """
 
 
+def test_python_refuses_to_follow_contacts(module):
+    _, found = module("slider-crank-contact")
+    with pytest.raises(ArithmeticError, match="gap: touch"):
+        found["integrate"]([0.0, 0.1], *found["start"]())
+
+
 def test_python_integrates_the_double_pendulum(module):
     """Both with SciPy and with equal steps, whose error falls by 2⁴ as they are halved."""
     _, found = module("double-pendulum")
@@ -233,3 +293,45 @@ def test_python_integrates_the_double_pendulum(module):
     ).data
     np.testing.assert_allclose(states[:, :2], data.bar_angle.values, rtol=0, atol=1e-9)
     np.testing.assert_allclose(steps, states, rtol=0, atol=1e-9)
+
+
+STRANGE = r"""
+name: 'A */ </script> "\"" \ ??/ %s "Ärm" of 5 µm'
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {"große Stange": {joints: [O, "P ü"], length: 1, mass: 1}}
+free: {"große Stange": {angle: 0.3, speed: 0}}
+"""
+
+
+def test_names_of_a_definition_cannot_disturb_programs(tmp_path):
+    """Comments, texts and formats of a language may stand in names; they come out as they are."""
+    of = System(linkages.loads(STRANGE))
+    found = run_module(in_python(of), tmp_path)
+    assert found["COORDINATES"] == ["große Stange"]
+    text = javascript_module(of)
+    assert "</script>" not in text
+    assert json.dumps(of.mechanism.name).replace("<", "\\u003c") in text
+    if shutil.which("gcc") is None:
+        return
+    write(c_files(of, "5 odd-names", of.mechanism.simulation), tmp_path)
+    compiled = [*STRICT, "5 odd-names.c", "-o", "odd", "-lm"]
+    subprocess.run(compiled, cwd=tmp_path, check=True)
+    command = [tmp_path / "odd", "--samples", "2"]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True)
+    assert done.stdout.startswith("time,große Stange.angle,")
+
+
+def test_formats_are_found_and_take_the_options_of_the_motion(tmp_path):
+    mechanism = linkages.load("four-bar")
+    names = {
+        to: [file.name for file in linkages.export(mechanism, to, tmp_path, name="bar")]
+        for to in ("c", "python", "javascript", "mjcf")
+    }
+    assert names == {
+        "c": ["bar.h", "bar.c"], "python": ["bar.py"], "javascript": ["bar.js"],
+        "mjcf": ["bar.xml"],
+    }  # fmt: skip
+    subject = Subject(mechanism, "bar", None, {"end": 0.25, "samples": 7})
+    (text,) = files_of(subject, "python", {}).values()
+    assert "END, SAMPLES = 0.25, 7" in text

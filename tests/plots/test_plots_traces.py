@@ -7,6 +7,8 @@ import pytest
 from matplotlib.patches import Circle, Polygon
 from plot_data import JOINTS, press, press_data
 
+import linkages
+from linkages.plots.films.moving import framed as film_frame
 from linkages.plots.mechanism.traces import COUPLER, LED, figure, led_joints, moving_joints
 
 
@@ -88,3 +90,14 @@ def test_the_picture_holds_the_mechanism_where_it_starts():
     for x, y in 1e3 * np.array(list(JOINTS.values())):
         assert ax.get_xlim()[0] < x < ax.get_xlim()[1]
         assert ax.get_ylim()[0] < y < ax.get_ylim()[1]
+
+
+def test_films_and_traces_show_the_same_part_of_the_plane():
+    """Within their margins, which differ: the middle is the same, and what is swept is inside."""
+    solution = linkages.simulate(linkages.load("scotch-yoke"), samples=21)
+    (ax,) = figure(solution.data, solution.mechanism).axes
+    _, box = film_frame(solution.data, solution.mechanism)
+    for limits, low, high in zip((ax.get_xlim(), ax.get_ylim()), box.low, box.high, strict=True):
+        assert np.mean(limits) == pytest.approx(500 * (low + high), abs=1e-9)
+        assert limits[0] < 1e3 * low < 1e3 * high < limits[1]
+    assert box.high[0] == pytest.approx(0.15, abs=1e-3)  # the rod of the yoke: a stroke beyond it

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import PLAYING
 from linkages.exports import Subject
 from linkages.exports.geometry.outlines import Outline, rectangle, rounded
+from linkages.options.option import OptionError
 from linkages.plots.mechanism.bodies import slots_of
 from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.pose import Pose
@@ -111,16 +112,16 @@ def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
 
     Raises
     ------
-    ValueError
+    OptionError
         For holes of no positive diameter, and links that are no wider than their holes.
     """
     diameter = HOLE * pose.extent if hole is None else MILLIMETRES * hole
     wide = WIDTH * diameter if width is None else MILLIMETRES * width
     if not 0.0 < diameter < np.inf:
-        raise ValueError(f"hole must be > 0 m, found {hole:g}")
+        raise OptionError("hole", f"hole must be > 0 m, found {hole:g}")
     if not diameter < wide < np.inf:
-        raise ValueError(
-            f"width must be larger than the holes of {diameter:g} mm, found {wide:g} mm"
+        raise OptionError(
+            "width", f"width must be larger than the holes of {diameter:g} mm, found {wide:g} mm"
         )
     return Sizes(diameter, wide)
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.exports.kernels.exported import MODES, STEP_TOO_SMALL, Exported, exported
+from linkages.exports.kernels.exported import NOT_FOLLOWED, STEP_TOO_SMALL, Exported, exported
 from linkages.exports.kernels.method import dop853_tables
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import c_function
 from linkages.kernel.code.statements import Routine
 from linkages.kernel.system import System
+from linkages.options.run import SimulationOptions
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ STEPS = 1000
 """Of the method with equal steps, by default, within the simulated time."""
 
 
-def c_files(system: System, stem: str) -> dict[str, str]:
+def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, str]:
     """A header and a program with ``main``.
 
     Parameters
@@ -31,6 +32,8 @@ def c_files(system: System, stem: str) -> dict[str, str]:
         The mechanism.
     stem
         What files and, in letters of C, functions are called.
+    options
+        Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
     """
     found = exported(system)
     prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
@@ -39,11 +42,10 @@ def c_files(system: System, stem: str) -> dict[str, str]:
     header = title + _filled(fixed_text("model.h"), _sizes(found))
     routines = [_static(c_function(_renamed(routine))) for routine in found.routines]
     body = "\n".join(routines)
-    defaults = system.mechanism.simulation
     main = {
-        "END": repr(float(defaults.end)),
-        "SAMPLES": repr(float(defaults.samples)),
-        "STEP": repr(abs(float(defaults.end)) / STEPS),
+        "END": repr(float(options.end)),
+        "SAMPLES": repr(float(options.samples)),
+        "STEP": repr(abs(float(options.end)) / STEPS),
     }
     parts = [
         title,
@@ -54,6 +56,8 @@ def c_files(system: System, stem: str) -> dict[str, str]:
         _needed(fixed_text("functions.c"), body),
         body,
         _message(found.statuses),
+        fixed_text("settle.c"),
+        fixed_text("modes.c"),
         fixed_text("model.c"),
         _method(),
         fixed_text("integrate.c"),
@@ -98,7 +102,7 @@ def _sizes(found: Exported) -> dict[str, int]:
 
 
 def _constants(found: Exported) -> str:
-    layout = found.system.layout
+    layout, switching = found.system.layout, found.switching
     values = {
         "COORDINATES": len(layout.coordinates),
         "FREE": len(layout.free),
@@ -109,7 +113,11 @@ def _constants(found: Exported) -> str:
         "TURNED": len(found.turned),
         "MODES": len(found.modes),
         "STEP_TOO_SMALL": STEP_TOO_SMALL,
-        "MODES_CHANGE": MODES,
+        "NOT_FOLLOWED": NOT_FOLLOWED,
+        "MEMORIES": 0 if switching is None else len(switching.owners),
+        "VALUES": found.program.routines[-1].arguments["out"],
+        "HELD": len(found.p) - found.program.held,
+        "FUNCTION": len(layout.coordinates) + 2 * len(layout.carried),
     }
     return "enum {\n" + "".join(f"  {name} = {value},\n" for name, value in values.items()) + "};\n"
 
@@ -127,8 +135,17 @@ def _tables(found: Exported) -> str:
         _array("static const double parameters", found.p.tolist()),
         _array("static const double state", found.state.tolist()),
         _array("static const int turned", found.turned),
+        *_switching(found),
         "",
     ])  # fmt: skip
+
+
+def _switching(found: Exported) -> Iterator[str]:
+    """What depends on what among modes."""
+    given = found.switching
+    for name in ("active", "owners", "jumps", "sticks", "shakes"):
+        values = () if given is None else getattr(given, name)
+        yield _array(f"static const int {name}", [int(value) for value in values])
 
 
 def _texts(name: str, texts: Sequence[str]) -> str:

@@ -29,7 +29,7 @@ from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
 
-STEP_TOO_SMALL, MODES = -2, -3
+STEP_TOO_SMALL, NOT_FOLLOWED = -2, -3
 """Statuses with which motions end."""
 
 _LEFT_OUT = ("joint_jerk", "closure_residual")
@@ -126,7 +126,7 @@ class Exported:
         found = {
             REFUSED: "these numbers do not lead to the same equations",
             STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
-            MODES: f"this program does not follow contacts: {', '.join(self.modes) or 'none'}",
+            NOT_FOLLOWED: f"this program does not follow so far: {', '.join(self.modes) or 'this'}",
         }
         for block in self.system.topology.solved_blocks:
             model, apex = self.system.model, block.loops[0].apex

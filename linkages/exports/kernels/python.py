@@ -13,17 +13,20 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.several import system_size
 from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY
+from linkages.options.run import SimulationOptions
 
 _ARRAYS = "array, asarray, concatenate, errstate, float64, linspace, zeros"
 
 
-def python_module(system: System) -> str:
+def python_module(system: System, options: SimulationOptions) -> str:
     """The text of a module with equations, outputs, and a program that prints a motion.
 
     Parameters
     ----------
     system
         The mechanism.
+    options
+        Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
     """
     found = exported(system)
     named = {
@@ -41,6 +44,7 @@ def python_module(system: System) -> str:
         ")",
         "",
         *_numbers(found),
+        f"END, SAMPLES = {float(options.end)!r}, {int(options.samples)}",
         "\n",
         fixed_text("functions.txt"),
         *(function_of(routine, _Numbers) for routine in found.routines),
@@ -74,7 +78,7 @@ class _Numbers(Python):
 
 
 def _numbers(found: Exported) -> Sequence[str]:
-    layout, defaults = found.system.layout, found.system.mechanism.simulation
+    layout = found.system.layout
     return [
         _mapping("NUMBERS", {number.path: number.value for number in found.feed.numbers}),
         _list("COORDINATES", layout.coordinates),
@@ -87,7 +91,6 @@ def _numbers(found: Exported) -> Sequence[str]:
         f"MODES = {', '.join(found.modes)!r}",
         f"FREE, FIRST_CARRIED = {len(layout.free)}, {layout.moved}",
         f"CARRIED, TIMED, WRITTEN = {len(layout.carried)}, {found.program.timed}, {found.written}",
-        f"END, SAMPLES = {float(defaults.end)!r}, {int(defaults.samples)}",
     ]
 
 

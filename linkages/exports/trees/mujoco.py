@@ -21,8 +21,7 @@ from linkages.components.contributed.measures import (
     Slide,
     Turn,
 )
-from linkages.components.contributed.terms import Path
-from linkages.exports.trees.linear import Line, line_of
+from linkages.exports.trees.expressed import line_in, polynomial, refuse
 from linkages.exports.trees.placed import frames_of, slides_of
 from linkages.exports.trees.tree import WORLD, Branch, Gap, Pin, Rail, Tree, tree_of
 from linkages.kernel.system import System
@@ -61,70 +60,12 @@ def mjcf_text(system: System) -> str:
 class _Writer:
     def __init__(self, system: System) -> None:
         self.system, self.mechanism = system, system.mechanism
-        self.refuse()
+        refuse(system)
         self.tree: Tree = tree_of(self.mechanism)
         self.frames, self.slides = frames_of(system), slides_of(system)
         self.places = system.places()
         self.nodes: dict[str, Element] = {}
         self.speeds: dict[str, float] = {}
-
-    # --- what cannot be said ---
-
-    def refuse(self) -> None:
-        """Raise for all that MuJoCo cannot express."""
-        found = [*self._bodies_refused(), *self._laws_refused()]
-        if found:
-            raise self.mechanism.error(found)
-
-    def _bodies_refused(self) -> Iterable[tuple[Path, str]]:
-        links = {link.name for term in self.mechanism.displacements for link in term.links}
-        for name, body in self.mechanism.bodies.items():
-            if name not in links and body.mass.value == 0.0:
-                yield body.path, f"{name} has no mass, and MuJoCo needs one; expected 'mass'"
-        for contact in self.mechanism.contacts:
-            yield contact.path, "clearances that open are not exported to MuJoCo"
-        for end in self.mechanism.ends:
-            yield end.path, "ends at which bodies bounce are not exported to MuJoCo"
-        for play in self.mechanism.plays:
-            yield play.path, "clearances of guides are not exported to MuJoCo"
-        for relation in self.mechanism.relations:
-            if relation.profile is not None:
-                yield relation.path, "cams are not exported to MuJoCo"
-
-    def _laws_refused(self) -> Iterable[tuple[Path, str]]:
-        for name in self.mechanism.prescribed:
-            if self._polynomial(name) is None:
-                message = "MuJoCo follows drives of constant speed or acceleration only"
-                yield self.mechanism.prescribed[name].path, message
-        for load in self.mechanism.loads:
-            if not load.absent and self._line(load) is None:
-                message = (
-                    "only springs, dampers and forces of constant numbers are exported to MuJoCo"
-                )
-                yield load.path, message
-
-    def _line(self, load: Load) -> Line | None:
-        """The law of a spring or damper that MuJoCo has."""
-        found = line_of(load)
-        if found is None or load.states or load.bearing is not None:
-            return None
-        moving = found.stiffness or found.damping
-        if isinstance(load.measure, BodyAxis) or (isinstance(load.measure, Coordinate) and moving):
-            return None
-        return found if min(found.stiffness, found.damping) >= 0.0 else None
-
-    def _polynomial(self, name: str) -> tuple[float, float] | None:
-        """Speed and half the acceleration of a drive; None if that is not constant."""
-        law = self.system.model.positions.laws[name]
-        times = np.linspace(0.0, max(abs(self.mechanism.simulation.end), 1.0), 7)
-        _, rates, accelerations = self.system.evaluate(
-            [law.value, law.rate, law.acceleration],
-            times,
-            np.repeat(self.system.state[:, None], 7, 1),
-        )
-        if np.ptp(accelerations) > 1e-12 * max(1.0, np.abs(accelerations).max()):
-            return None
-        return float(rates[0]), 0.5 * float(accelerations[0])
 
     # --- the model ---
 
@@ -280,20 +221,20 @@ class _Writer:
         SubElement(equality, "tendon", name=name, tendon1=name, polycoef="0 0 0 0 0")
 
     def _drive(self, tendon: Element, equality: Element, name: str) -> None:
-        polynomial = self._polynomial(name)
-        assert polynomial is not None
+        followed = polynomial(self.system, name)
+        assert followed is not None
         own, clock = f"drive.{name}", f"drive.{name}.{CLOCK}"
         self._fixed(tendon, own, {name: 1.0})
         node = SubElement(tendon, "fixed", name=clock)
         SubElement(node, "joint", joint=CLOCK, coef="1")
         SubElement(equality, "tendon", name=own, tendon1=own, tendon2=clock,
-                   polycoef=_row([0.0, *polynomial, 0.0, 0.0]))  # fmt: skip
+                   polycoef=_row([0.0, *followed, 0.0, 0.0]))  # fmt: skip
 
     # --- loads ---
 
     def _load(self, tendon: Element, actuator: Element, name: str, load: Load) -> None:
         """A spring and damper along a tendon, or a constant force: an actuator without control."""
-        line = self._line(load)
+        line = line_in(load)
         assert line is not None
         if isinstance(load.measure, Coordinate):
             gear = [0.0] * 6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
 from collections.abc import Sequence
 
@@ -123,17 +124,17 @@ class JavaScript(Braced):
 
 def javascript_function(routine: Routine) -> str:
     """A routine as a function of JavaScript."""
-    return _function(
-        f"function {routine.name}({', '.join(routine.arguments)})", JavaScript, routine
-    )
+    head = f"function {routine.name}({', '.join(routine.arguments)})"
+    return _function(head, routine, JavaScript(routine.block).lines())
 
 
 def c_function(routine: Routine) -> str:
     """A routine as a function of C."""
     given = [_argument(name, routine) for name in routine.arguments]
-    unused = [f"  (void){name};\n" for name in routine.arguments]
-    head = f"int {routine.name}({', '.join(given)})"
-    return _function(head, C, routine, "".join(unused))
+    lines = C(routine.block).lines()
+    text = "\n".join(lines)
+    unused = [f"(void){a};" for a in routine.arguments if not re.search(rf"\b{a}\b", text)]
+    return _function(f"int {routine.name}({', '.join(given)})", routine, [*unused, *lines])
 
 
 def _argument(name: str, routine: Routine) -> str:
@@ -142,6 +143,6 @@ def _argument(name: str, routine: Routine) -> str:
     return f"double *{name}" if name in routine.written else f"const double *{name}"
 
 
-def _function(head: str, language: type[Braced], routine: Routine, first: str = "") -> str:
-    lines = (f"  {line}" if line else "" for line in language(routine.block).lines())
-    return f"/* {routine.doc} */\n{head} {{\n{first}" + "\n".join(lines) + "\n  return 0;\n}\n"
+def _function(head: str, routine: Routine, lines: Sequence[str]) -> str:
+    body = "\n".join(f"  {line}" if line else "" for line in [*lines, "return 0;"])
+    return f"/* {routine.doc} */\n{head} {{\n{body}\n}}\n"

@@ -5,11 +5,8 @@ from __future__ import annotations
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.mechanism.drawing import reach, under
+from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import Poses
 from linkages.plots.mechanism.shapes import Shape, stands_still
@@ -17,11 +14,6 @@ from linkages.plots.mechanism.view import Box
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Array = NDArray[np.float64]
-
-LOOKS = 24
-"""Positions from which the size of a picture is told, besides the places of all joints."""
 
 
 def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
@@ -34,12 +26,7 @@ def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
     """
     if "joint_position" not in data or not data.sizes["time"]:
         raise ValueError("nothing to animate: the data have no samples of joint_position")
-    places = np.asarray(data["joint_position"], dtype=float).reshape(-1, 2)
-    poses = Poses(data, mechanism, Box.around(places).extent or None)
-    looks = np.unique(np.linspace(0, data.sizes["time"] - 1, LOOKS).round().astype(int))
-    boxes = [reach(poses.at(index)) for index in looks]
-    corners = [corner for box in boxes for corner in (box.low, box.high)]
-    return poses, Box.around(np.vstack([places, *corners]))
+    return drawing.framed(data, mechanism)
 
 
 def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
@@ -52,6 +39,6 @@ def parts(first: Pose, scale: float) -> tuple[list[Shape], list[Shape]]:
     scale
         Points per metre of the picture.
     """
-    shapes, ground = under(first, scale), first.mechanism.ground
+    shapes, ground = drawing.under(first, scale), first.mechanism.ground
     still = list(takewhile(lambda shape: stands_still(shape, ground), shapes))
     return still, shapes[len(still) :]

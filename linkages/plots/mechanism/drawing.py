@@ -12,28 +12,24 @@ from matplotlib.lines import Line2D
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
+from linkages.plots.mechanism.blocks import draw_blocks
 from linkages.plots.mechanism.dimensions import draw_centres, length_words
 from linkages.plots.mechanism.efforts import draw_drives, draw_forces
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
-from linkages.plots.mechanism.guides import draw_blocks, draw_guides, draw_rods
+from linkages.plots.mechanism.guides import draw_guides, draw_rods
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.links import (
-    draw_bearings,
-    draw_clearances,
-    draw_links,
-    draw_masses,
-    draw_pins,
-    draw_welds,
-)
+from linkages.plots.mechanism.links import draw_clearances, draw_links
 from linkages.plots.mechanism.names import words_of
 from linkages.plots.mechanism.palette import LIGHT, MEANINGS
-from linkages.plots.mechanism.placing import placed, swept
+from linkages.plots.mechanism.pins import draw_bearings, draw_masses, draw_pins, draw_welds
+from linkages.plots.mechanism.placing import drawable, placed, swept
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import pose_at
+from linkages.plots.mechanism.samples import Poses, pose_at
 from linkages.plots.mechanism.shapes import Shape, Word
-from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs, draw_torsional
+from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs
 from linkages.plots.mechanism.stops import draw_stops
+from linkages.plots.mechanism.torsional import draw_torsional
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
 from linkages.plots.style import styled
 
@@ -42,6 +38,9 @@ if TYPE_CHECKING:
 
 INCHES = 5.0
 """How wide a mechanism is in a picture, roughly."""
+
+LOOKS = 24
+"""Positions from which the size of a picture is told, besides the places of all joints."""
 
 
 @styled
@@ -84,6 +83,23 @@ def reach(pose: Pose) -> Box:
     joints = np.array(list(pose.positions.values()), dtype=float).reshape(-1, 2)
     scale = rough_scale(pose)
     return Box.around(np.vstack([joints, swept(pose, [*under(pose, scale), *over(pose, scale)])]))
+
+
+def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+    """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
+
+    Films and traces have the same frame. The data must have at least one sample.
+    """
+    places = np.asarray(data["joint_position"], dtype=float)
+    poses = Poses(data, mechanism, Box.around(places).extent or None)
+    first, scale = poses.at(0), rough_scale(poses.at(0))
+    shapes = [*under(first, scale), *over(first, scale)]
+    looks = np.unique(np.linspace(0, len(poses.places) - 1, LOOKS).round().astype(int))
+    covered = [poses.places.reshape(-1, 2)]
+    for look in looks:
+        pose = poses.at(int(look))
+        covered.append(swept(pose, [shape for shape in shapes if drawable(pose, shape)]))
+    return poses, Box.around(np.vstack(covered))
 
 
 def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:

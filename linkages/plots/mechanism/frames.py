@@ -94,6 +94,21 @@ def moved(anchor: Anchor, along: float, across: float) -> Anchor:
     return Anchor(anchor.joints, anchor.metres, (first + along, second + across))
 
 
+def mixed(first: Anchor, second: Anchor, share: float) -> Anchor:
+    """A share of the way from one anchor to another."""
+    weights = {joint: (1.0 - share) * weight for joint, weight in first.joints}
+    for joint, weight in second.joints:
+        weights[joint] = weights.get(joint, 0.0) + share * weight
+    metres, points = (
+        (
+            (1.0 - share) * a[0] + share * b[0],
+            (1.0 - share) * a[1] + share * b[1],
+        )
+        for a, b in ((first.metres, second.metres), (first.points, second.points))
+    )
+    return Anchor(tuple(weights.items()), metres, points)
+
+
 def towards(first: Weights, second: Weights) -> Direction:
     """From one place to another."""
     return Direction(ends=(first, second))

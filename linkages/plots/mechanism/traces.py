@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.bodies import clearance_ends
-from linkages.plots.mechanism.drawing import reach, under
+from linkages.plots.mechanism.drawing import framed, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.samples import pose_at
@@ -37,7 +37,7 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Traces over the run; None for data without joint positions."""
     if not pose_at(data, mechanism, 0).positions:
         return None
-    result, ax = picture(traced(data, mechanism), MARGIN)
+    result, ax = picture(framed(data, mechanism)[1], MARGIN)
     draw(ax, data, mechanism)
     return result
 
@@ -98,8 +98,8 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     mechanism
         Whose motion it is.
     """
-    pose = pose_at(data, mechanism, 0)
-    scale = frame(ax, traced(data, mechanism), mechanism, MARGIN)
+    poses, box = framed(data, mechanism)
+    pose, scale = poses.at(0), frame(ax, box, mechanism, MARGIN)
     shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)
     Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
@@ -119,13 +119,6 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     for name, (known, colour) in finite.items():
         labels.beside_curve(name, known, color=colour, weight="bold")
     return ax
-
-
-def traced(data: xr.Dataset, mechanism: Mechanism) -> Box:
-    """The part of the plane that traces and the first position of the mechanism cover."""
-    places = np.asarray(data["joint_position"], dtype=float).reshape(-1, 2)
-    start = reach(pose_at(data, mechanism, 0))
-    return Box.around(np.vstack([places, start.low, start.high]))
 
 
 def _beginning(ax: Axes, path: Array, colour: str, labels: Labels) -> None:

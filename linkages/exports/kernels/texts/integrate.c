@@ -1,5 +1,7 @@
+#define LEAST_TOLERANCE 1e-300 /* so that what is and stays zero has no error */
+
 typedef struct {
-  const double *p;
+  double *p;
   double t, y[LINKAGE_STATE + 1], next[LINKAGE_STATE + 1], trial[LINKAGE_STATE + 1];
   double slopes[END + 1 + FURTHER][LINKAGE_STATE + 1];
 } motion;
@@ -32,7 +34,7 @@ static double error_of(const motion *m, double h, const linkage_options *options
     for (int e = 0; e < 2; e++) {
       double found = 0.0;
       for (int j = 0; j <= END; j++) found += dop853_error[e][j] * m->slopes[j][i];
-      found /= options->atol + options->rtol * size;
+      found /= fmax(options->atol, LEAST_TOLERANCE) + options->rtol * size;
       sums[e] += found * found;
     }
   }
@@ -53,11 +55,49 @@ static void between(motion *m, double h, double part) {
 static double first_step(const motion *m, const linkage_options *options) {
   double position = 0.0, slope = 0.0;
   for (int i = 0; i < LINKAGE_STATE; i++) {
-    const double scale = options->atol + options->rtol * fabs(m->y[i]);
+    const double scale = fmax(options->atol, LEAST_TOLERANCE) + options->rtol * fabs(m->y[i]);
     position += m->y[i] / scale * (m->y[i] / scale);
     slope += m->slopes[0][i] / scale * (m->slopes[0][i] / scale);
   }
   return position > 1e-10 && slope > 1e-10 ? 0.01 * sqrt(position / slope) : 1e-6;
+}
+
+/* Further stages for dense output, once for a step. */
+static int prepared(motion *m, double h, int *done) {
+  for (int k = 0; !*done && k < FURTHER; k++) {
+    const int row = END + 1 + k;
+    const int status = stage(m, row, dop853_further_a[k], row, h, dop853_further_c[k]);
+    if (status) return status;
+  }
+  *done = 1;
+  return 0;
+}
+
+/* The mode that changes first within a step, and the part of the step just behind that: of 8 places
+   the first that contradicts a mode, then bisection. -1 if none does. */
+static int first_change(motion *m, double h, double *part) {
+  double low = 0.0, high = 0.0;
+  int mode = -1;
+  for (int k = 1; k <= 8 && mode < 0; k++) {
+    low = high;
+    high = k / 8.0;
+    between(m, h, high);
+    mode = contradicted(m->t + high * h, m->trial, m->p);
+  }
+  for (int k = 0; mode >= 0 && k < 60; k++) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    between(m, h, middle);
+    const int found = contradicted(m->t + middle * h, m->trial, m->p);
+    if (found < 0) {
+      low = middle;
+    } else {
+      high = middle;
+      mode = found;
+    }
+  }
+  *part = high;
+  return mode;
 }
 
 /* Dormand and Prince's method of order 8 (Hairer, Nørsett, Wanner: Solving Ordinary Differential
@@ -66,7 +106,8 @@ static int adaptive(motion *m, const double *times, int count, const linkage_opt
                     linkage_visit visit, void *data) {
   const double last = times[count - 1], sign = last < m->t ? -1.0 : 1.0;
   double h = sign * first_step(m, options);
-  int index = 0, rejected = 0;
+  double since = m->t;
+  int index = 0, rejected = 0, changes = 0;
   for (; index < count && times[index] == m->t; index++) visit(m->t, m->y, m->p, data);
   while (sign * (last - m->t) > 0.0) {
     const int final = sign * (m->t + 1.01 * h - last) > 0.0;
@@ -80,16 +121,24 @@ static int adaptive(motion *m, const double *times, int count, const linkage_opt
       rejected = 1;
       continue;
     }
-    const double reached = final ? last : m->t + h;
-    for (int prepared = 0; index < count && sign * (times[index] - reached) <= 0.0; index++) {
-      for (int k = 0; !prepared && times[index] != reached && k < FURTHER; k++) {
-        status = stage(m, END + 1 + k, dop853_further_a[k], END + 1 + k, h, dop853_further_c[k]);
-        if (status) return status;
-      }
+    double reached = final ? last : m->t + h, part = 1.0;
+    int done = 0, mode = -1;
+    if (MODES) {
+      status = prepared(m, h, &done);
+      if (status) return status;
+      mode = first_change(m, h, &part);
+    }
+    if (mode >= 0) {
+      reached = m->t + part * h;
+      between(m, h, part);
+      for (int i = 0; i < LINKAGE_STATE; i++) m->next[i] = m->trial[i];
+    }
+    for (; index < count && sign * (times[index] - reached) <= 0.0; index++) {
       if (times[index] == reached) {
         for (int i = 0; i < LINKAGE_STATE; i++) m->trial[i] = m->next[i];
       } else {
-        prepared = 1;
+        status = prepared(m, h, &done);
+        if (status) return status;
         between(m, h, (times[index] - m->t) / h);
       }
       status = linkage_settle(times[index], m->trial, m->p);
@@ -99,6 +148,12 @@ static int adaptive(motion *m, const double *times, int count, const linkage_opt
     for (int i = 0; i < LINKAGE_STATE; i++) m->y[i] = m->next[i];
     m->t = reached;
     status = linkage_settle(m->t, m->y, m->p);
+    if (!status && mode >= 0) {
+      status = change(mode, m->t, m->y, m->p);
+      changes = m->t - since > 1e-10 * fabs(m->t) ? 1 : changes + 1;
+      if (changes == 1) since = m->t;
+      if (changes > 100) return STEP_TOO_SMALL;
+    }
     if (!status) status = linkage_rates(m->t, m->y, m->p, m->slopes[0]);
     if (status) return status;
     const double growth = error > 0.0 ? fmin(6.0, 0.9 * pow(error, -0.125)) : 6.0;
@@ -134,14 +189,16 @@ static int fixed(motion *m, const double *times, int count, const linkage_option
   return 0;
 }
 
-int linkage_integrate(const double *p, double *y, const double *times, int count,
+int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached) {
   motion m = {0};
   m.p = p;
   m.t = times[0];
   for (int i = 0; i < LINKAGE_STATE; i++) m.y[i] = y[i];
-  int status = MODES ? MODES_CHANGE : linkage_settle(m.t, m.y, p);
+  const int equal = strcmp(options->method, "rk4") == 0;
+  const int back = times[count - 1] < times[0];
+  int status = MODES && (equal || back) ? NOT_FOLLOWED : linkage_settle(m.t, m.y, p);
   if (!status) status = linkage_rates(m.t, m.y, p, m.slopes[0]);
   if (!status && !LINKAGE_STATE) {
     for (int k = 0; !status && k < count; k++) {
@@ -150,8 +207,7 @@ int linkage_integrate(const double *p, double *y, const double *times, int count
       if (!status) visit(m.t, m.y, p, data);
     }
   } else if (!status) {
-    status = (strcmp(options->method, "rk4") == 0 ? fixed : adaptive)(&m, times, count, options,
-                                                                      visit, data);
+    status = (equal ? fixed : adaptive)(&m, times, count, options, visit, data);
   }
   for (int i = 0; i < LINKAGE_STATE; i++) y[i] = m.y[i];
   *reached = m.t;

@@ -1,14 +1,18 @@
+const LEAST_TOLERANCE = 1e-300; // so that what is and stays zero has no error
+
 /* Follows a motion from times[0] with Dormand and Prince's method of order 8 (Hairer, Nørsett,
    Wanner: Solving Ordinary Differential Equations I, II.5, II.6 and II.10).
 
    model: has rates(t, state, parameters, out) and settled(t, state, parameters) -> status
    state: changes in place, to the last that was reached
+   options: rtol (1e-9), atol (rtol), and the longest step
    times: increasing or decreasing; visit(i, t, state) gets the state at times[i]
    parameters: their modes, of contacts and friction, change as well
    Returns {status, time, steps}: 0, a status of the model, -2 where steps become too small, or -3
    where friction or contacts change in a way that is not followed (also: back in time). */
 export function integrate(model, parameters, state, times, options, visit) {
-  const { rtol = 1e-9, atol = 1e-12, longest = Infinity } = options || {};
+  const { rtol, atol, longest } = { longest: Infinity, ...options };
+  const relative = rtol ?? 1e-9, absolute = Math.max(atol ?? relative, LEAST_TOLERANCE);
   const { a, b, c, error, further_a: furtherA, further_c: furtherC, dense } = DOP853;
   const size = state.length, end = b.length, last = times[times.length - 1];
   const sign = last < times[0] ? -1 : 1;
@@ -41,7 +45,7 @@ export function integrate(model, parameters, state, times, options, visit) {
   function errorOf(h) {
     const sums = [0, 0];
     for (let i = 0; i < size; i++) {
-      const scale = atol + rtol * Math.max(Math.abs(state[i]), Math.abs(next[i]));
+      const scale = absolute + relative * Math.max(Math.abs(state[i]), Math.abs(next[i]));
       for (let e = 0; e < 2; e++) {
         let found = 0;
         for (let j = 0; j <= end; j++) found += error[e][j] * stages[j][i];
@@ -119,7 +123,7 @@ export function integrate(model, parameters, state, times, options, visit) {
   function firstStep() {
     let position = 0, slope = 0;
     for (let i = 0; i < size; i++) {
-      const scale = atol + rtol * Math.abs(state[i]);
+      const scale = absolute + relative * Math.abs(state[i]);
       position += (state[i] / scale) ** 2;
       slope += (stages[0][i] / scale) ** 2;
     }

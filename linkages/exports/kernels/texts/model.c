@@ -1,19 +1,3 @@
-/* Evaluates the equations: accelerations, then settled coordinates and their rates. */
-static int evaluated(double t, const double *y, const double *p, double *timed, double *work) {
-  const int status = clock_(t, p, timed);
-  return status ? status : equations(y, p, timed, work);
-}
-
-int linkage_settle(double t, double *y, const double *p) {
-  double timed[TIMED + 1], work[WRITTEN + 1];
-  const int status = evaluated(t, y, p, timed, work);
-  for (int k = 0; !status && k < CARRIED; k++) {
-    y[FIRST_CARRIED + k] = work[COORDINATES + k];
-    y[COORDINATES + FIRST_CARRIED + k] = work[COORDINATES + CARRIED + k];
-  }
-  return status;
-}
-
 int linkage_rates(double t, const double *y, const double *p, double *out) {
   double timed[TIMED + 1], work[WRITTEN + 1];
   const int status = evaluated(t, y, p, timed, work);
@@ -41,12 +25,14 @@ static int started(const double *numbers, double *p, double *y) {
   for (int k = 0; k < TURNED; k++) p[turned[k]] = 0.0;
   prepare(p);
   status = linkage_settle(0.0, y, p);
-  if (status || !TURNED) return status;
-  status = clock_(0.0, p, timed);
-  if (!status) status = settle(y, p, timed, turns);
-  for (int k = 0; k < TURNED; k++) p[turned[k]] = turns[k];
-  prepare(p);
-  return status ? status : linkage_settle(0.0, y, p);
+  if (!status && TURNED) {
+    status = clock_(0.0, p, timed);
+    if (!status) status = settle(y, p, timed, turns);
+    for (int k = 0; k < TURNED; k++) p[turned[k]] = turns[k];
+    prepare(p);
+    if (!status) status = linkage_settle(0.0, y, p);
+  }
+  return status ? status : wake(0.0, y, p, -1);
 }
 
 int linkage_start(const double *numbers, double *p, double *y) {

@@ -1,6 +1,10 @@
 #ifndef LINKAGE_H
 #define LINKAGE_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
   LINKAGE_NUMBERS = @NUMBERS@,       /* of the definition file, which may be changed */
   LINKAGE_PARAMETERS = @PARAMETERS@, /* of the equations, and what is prepared of them */
@@ -39,9 +43,14 @@ typedef struct {
 /* Is told of the state at a time. */
 typedef void (*linkage_visit)(double t, const double *y, const double *p, void *data);
 
-/* Follows a motion from times[0]; y becomes the last state that was reached, *reached its time. */
-int linkage_integrate(const double *p, double *y, const double *times, int count,
+/* Follows a motion from times[0]; y becomes the last state that was reached, *reached its time, and
+   modes in p, of contacts and friction, those that it has there. */
+int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -185,7 +185,7 @@ def test_from_python_and_from_the_command_line(solution, tmp_path):
         assert run(request, to, hole=None) == 0
     assert (tmp_path / "four-bar.svg").read_bytes() == file.read_bytes()
     assert (tmp_path / "four-bar.dxf").exists()  # one format leaves the other's files alone
-    with pytest.raises(InputError, match="--to: .*\\s.*'svgg'; did you mean 'svg'"):
+    with pytest.raises(InputError, match=r"--to: .*\s.*'svgg'; did you mean 'svg'"):
         run(request, "svgg")
 
 

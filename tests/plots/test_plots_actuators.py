@@ -24,7 +24,7 @@ def posed(text, angle=0.5):
 
 def symbols_of(pose):
     """Symbols of springs, dampers and cylinders; walls have a name."""
-    found = [*shapes(pose, Strokes, role="spring"), *shapes(pose, Strokes, role="load")]
+    found = [*shapes(pose, Strokes, role="spring"), *shapes(pose, Strokes, role="cylinder")]
     return [shape for shape in found if not shape.name]
 
 

@@ -51,7 +51,8 @@ def test_every_drawing_fills_its_panel_and_has_a_scale_where_they_differ():
     assert spans[1] == pytest.approx(2 * spans[0], rel=0.05)  # the crank's pin is not twice as far
     for ax in result.axes:
         (bar,) = ax.lines
-        (text,) = ax.texts
+        (text,) = (text for text in ax.texts if text.get_text().endswith("m"))
+        assert set(JOINTS) - {"B.r1"} <= {other.get_text() for other in ax.texts}
         number, unit = text.get_text().split()
         length = float(number) * {"m": 1.0, "mm": 1e-3}[unit]
         assert np.ptp(bar.get_xdata()) == pytest.approx(length, rel=1e-12)

@@ -205,13 +205,16 @@ def note_gears(ax: Axes, pose: Pose) -> None:
 def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
     """Say under the axes what those colours mean that occur."""
     roles = {shape.look.role for shape in shapes}
-    shown = [role for role in MEANINGS if role in roles]
-    if not shown:
+    words: dict[str, list[str]] = {}  # of roles that have one colour
+    for role, meaning in MEANINGS.items():
+        if role in roles:
+            words.setdefault(LIGHT[role], []).append(meaning)
+    if not words:
         return
-    handles = [Line2D([], [], color=LIGHT[role], linewidth=2.4) for role in shown]
+    handles = [Line2D([], [], color=colour, linewidth=2.4) for colour in words]
     below = -0.3 / (ax.bbox.height / ax.figure.dpi)
     ax.legend(
-        handles, [MEANINGS[role] for role in shown], loc="upper left", ncols=len(shown),
+        handles, [", ".join(own) for own in words.values()], loc="upper left", ncols=len(words),
         bbox_to_anchor=(0.0, below), borderaxespad=0.0, borderpad=0.0, handlelength=1.1,
         handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
     )  # fmt: skip

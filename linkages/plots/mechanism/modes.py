@@ -14,6 +14,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.insets import nice_below
+from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.names import words_of
 from linkages.plots.mechanism.palette import LIGHT
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.view import Box, Positions
@@ -24,6 +26,9 @@ MOST = 48
 """How many drawings one figure holds."""
 
 EDGE, HEAD, FOOT = 0.1, 0.24, 0.28  # inches around a drawing, above it, and below all of them
+NAMED = 4
+"""Columns in which there is room for names."""
+
 ALIKE = 1.05
 """Extents of drawings that are no farther apart than this have one scale."""
 
@@ -89,9 +94,7 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
         left = column * (width + EDGE) + 0.5 * EDGE
         bottom = total - HEAD - (row + 1) * (height + HEAD)
         ax = result.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
-        draw(ax, mechanism, mode, boxes[index], columns)
-        if scaled:
-            _scale_bar(ax)
+        draw(ax, mechanism, mode, boxes[index], columns, scaled=scaled)
     heading = f"{mechanism.name}: assembly modes"
     result.text(0.5 * EDGE / WIDTH, 1 - 0.17 / total, fitted(heading, WIDTH), weight="bold")
     note = "framed: the mode that the definition selects" if any(m.selected for m in shown) else ""
@@ -101,8 +104,13 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
     return result
 
 
-def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1) -> Axes:
-    """Draw one mode in a box, without names; smaller symbols where there are many columns."""
+def draw(
+    ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1, *, scaled: bool = False
+) -> Axes:
+    """Draw one mode in a box, with names of joints; without and smaller in many columns.
+
+    Where it is `scaled`, a bar says how long something is.
+    """
     half = 0.5 * box.size + 0.16 * box.size.max()
     shape = ax.bbox.height / ax.bbox.width
     half = np.maximum(half, (half[1] / shape, half[0] * shape))
@@ -114,7 +122,15 @@ def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1)
     ax.set(xticks=[], yticks=[])
     pose = Pose(mechanism, mode.positions)
     size = 0.85 if columns <= 3 else 0.6
-    Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
+    drawn = Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
+    labels = Labels(ax)
+    if scaled:
+        _scale_bar(ax, labels)
+    if columns <= NAMED:
+        drawn.avoided(labels)
+        for word in words_of(pose):
+            if word.strong:
+                labels.beside_point(word.text, pose.positions[word.name], 3.0, fontsize=6.5)
     text = f"{mode.number}  {mode.text}".rstrip()
     colour = DRIVEN if mode.selected else "black"
     title = ax.set_title(text, fontsize=8, color=colour, pad=3)
@@ -128,11 +144,15 @@ def draw(ax: Axes, mechanism: Mechanism, mode: Mode, box: Box, columns: int = 1)
     return ax
 
 
-def _scale_bar(ax: Axes) -> None:
-    """A length of the plane in the lower left corner."""
+def _scale_bar(ax: Axes, labels: Labels) -> None:
+    """A length of the plane in the lower left corner, which labels keep clear of."""
     low, high = ax.get_xlim()
     length = nice_below(0.22 * (high - low))
     left, bottom = low + 0.04 * (high - low), ax.get_ylim()[0] + 0.05 * float(np.ptp(ax.get_ylim()))
     ax.plot([left, left + length], [bottom, bottom], color=LIGHT["ink"], linewidth=1.0)
     text = scale_for(length, "m").text(length)
     ax.annotate(text, (left, bottom), (0, 2), textcoords="offset points", fontsize=6.5)
+    point = 1.0 / points_per_unit(ax)
+    for above in (0.0, 4.0, 8.0):
+        places = [(left, bottom + above * point), (left + length, bottom + above * point)]
+        labels.avoid_line(places)

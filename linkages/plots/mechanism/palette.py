@@ -16,6 +16,7 @@ LIGHT: Mapping[str, str] = {
     "free": FREE,
     "clearance": CLEARANCE,
     "load": LOAD,
+    "cylinder": LOAD,
     "spring": PALETTE[2],
 }
 """Role → colour."""
@@ -30,6 +31,7 @@ DARK: Mapping[str, str] = {
     "free": "#5AB4F0",
     "clearance": "#FF6FB5",
     "load": "#BE94DE",
+    "cylinder": "#BE94DE",
     "spring": "#3CC795",
 }
 
@@ -38,6 +40,7 @@ MEANINGS: Mapping[str, str] = {
     "free": "free",
     "clearance": "clearance",
     "load": "load",
+    "cylinder": "cylinder",
     "spring": "spring, damper",
 }
 """Roles whose colour says something, in the words of a legend."""

@@ -17,7 +17,7 @@ from linkages.plots.mechanism.senses import load_sense
 from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Strokes
 from linkages.plots.mechanism.stops import without_stops
 
-SPRING, THRUST = Look("spring", 1.1), Look("load", 1.1)
+SPRING, THRUST = Look("spring", 1.1), Look("cylinder", 1.1)
 BESIDE = 13.0  # points between symbols that lie side by side
 STUB = 9.0  # points from a joint to where they part
 COIL, AMPLITUDE = 8.0, 4.5  # points along and across

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from matplotlib.axes import Axes
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.chaos import bifurcations, sections
 from linkages.plots.chaos import exponents as exponent_histories
 from linkages.plots.chaos import maps as chaos_maps
@@ -22,10 +23,11 @@ from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, picture
 from linkages.plots.motion import clearance_orbit as orbits
 from linkages.plots.motion import phase, time_figures
+from linkages.plots.motion import polar as polar_diagrams
 from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.style import panels, styled
-from linkages.solution.resolved import resolved
 from linkages.solution.solution import Solution
+from linkages.solution.values.requests import available
 from linkages.solution.values.series import data_series, find_series
 
 if TYPE_CHECKING:
@@ -34,6 +36,9 @@ if TYPE_CHECKING:
     Source = Solution | xr.Dataset
 
 __all__ = [
+    "bar_acceleration",
+    "bar_angle",
+    "bar_speed",
     "bifurcation",
     "clearance_force",
     "clearance_orbit",
@@ -42,20 +47,35 @@ __all__ = [
     "drive_force",
     "exponents",
     "indicator_map",
+    "joint_acceleration",
+    "joint_reaction",
+    "joint_velocity",
+    "kinetic_energy",
     "load_force",
     "load_torque",
+    "mechanical_advantage",
     "mechanism",
+    "over_time",
     "pair",
     "phase_diagram",
+    "polar",
+    "potential_energy",
+    "pressure_angle",
     "rotation_map",
     "section",
+    "shaking_force",
+    "shaking_moment",
     "slider_acceleration",
     "slider_acceleration_error",
+    "slider_mechanical_advantage",
     "slider_position",
     "slider_position_error",
     "slider_velocity",
     "slider_velocity_error",
+    "spring_force",
+    "torsional_spring_torque",
     "traces",
+    "transmission_angle",
 ]
 
 SINGLE = 3.6  # inches: height of a picture that stands alone
@@ -123,11 +143,14 @@ def _chart(variable: str, what: str) -> Chart:
     return chart
 
 
-slider_position = _chart("slider_position", "Displacements of the sliders")
+bar_angle = _chart("bar_angle", "Angles of the bars")
+bar_speed = _chart("bar_speed", "Angular speeds of the bars")
+bar_acceleration = _chart("bar_acceleration", "Angular accelerations of the bars")
+slider_position = _chart("slider_position", "Positions of the sliders")
 slider_velocity = _chart("slider_velocity", "Velocities of the sliders")
 slider_acceleration = _chart("slider_acceleration", "Accelerations of the sliders")
 slider_position_error = _chart(
-    "slider_position_error", "What clearances change of the sliders' displacements,"
+    "slider_position_error", "What clearances change of the sliders' positions,"
 )
 slider_velocity_error = _chart(
     "slider_velocity_error", "What clearances change of the sliders' velocities,"
@@ -135,9 +158,75 @@ slider_velocity_error = _chart(
 slider_acceleration_error = _chart(
     "slider_acceleration_error", "What clearances change of the sliders' accelerations,"
 )
+joint_velocity = _chart("joint_velocity", "Speeds of the joints")
+joint_acceleration = _chart("joint_acceleration", "Sizes of the joints' accelerations")
+joint_reaction = _chart("joint_reaction", "Resultant reactions of the joints")
+transmission_angle = _chart("transmission_angle", "Transmission angles of the dyads")
+pressure_angle = _chart("pressure_angle", "Pressure angles of the cams")
+mechanical_advantage = _chart("mechanical_advantage", "Mechanical advantages of the bars")
+slider_mechanical_advantage = _chart(
+    "slider_mechanical_advantage", "Mechanical advantages of the sliders"
+)
+shaking_force = _chart("shaking_force", "Size of the shaking force")
+shaking_moment = _chart("shaking_moment", "Shaking moment")
+kinetic_energy = _chart("kinetic_energy", "Kinetic energy")
+potential_energy = _chart("potential_energy", "Potential energy")
 clearance_force = _chart("clearance_force", "Forces in the clearances")
 load_force = _chart("load_force", "Forces of all loads")
 load_torque = _chart("load_torque", "Torques of all loads")
+spring_force = _chart("spring_force", "Forces of springs and dampers")
+torsional_spring_torque = _chart(
+    "torsional_spring_torque", "Torques of torsional springs and dampers"
+)
+
+
+@styled
+def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
+    """Any output over time, a line for each element; of vectors their sizes.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data. Of a solution what is not among its outputs is computed, but for
+        those that follow from a whole motion.
+    variable
+        Name of the output. A series that swings faster than lines can show gets an envelope, and
+        in a figure of its own a panel with a few swings.
+    ax
+        Where to draw; axes of a new figure if not given: those of its first panel.
+
+    Raises
+    ------
+    ValueError
+        For data without it.
+    """
+    return _over_time(source, variable, ax)
+
+
+@styled
+def polar(source: Source, variable: str, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """The tip of a vector, such as the reaction of a joint: of the element named, or the first.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data.
+    variable
+        ``"joint_reaction"``, ``"shaking_force"`` or another output with components x and y.
+    name
+        The joint; ``"ground"`` of the shaking force.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    data = _resolved(source, [variable])
+    _require(data, variable)
+    if "axis" not in data[variable].dims:
+        raise ValueError(f"{variable} has no direction; expected an output with components x and y")
+    known = dict.fromkeys(polar_diagrams.vectors(data, variable))
+    chosen = _chosen(name, known, f"element of {variable}")
+    if ax is None:
+        return polar_diagrams.polar_page(data, variable, [chosen]).axes[0]
+    return polar_diagrams.draw_polar(ax, data, variable, chosen)
 
 
 @styled
@@ -149,7 +238,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
     ValueError
         For data without offsets, or an unknown clearance.
     """
-    data = _resolved(source, "clearance_offset", orbits.SHOWN)
+    data = _resolved(source, orbits.SHOWN)
     chosen = _chosen(name, dict.fromkeys(orbits.opening(data)), "clearance whose contact may open")
     ax = ax or panels(1, 1, SINGLE, orbits.ABOVE)[1][0]
     return orbits.draw_orbit(ax, data.sel(clearance=chosen), chosen)
@@ -158,7 +247,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
 @styled
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _resolved(source, "clearance_offset", orbits.SHOWN)
+    data = _resolved(source, orbits.SHOWN)
     _require(data, "clearance_state")
     if ax is None:
         ax = orbits.state_page(data)
@@ -177,7 +266,7 @@ def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
 
 def _of_drives(solution: Solution, variable: str, ax: Axes | None) -> Axes:
     _require(solution.data, "drive_effort")
-    data = _resolved(solution, "drive_effort")
+    data = _resolved(solution, ["drive_effort"])
     chosen = time_figures.efforts(data, solution.mechanism, variable)
     return _over_time(chosen, variable, ax)
 
@@ -276,18 +365,21 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
 
 @styled
 def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
-    data = _resolved(source, variable)
+    data = _resolved(source, [variable])
     _require(data, variable)
+    heading = str(data.attrs.get("name", ""))
     if ax is None:
-        ax = time_figures.page(data, variable)
-    return time_figures.draw(ax, data, variable, str(data.attrs.get("name", "")))
+        return time_figures.draw_page(data, variable, heading)
+    return time_figures.draw(ax, data, variable, heading)
 
 
-def _resolved(source: Source, variable: str, also: Sequence[str] = ()) -> xr.Dataset:
-    """Data of a variable; of a solution with samples that show every swing."""
-    if not isinstance(source, Solution) or variable not in source.data:
+def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
+    """Data of some variables; of a solution at samples that show every swing."""
+    if not isinstance(source, Solution):
         return _data(source)
-    return resolved(source, [variable], also)
+    has = {*map(str, source.data.data_vars)}
+    has |= {name for name in available(source.system) if not VARIABLES[name].whole}
+    return source.dense([name for name in variables if name in has])
 
 
 def _data(source: Source) -> xr.Dataset:

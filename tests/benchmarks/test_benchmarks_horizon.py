@@ -165,7 +165,7 @@ solution_mechanism = linkages.load("ninebar")
 TIMES = [
     name
     for name, variable in (
-        ("slider_displacement", "slider_position"),
+        ("slider_position", "slider_position"),
         ("slider_velocity_error", "slider_velocity_error"),
         ("drive_effort", "drive_effort"),
         ("clearance_force", "clearance_force"),

@@ -89,7 +89,7 @@ def test_one_panel_for_each_coordinate():
     result = figure(data, press())
     titles = [ax.get_title(loc="left") for ax in result.axes]
     assert titles == ["r1", "r2", "ram"]
-    assert result.axes[2].get_xlabel() == "slider displacement s [m]"
+    assert result.axes[2].get_xlabel() == "slider position s [m]"
 
 
 @pytest.mark.parametrize("samples", [1, 2])

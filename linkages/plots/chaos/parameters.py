@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.plots.motion.free_axes import DEGREES, show_degrees
+from linkages.plots.motion.free_axes import show_degrees
+from linkages.plots.prefixes import DEGREES
 
 if TYPE_CHECKING:
     import xarray as xr

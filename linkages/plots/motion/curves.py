@@ -1,4 +1,4 @@
-"""Curves over time: thinned without losing a peak, and with their peak marked."""
+"""Curves over time: an envelope where they are denser than the paper, and their peak marked."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
+DENSE = 120  # turning points, beyond which swings are narrower than a few lines
 
 
 class CurvePeak(NamedTuple):
@@ -59,7 +60,38 @@ def peak_of(
         place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
         value = float(values[int(place)])
     at = float(np.interp(place, np.arange(len(time)), time))
-    return CurvePeak(at, value, horizon is not None and abs(at) > abs(horizon))
+    return CurvePeak(at, value, beyond(at, horizon))
+
+
+def beyond(time: float, horizon: float | None) -> bool:
+    """Whether a time is later than that to which the motion is predictable."""
+    return horizon is not None and abs(time) > abs(horizon)
+
+
+def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Array]:
+    """Least and largest value in each of so many columns of equal width.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,), times in order; values that are not finite are left out.
+    columns
+        Into which the times are divided; those without samples are left out.
+
+    Returns
+    -------
+    time, low, high
+        The middles of columns; each reaches to the first sample of the next one, as a line would.
+    """
+    span = float(time[-1] - time[0])
+    column = np.minimum(((time - time[0]) / span * columns).astype(int), columns - 1)
+    used, first = np.unique(column, return_index=True)
+    finite = np.isfinite(values)
+    low = np.minimum.reduceat(np.where(finite, values, np.inf), first)
+    high = np.maximum.reduceat(np.where(finite, values, -np.inf), first)
+    following = np.append(values[first[1:]], values[-1])
+    low, high = np.fmin(low, following), np.fmax(high, following)
+    return time[0] + (used + 0.5) / columns * span, low, high
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -88,6 +120,9 @@ def draw_curve(
 ) -> Line2D:
     """Draw a curve in shown units; a lone sample becomes a dot.
 
+    Where it is denser than the paper, what is filled reaches from its least to its largest value in
+    each column of pixels.
+
     Parameters
     ----------
     ax
@@ -98,13 +133,33 @@ def draw_curve(
         Of the time and of the values.
     line
         Properties of the line.
+
+    Returns
+    -------
+    A line with these properties.
     """
-    x, y = thinned(time, values)
-    lone = "." if len(x) == 1 else ""
-    if turning_points(y) > BUSY:
+    x, y = time * scales[0].factor, values * scales[1].factor
+    turns = turning_points(values)
+    if turns > DENSE:
+        middle, low, high = envelope(x, y, max(2, int(ax.bbox.width)))
+        colour = line.get("color")
+        ax.fill_between(middle, low, high, facecolor=colour, edgecolor=colour, linewidth=0.6)
+        return Line2D([], [], color=colour, linewidth=4.0)
+    if turns > BUSY:
         line = {"linewidth": 0.7, **line}
-    (curve,) = ax.plot(x * scales[0].factor, y * scales[1].factor, marker=lone, **line)
+    x, y = thinned(x, y)
+    (curve,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **line)
     return curve
+
+
+def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple[float, float]:
+    """Beginning and end of so many swings of a series around a time, in the same units."""
+    steps = np.sign(np.diff(values))
+    turns = time[1:-1][steps[1:] * steps[:-1] < 0]
+    place = int(np.searchsorted(turns, at)) if time[-1] > time[0] else 0
+    first = min(max(0, place - count), max(0, len(turns) - 1 - 2 * count))
+    last = min(first + 2 * count, len(turns) - 1)
+    return float(turns[first]), float(turns[last])
 
 
 def show_steady(ax: Axes, values: Array) -> None:

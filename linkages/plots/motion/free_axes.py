@@ -11,7 +11,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.plots.prefixes import Scale, scale_of
+from linkages.plots.prefixes import axis_scale
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-12
 """SI units; smaller values are zero, and get no prefix of their own."""
-
-DEGREES = 180.0 / np.pi
 
 
 class Output(NamedTuple):
@@ -54,7 +52,7 @@ _KINDS = {
     "tilt": (Output("tilt_angle", "tilt φ"), Output("tilt_speed", "rate dφ/dt")),
     "bar": (Output("bar_angle", "angle θ"), Output("bar_speed", "speed dθ/dt")),
     "slider": (
-        Output("slider_position", "displacement s"),
+        Output("slider_position", "position s"),
         Output("slider_velocity", "velocity ds/dt"),
     ),
     "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
@@ -82,9 +80,8 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
     units = str(data[output.variable].attrs.get("units", ""))
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    scale = scale_of(clear, units)
+    scale = axis_scale(clear, units)
     if units == "rad":
-        scale = Scale(DEGREES, "°")
         show_degrees(ax, scale.factor * values, along)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
     return scale.factor

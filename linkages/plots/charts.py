@@ -22,13 +22,16 @@ from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, picture
 from linkages.plots.motion import clearance_orbit as orbits
-from linkages.plots.motion import phase, time_figures
+from linkages.plots.motion import overlay, phase, time_figures
 from linkages.plots.motion import polar as polar_diagrams
+from linkages.plots.motion.compared import compared
+from linkages.plots.motion.compared import vectors as compared_vectors
 from linkages.plots.motion.free_axes import Free, free_coordinates
+from linkages.plots.motion.told_apart import told_apart
 from linkages.plots.style import panels, styled
 from linkages.solution.solution import Solution
 from linkages.solution.values.requests import available
-from linkages.solution.values.series import data_series, find_series
+from linkages.solution.values.series import data_series, find_series, with_sizes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,6 +61,7 @@ __all__ = [
     "over_time",
     "pair",
     "phase_diagram",
+    "plot",
     "polar",
     "potential_energy",
     "pressure_angle",
@@ -76,6 +80,7 @@ __all__ = [
     "torsional_spring_torque",
     "traces",
     "transmission_angle",
+    "vectors",
 ]
 
 SINGLE = 3.6  # inches: height of a picture that stands alone
@@ -296,10 +301,62 @@ def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool =
         Whether angles are taken within half a turn either way.
     """
     data = _data(source)
-    known = data_series(data)
+    known = with_sizes(data_series(data))
     across, up = find_series(known, x), find_series(known, y)
     _require(data, across.variable)
     return phase.draw_pair(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
+
+
+@styled
+def plot(
+    sources: Source | Sequence[Source] | Mapping[str, Source],
+    y: str | Sequence[str],
+    against: str = "time",
+    ax: Axes | None = None,
+    *,
+    difference: bool = False,
+    wrap: bool = False,
+) -> Axes:
+    """Any series of one motion or of several, over time or over any other series.
+
+    Parameters
+    ----------
+    sources
+        Solutions or their data, several of them by what tells them apart. Those of a list are
+        called by what their definitions differ in.
+    y
+        What to draw: names such as ``"rocker.angle"``, ``"P.velocity"`` for the magnitude of a
+        vector, ``"P.x velocity"``, ``"kinetic_energy"``.
+    against
+        What to draw it over, such as ``"crank.angle"``.
+    ax
+        Where to draw series of one unit; axes of a new figure if not given, with a panel for each
+        unit, of which those of the first are returned.
+    difference
+        Whether to draw what the others differ in from the first motion.
+    wrap
+        Whether angles to the right are taken within half a turn either way.
+
+    Raises
+    ------
+    ValueError
+        For unknown names and for what cannot be compared.
+    """
+    found = compared(_called(sources), _listed(y), against, difference=difference)
+    if ax is None:
+        return overlay.figure(found, wrap=wrap).axes[0]
+    return overlay.draw(ax, found, wrap=wrap)
+
+
+@styled
+def vectors(
+    sources: Source | Sequence[Source] | Mapping[str, Source], name: str, ax: Axes | None = None
+) -> Axes:
+    """A vector of one motion or of several in a polar diagram, such as ``"M.reaction"``."""
+    (found,) = compared_vectors(_called(sources), [name])
+    if ax is None:
+        return overlay.polar_figure([found]).axes[0]
+    return overlay.draw_vectors(ax, found)
 
 
 @styled
@@ -380,6 +437,24 @@ def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
     has = {*map(str, source.data.data_vars)}
     has |= {name for name in available(source.system) if not VARIABLES[name].whole}
     return source.dense([name for name in variables if name in has])
+
+
+def _called(
+    sources: Source | Sequence[Source] | Mapping[str, Source],
+) -> Mapping[str, Source]:
+    """What tells sources apart → each of them."""
+    given: Any = sources
+    if isinstance(sources, Solution) or hasattr(sources, "data_vars"):
+        return {str(_data(given).attrs.get("name", "")): given}
+    if isinstance(sources, Mapping):
+        return dict(given)
+    several = list(given)
+    mechanisms = [one.mechanism if isinstance(one, Solution) else None for one in several]
+    return dict(zip(told_apart(mechanisms), several, strict=True))
+
+
+def _listed(names: str | Sequence[str]) -> list[str]:
+    return [names] if isinstance(names, str) else list(names)
 
 
 def _data(source: Source) -> xr.Dataset:

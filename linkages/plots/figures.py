@@ -55,11 +55,14 @@ OF_ALL = (
 )
 """Figures of every motion that has something to show in them."""
 
+PICTURES = ("mechanism", "traces", "phase")
+"""Figures of the outputs that a solution has, at its own samples."""
+
 WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
 """Figures besides, where no slider tells how the mechanism moves."""
 
 
-def figures_of(solution: Solution, asked: Sequence[str] | None = None) -> list[str]:
+def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> list[str]:
     """Names of the figures that are worth drawing: few, or those of outputs that were asked for.
 
     Parameters
@@ -67,14 +70,15 @@ def figures_of(solution: Solution, asked: Sequence[str] | None = None) -> list[s
     solution
         What is drawn.
     asked
-        Names of outputs, if some were.
+        Names of outputs, or ``"all"``, if some were.
     """
-    chosen = list(OF_ALL)
-    if asked is None and not any(b.kind == "slider" for b in solution.mechanism.bodies.values()):
-        known = available(solution.system)
-        chosen += [name for name in WITHOUT_SLIDERS if name in known]
-    for name in () if asked in (None, "all") else asked:
-        chosen += [found for found in (name, f"{name}_polar") if found in FIGURES]
+    if asked is not None and asked != "all":
+        own = [name for output in asked for name in (output, f"{output}_polar")]
+        others = [n for n in OF_ALL if {*asked} & {*FIGURE_OUTPUTS.get(n, ())} or n in PICTURES]
+        return [name for name in FIGURES if name in {*own, *others}]
+    chosen = {*OF_ALL}
+    if not any(body.kind == "slider" for body in solution.mechanism.bodies.values()):
+        chosen |= {*WITHOUT_SLIDERS} & {*available(solution.system)}
     return [name for name in FIGURES if name in chosen]
 
 
@@ -88,9 +92,7 @@ def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
 
 
 FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
-    "mechanism": (),
-    "traces": (),
-    "phase": (),
+    **dict.fromkeys(PICTURES, ()),
     FORCE: ("drive_effort",),
     "clearance_orbit": clearance_orbit.SHOWN,
     "clearance_state": clearance_orbit.SHOWN,
@@ -145,7 +147,7 @@ def save_figures(
     _check("figure", wanted, FIGURES)
     written = []
     for name in wanted:
-        chosen = data if dense is None or name in ("mechanism", "traces", "phase") else dense
+        chosen = data if dense is None or name in PICTURES else dense
         figure = FIGURES[name](chosen, mechanism)
         if figure is not None:
             written.append(write_figure(figure, folder / f"{name}.{format}"))

@@ -28,7 +28,7 @@ class Solved:
 OF_ANALYSES = {"bifurcation", "exponents", "indicator_map", "rotation_map", "section"}
 OF_CONTACT = {"clearance_orbit", "clearance_state"}
 PICTURES = ["mechanism", "traces", "phase_diagram"]
-NAMED = {"pair", "over_time", "polar", *OF_ANALYSES, *OF_CONTACT, *PICTURES}
+NAMED = {"pair", "plot", "vectors", "over_time", "polar", *OF_ANALYSES, *OF_CONTACT, *PICTURES}
 ALL_OVER_TIME = [name for name in charts.__all__ if name not in NAMED]
 OVER_TIME = [name for name in ALL_OVER_TIME if name in {*SERIES, "drive_force"}]
 OF_SOLUTIONS = [*PICTURES, *OVER_TIME]
@@ -101,7 +101,7 @@ def test_any_output_against_any_other():
     given = Figure().add_subplot()
     assert charts.pair(Solved(), "ram.velocity", "r1.angle", given) is given
     own = charts.pair(press_data(), "ram.velocity", "r1.angle")
-    assert own.get_xlabel() == given.get_xlabel() == "slider_velocity of ram [m/s]"
+    assert own.get_xlabel() == given.get_xlabel() == "velocity of ram [m/s]"
     np.testing.assert_array_equal(own.lines[0].get_xydata(), given.lines[0].get_xydata())
     with pytest.raises(ValueError, match="unknown element 'rum'; did you mean 'ram'"):
         charts.pair(Solved(), "rum.velocity", "r1.angle")

@@ -142,9 +142,10 @@ def draw_curve(
     turns = turning_points(values)
     if turns > DENSE:
         middle, low, high = envelope(x, y, max(2, int(ax.bbox.width)))
-        colour = line.get("color")
-        ax.fill_between(middle, low, high, facecolor=colour, edgecolor=colour, linewidth=0.6)
-        return Line2D([], [], color=colour, linewidth=4.0)
+        colour, opacity = line.get("color"), line.get("alpha", 1.0)
+        edge = {"edgecolor": colour, "linewidth": 0.6, "alpha": opacity}
+        ax.fill_between(middle, low, high, facecolor=colour, **edge)
+        return Line2D([], [], color=colour, linewidth=3.0, alpha=opacity)
     if turns > BUSY:
         line = {"linewidth": 0.7, **line}
     x, y = thinned(x, y)

@@ -11,6 +11,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike, NDArray
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.prefixes import axis_scale
 
 if TYPE_CHECKING:
@@ -46,15 +47,21 @@ class Free(NamedTuple):
         return _KINDS[self.dimension][1]
 
 
+def _named(variable: str) -> Output:
+    return Output(variable, VARIABLES[variable].long_name)
+
+
 _KINDS = {
-    "clearance": (Output("clearance_angle", "angle α"), Output("clearance_speed", "speed dα/dt")),
-    "offset": (Output("offset_position", "offset e"), Output("offset_rate", "rate de/dt")),
-    "tilt": (Output("tilt_angle", "tilt φ"), Output("tilt_speed", "rate dφ/dt")),
-    "bar": (Output("bar_angle", "angle θ"), Output("bar_speed", "speed dθ/dt")),
-    "slider": (
-        Output("slider_position", "position s"),
-        Output("slider_velocity", "velocity ds/dt"),
-    ),
+    **{
+        dimension: (_named(value), _named(VARIABLES[value].rate))
+        for dimension, value in {
+            "clearance": "clearance_angle",
+            "offset": "offset_position",
+            "tilt": "tilt_angle",
+            "bar": "bar_angle",
+            "slider": "slider_position",
+        }.items()
+    },
     "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
 }
 

@@ -20,7 +20,7 @@ from linkages.plots.motion.free_axes import (
     values_of,
 )
 from linkages.plots.motion.phase_curve import refined, spread, wrapped
-from linkages.plots.prefixes import scale_of
+from linkages.plots.prefixes import axis_scale
 from linkages.plots.style import PALETTE, diagrams, fitted, line_style, panels, styled, title
 from linkages.solution.resolved import turning_points
 from linkages.solution.values.series import TIME, Series, data_series, find_series
@@ -84,9 +84,8 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
     if angle:
         degrees, y = wrapped(x, y)
         x = np.radians(degrees)
-    words = f"{coordinate.dimension} "
     along, up = (
-        show_output(ax, way, data, output._replace(label=words + output.label), values)
+        show_output(ax, way, data, output, values)
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
     draw_curve(ax, degrees if angle else along * x, up * y)
@@ -163,11 +162,8 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = Tru
 
 def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
     """Values as they are drawn, and the label of their axis."""
-    array = series.of(data)
-    values = np.asarray(array, dtype=float)
-    words = str(array.attrs.get("long_name", series.variable))
-    label = " of ".join([words, *[".".join(series.place.values())][: bool(series.place)]])
-    if series.angle:
-        return np.degrees(values), f"{label} [°]"
-    scale = scale_of(values, str(array.attrs.get("units", "")))
-    return values * scale.factor, scale.label(label)
+    values = np.asarray(series.of(data), dtype=float)
+    attrs = data[series.variable].attrs
+    known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else TIME
+    scale = axis_scale(values, str(attrs.get("units", "s" if series.variable == TIME else "")))
+    return values * scale.factor, scale.label(series.words(str(attrs.get("long_name", known))))

@@ -125,10 +125,11 @@ def animate(
 @computes(SimulationOptions)
 def phase(
     x: Annotated[
-        str, typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
+        list[str], typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
     ],
     y: Annotated[
-        str, typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'.")
+        list[str],
+        typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'."),
     ],
     wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
     skip: Annotated[float, typer.Option(help="Time in s that is left out at the start.")] = 0.0,
@@ -137,6 +138,36 @@ def phase(
     ] = None,
 ) -> None:
     """Draw any output of the motion against another one."""
+
+
+@computes(SimulationOptions)
+def plot(
+    others: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[FILE]...", help="Others to draw with it; or results, run.nc."),
+    ] = None,
+    y: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="What to draw, e.g. 'rocker.angle'; repeatable."),
+    ] = None,
+    against: Annotated[
+        str, typer.Option(metavar="NAME", help="What to draw it over, e.g. 'crank.angle'.")
+    ] = "time",
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATH=A,B,…", help="A motion for each value, or PATH=FIRST:LAST:N."),
+    ] = None,
+    difference: Annotated[
+        bool, typer.Option("--difference", help="Draw what the others differ in from the first.")
+    ] = False,
+    polar: Annotated[
+        bool, typer.Option("--polar", help="Draw the tips of vectors, e.g. 'M.reaction'.")
+    ] = False,
+    wrap: Annotated[
+        bool, typer.Option("--wrap", help="Take angles to the right within one turn.")
+    ] = False,
+) -> None:
+    """Draw any outputs of one motion or several over each other, over time or a coordinate."""
 
 
 @computes(SectionOptions)
@@ -301,6 +332,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
+    simulate, check, equations, animate, plot, phase, poincare, lyapunov, bifurcation, map_, sweep,
     sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

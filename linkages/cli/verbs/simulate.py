@@ -73,8 +73,8 @@ def run(
     rows = shown_maxima(solution, names)
     _mark_late(solution, horizon)
     notes = [*solution.notes, *_warnings(solution)]
-    how = {"complete": failure is None, "interrupted": interrupted}
-    with request.publishing(solution.options, **how) as place:
+    complete = failure is None
+    with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
         solution.save(place.folder)
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures

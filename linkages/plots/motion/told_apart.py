@@ -9,6 +9,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.paths import path_words
 from linkages.reading.paths import dotted
 from linkages.reading.wording import shown
+from linkages.spec.arithmetic import leading_number
+from linkages.spec.grammar import NumberError
 
 MOST = 3
 """Differences that a legend can say."""
@@ -30,10 +32,9 @@ def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()
     Those that are still alike are numbered.
     """
     found = [""] * len(mechanisms)
-    if all(mechanism is not None for mechanism in mechanisms):
-        found = _differences(
-            [mechanism.definition.content for mechanism in mechanisms if mechanism]
-        )
+    known = [mechanism.definition.content for mechanism in mechanisms if mechanism]
+    if len(known) == len(found):
+        found = _differences(known)
     if len({*found}) < len(found):
         own = [m.name if m else "" for m in mechanisms]
         others = list(names) or own
@@ -60,7 +61,11 @@ def _differences(contents: Sequence[Any]) -> list[str]:
 def _text(value: object) -> str:
     if value is None:
         return "none"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    try:
+        number, unit = leading_number(str(value))
+    except NumberError:
+        return str(value)
+    return f"{number:.6g} {unit}".rstrip()
 
 
 def _leaves(content: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Any]]:

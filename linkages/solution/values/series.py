@@ -128,7 +128,7 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     own = [other.rpartition(".")[2] for other in known if other.rpartition(".")[0] == element]
     if dot and own:
         words = " ".join(SYNONYMS.get(word, word) for word in quantity.replace("_", " ").split())
-        near = suggestion(words, own)
+        near = f"; did you mean {words!r}?" if words in own else suggestion(words, own)
         raise ValueError(f"{element} has no {quantity!r}{near or f'; expected {listed(own)}'}")
     elements = list(dict.fromkeys(other.rpartition(".")[0] for other in known if "." in other))
     if dot:

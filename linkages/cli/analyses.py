@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Drawing, Moving, Processor, Start
+from linkages.cli.options import Drawing, Moving, Processor, Start, read_seconds
 from linkages.cli.verb import computes
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
@@ -101,9 +101,15 @@ def animate(
     form: Annotated[
         Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
     ] = Moving.GIF,
-    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
+    start: Annotated[
+        float,
+        typer.Option(parser=read_seconds, metavar="<time>", help="Time of the first frame."),
+    ] = 0.0,
     duration: Annotated[
-        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
+        float | None,
+        typer.Option(
+            parser=read_seconds, metavar="<time>", help="How much to show; default: the rest."
+        ),
     ] = None,
     slow: Annotated[
         float | None,
@@ -132,7 +138,9 @@ def phase(
         typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'."),
     ],
     wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
-    skip: Annotated[float, typer.Option(help="Time in s that is left out at the start.")] = 0.0,
+    skip: Annotated[
+        float, typer.Option(parser=read_seconds, metavar="<time>", help="Left out at the start.")
+    ] = 0.0,
     samples: Annotated[
         int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")
     ] = None,

@@ -154,7 +154,7 @@ def test_lines_differ_in_black_and_white():
 
     looks = [str(line_style(index)["linestyle"]) for index in range(5)]
     assert len(set(looks)) == 5
-    assert len({line_style(i)["color"] for i in range(7)}) == len(PALETTE)
+    assert len({line_style(i)["color"] for i in range(9)}) == len(PALETTE)
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +178,7 @@ def test_charts_of_analyses(pendulum):
     points = linkages.poincare(pendulum, periods=20)
     assert len(charts.section(points, "rod").lines[0].get_xdata()) == 20
     history = linkages.lyapunov(pendulum, periods=5)
-    assert charts.exponents(history).get_ylabel() == "exponent up to then [1/s]"
+    assert charts.exponents(history).get_ylabel() == "running estimate of the exponent [1/s]"
     given = Figure().add_subplot()
     assert charts.exponents(history, ax=given) is given
     with pytest.raises(ValueError, match="unknown free coordinate 'crank'; expected one of: rod"):

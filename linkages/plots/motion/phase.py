@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import BUSY, show_steady
+from linkages.plots.motion.curves import BUSY, DENSE, show_steady, swings_about
 from linkages.plots.motion.free_axes import (
     Free,
     free_coordinates,
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MANY_POINTS = 50_000
+FAINT = 0.3
+"""Opacity of curves that cover themselves, so that what is dense looks dense."""
 
 
 @styled
@@ -39,10 +41,23 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     found = coordinates(data, mechanism)
     if not found or data.sizes["time"] == 0:
         return None
-    result, axes = diagrams(len(found))
-    for ax, coordinate in zip(axes, found, strict=True):
-        draw(ax, data, coordinate, mechanism.name if len(found) == 1 else "")
+    shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
+    result, axes = diagrams(len(shown))
+    for ax, (coordinate, part) in zip(axes, shown, strict=True):
+        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "")
+        if part.sizes["time"] < data.sizes["time"]:
+            ax.set_title(f"{coordinate.name}, a few swings")
     return result
+
+
+def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
+    """The whole motion, and a few swings of it where its curve covers itself."""
+    rates = values_of(data, coordinate, coordinate.rate)
+    if turning_points(rates) <= DENSE:
+        return [data]
+    time = np.asarray(data["time"], dtype=float)
+    low, high = sorted(swings_about(time, rates, float(time[len(time) // 2]), 2))
+    return [data, data.isel(time=(time >= low) & (time <= high))]
 
 
 def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
@@ -96,12 +111,15 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
 def draw_curve(ax: Axes, x: Array, y: Array) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
     if len(x) > MANY_POINTS:
-        ax.plot(*spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0)
+        ax.plot(
+            *spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0, alpha=FAINT
+        )
     else:
-        width = 1.0 if turning_points(y) < BUSY else 0.5
-        ax.plot(x, y, color=PALETTE[0], linewidth=width, marker="." if len(x) == 1 else "")
-    look = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
-    ax.plot(x[:1], y[:1], **look, markerfacecolor="white", label="start", zorder=4)
+        turns = turning_points(y)
+        look = {"linewidth": 1.0 if turns < BUSY else 0.5, "alpha": 1.0 if turns < DENSE else FAINT}
+        ax.plot(x, y, color=PALETTE[0], marker="." if len(x) == 1 else "", **look)
+    ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
+    ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
 
@@ -151,6 +169,9 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = Tru
         if wrap and y.angle:
             up, across = wrapped(np.radians(up), across)
         draw_curve(ax, across, up)
+    units = {data[s.variable].attrs.get("units") for s in (x, y) if s.variable != TIME}
+    if units == {"m"} and TIME not in (x.variable, y.variable):
+        ax.set_aspect("equal", adjustable="datalim")
     if x.angle:
         show_degrees(ax, across)
     if y.angle:

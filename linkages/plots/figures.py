@@ -55,7 +55,7 @@ OF_ALL = (
 )
 """Figures of every motion that has something to show in them."""
 
-PICTURES = ("mechanism", "traces", "phase")
+PICTURES = ("mechanism", "traces")
 """Figures of the outputs that a solution has, at its own samples."""
 
 WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
@@ -84,15 +84,17 @@ def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> 
 
 def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
     """What figures over time draw, at samples that show all that the motion does."""
-    wanted = [FIGURE_OUTPUTS.get(name, (name.removesuffix("_polar"),)) for name in names]
+    drawn = list(names)
+    wanted = [FIGURE_OUTPUTS.get(name, (name.removesuffix("_polar"),)) for name in drawn]
     needed = dict.fromkeys(name for group in wanted for name in group)
-    whole = {name for name in needed if name in VARIABLES and VARIABLES[name].whole}
-    have = [*map(str, solution.data.data_vars), *(set(available(solution.system)) - whole)]
+    others = {name for name in available(solution.system) if not VARIABLES[name].whole}
+    have = {*map(str, solution.data.data_vars)} | others & {*drawn}
     return solution.dense([name for name in needed if name in have])
 
 
 FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(PICTURES, ()),
+    "phase": phase.OUTPUTS,
     FORCE: ("drive_effort",),
     "clearance_orbit": clearance_orbit.SHOWN,
     "clearance_state": clearance_orbit.SHOWN,

@@ -206,7 +206,7 @@ def test_names_of_starts_stand_in_the_legend():
 
 def test_exponents_stand_below_with_a_band_of_two_errors():
     _, below = bifurcations.figure(sweep_data(exponent=True)).axes
-    assert below.get_ylabel() == "largest exponent [1/s]"
+    assert below.get_ylabel() == "largest Lyapunov exponent [1/s]"
     band = below.collections[1].get_paths()[0].vertices
     assert band[:, 1].min() == pytest.approx(0.3)
     assert band[:, 1].max() == pytest.approx(0.7)
@@ -245,7 +245,7 @@ def test_history_of_exponents_with_bands_and_zero():
     assert band.get_height() == pytest.approx(0.08)
     # what came before they settled does not squeeze the picture: 50 of it
     assert ax.get_ylim()[1] < 2
-    assert ax.get_legend().get_texts()[0].get_text() == "λ₁ = 0.305 ± 0.02 1/s"
+    assert ax.get_legend().get_texts()[0].get_text() == "λ₁ = 0.305 ± 0.020 1/s"
 
 
 def test_lines_of_a_spectrum_are_marked_where_they_are():

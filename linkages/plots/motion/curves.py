@@ -20,6 +20,7 @@ MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
+ROOM = 0.08  # beside a few swings, in parts of their time
 DENSE = 120  # turning points, beyond which swings are narrower than a few lines
 
 
@@ -154,13 +155,17 @@ def draw_curve(
 
 
 def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple[float, float]:
-    """Beginning and end of so many swings of a series around a time, in the same units."""
-    steps = np.sign(np.diff(values))
-    turns = time[1:-1][steps[1:] * steps[:-1] < 0]
-    place = int(np.searchsorted(turns, at)) if time[-1] > time[0] else 0
+    """Earliest and latest time of so many swings of a series around a time."""
+    order = 1 if time[-1] >= time[0] else -1
+    time, steps = time[::order], np.diff(values[::order])
+    moving = np.flatnonzero(np.abs(steps) > STEADY * np.nanmax(np.abs(values)))
+    turned = np.flatnonzero(np.diff(np.sign(steps[moving])))
+    turns = time[moving[turned + 1]]
+    place = int(np.searchsorted(turns, at))
     first = min(max(0, place - count), max(0, len(turns) - 1 - 2 * count))
     last = min(first + 2 * count, len(turns) - 1)
-    return float(turns[first]), float(turns[last])
+    room = ROOM * (turns[last] - turns[first])
+    return max(float(time[0]), turns[first] - room), min(float(time[-1]), turns[last] + room)
 
 
 def show_steady(ax: Axes, values: Array) -> None:
@@ -195,6 +200,12 @@ def mark_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale], colour: st
         clip_on=False,
         zorder=4,
     )
+
+
+def mark_place(ax: Axes, place: float) -> None:
+    """Marks at both ends of the frame: where a few swings are in the whole."""
+    ax.axvline(place, ymin=0.97, color=BLACK, linewidth=2.0, clip_on=False)
+    ax.axvline(place, ymax=0.03, color=BLACK, linewidth=2.0, clip_on=False)
 
 
 def annotate_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale]) -> None:

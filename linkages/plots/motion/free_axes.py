@@ -66,6 +66,14 @@ _KINDS = {
 }
 
 
+KINDS = [
+    (value.variable, rate.variable)
+    for value, rate in _KINDS.values()
+    if value.variable in VARIABLES
+]
+"""Free coordinates and their rates, among the outputs."""
+
+
 def free_coordinates(data: xr.Dataset) -> list[Free]:
     """All free coordinates that a dataset has values and rates of; only touches if it has those."""
     found = [

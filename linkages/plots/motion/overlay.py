@@ -12,7 +12,14 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from linkages.plots.motion.compared import Compared, Curve
-from linkages.plots.motion.curves import DENSE, draw_curve, show_steady, swings_about, thinned
+from linkages.plots.motion.curves import (
+    DENSE,
+    draw_curve,
+    mark_place,
+    show_steady,
+    swings_about,
+    thinned,
+)
 from linkages.plots.motion.free_axes import show_degrees
 from linkages.plots.motion.phase_curve import wrapped
 from linkages.plots.motion.time_page import Group, page
@@ -172,25 +179,19 @@ def _draw_swings(whole: Axes, ax: Axes, found: Compared) -> None:
     scales = scales_of(found)
     first = next(curve for curve in found.curves if dense(curve))
     at = float(first.time[np.nanargmax(np.abs(first.y))])
-    begin, end = swings_about(first.time, first.y, at)
-    low, high = sorted((begin, end))
+    low, high = swings_about(first.time, first.y, at)
     for k, curve in enumerate(found.curves):
         inside = (curve.time >= low) & (curve.time <= high)
         x, y = thinned(curve.time[inside], curve.y[inside])
         ax.plot(x * scales[0].factor, y * scales[1].factor, **line_style(k))
-    ax.set_xlim(begin * scales[0].factor, end * scales[0].factor)
+    ax.set_xlim(low * scales[0].factor, high * scales[0].factor)
     ax.margins(y=0.14)
     ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
     ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
     ax.set_xlabel(scales[0].label("time"))
     ax.set_title("a few swings")
     mark_place(whole, 0.5 * (low + high) * scales[0].factor)
-
-
-def mark_place(ax: Axes, place: float) -> None:
-    """Marks at both ends of the frame: where a few swings are in the whole."""
-    ax.axvline(place, ymin=0.97, color=BLACK, linewidth=2.0, clip_on=False)
-    ax.axvline(place, ymax=0.03, color=BLACK, linewidth=2.0, clip_on=False)
 
 
 @styled

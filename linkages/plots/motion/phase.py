@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +13,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import BUSY, DENSE, show_steady, swings_about
 from linkages.plots.motion.free_axes import (
+    KINDS,
     Free,
     free_coordinates,
     show_degrees,
@@ -30,9 +31,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MANY_POINTS = 50_000
+MANY_POINTS = 500_000
 FAINT = 0.3
 """Opacity of curves that cover themselves, so that what is dense looks dense."""
+
+
+OUTPUTS = tuple(
+    name for kind in KINDS for name in (*kind, VARIABLES[kind[1]].rate) if name in VARIABLES
+)
+"""What phase diagrams of free coordinates are made of."""
 
 
 @styled
@@ -56,7 +63,7 @@ def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
     if turning_points(rates) <= DENSE:
         return [data]
     time = np.asarray(data["time"], dtype=float)
-    low, high = sorted(swings_about(time, rates, float(time[len(time) // 2]), 2))
+    low, high = swings_about(time, rates, float(time[len(time) // 2]), 2)
     return [data, data.isel(time=(time >= low) & (time <= high))]
 
 
@@ -116,7 +123,10 @@ def draw_curve(ax: Axes, x: Array, y: Array) -> None:
         )
     else:
         turns = turning_points(y)
-        look = {"linewidth": 1.0 if turns < BUSY else 0.5, "alpha": 1.0 if turns < DENSE else FAINT}
+        look: dict[str, Any] = {
+            "linewidth": 1.0 if turns < BUSY else 0.5,
+            "alpha": 1.0 if turns < DENSE else FAINT,
+        }
         ax.plot(x, y, color=PALETTE[0], marker="." if len(x) == 1 else "", **look)
     ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
     ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)

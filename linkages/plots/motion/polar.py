@@ -96,7 +96,8 @@ def draw_polar(ax: Axes, data: xr.Dataset, variable: str, name: str, heading: st
         at = int(np.nanargmax(sizes))
         ax.plot([0, x[at]], [0, y[at]], color=PALETTE[1], linewidth=0.8, zorder=3)
         ax.plot(x[at], y[at], "o", markersize=4, color=PALETTE[1], zorder=4)
-        said = f"{name}, up to {scale.text(float(sizes[at]) / scale.factor)}"
+        most, _ = array.attrs.get("farthest", {}).get(name, (float(sizes[at]) / scale.factor, 0.0))
+        said = f"{name}, up to {scale.text(most)}"
     else:
         said = name
     words = str(array.attrs.get("long_name", variable.replace("_", " ")))

@@ -25,6 +25,7 @@ from linkages.plots.motion.curves import (
     beyond,
     draw_curve,
     mark_peak,
+    mark_place,
     peak_of,
     peak_text,
     show_steady,
@@ -33,7 +34,7 @@ from linkages.plots.motion.curves import (
 from linkages.plots.motion.horizon_band import shade_beyond_horizon
 from linkages.plots.motion.time_page import Group, Panel, page
 from linkages.plots.prefixes import Scale, axis_scale, scale_of
-from linkages.plots.style import BLACK, fitted, legend_above, line_style, styled, title
+from linkages.plots.style import fitted, legend_above, line_style, styled, title
 from linkages.solution.resolved import turning_points
 from linkages.solution.values.peaks import even
 
@@ -239,22 +240,20 @@ def _draw_swings(panel: Panel, ax: Axes, lines: Lines, k: int) -> None:
     scale, shown = lines.scales
     values, peak = lines.values[:, k], lines.peaks[k]
     at = lines.time[len(values) // 2] if peak is None else peak.time
-    first, last = swings_about(lines.time, values, at)
-    low, high = sorted((first, last))
+    low, high = swings_about(lines.time, values, at)
     inside = (lines.time >= low) & (lines.time <= high)
     colour = line_style(k)["color"]
     ax.plot(lines.time[inside] * scale.factor, values[inside] * shown.factor, color=colour)
     if peak and low <= peak.time <= high:
         mark_peak(ax, peak, lines.scales, colour)
-    ax.set_xlim(first * scale.factor, last * scale.factor)
+    ax.set_xlim(low * scale.factor, high * scale.factor)
     ax.margins(y=0.14)
     ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
     ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
     ax.set_xlabel(scale.label("time"))
-    ax.set_title("a few swings", color=BLACK, fontweight="normal")
-    place = (low + high) / 2 * scale.factor
-    panel.whole.axvline(place, ymin=0.97, color=BLACK, linewidth=2.0, clip_on=False)
-    panel.whole.axvline(place, ymax=0.03, color=BLACK, linewidth=2.0, clip_on=False)
+    ax.set_title("a few swings")
+    mark_place(panel.whole, 0.5 * (low + high) * scale.factor)
 
 
 def _finish(ax: Axes, lines: Lines) -> None:

@@ -118,7 +118,7 @@ def test_check_as_text_says_the_same(cli):
     assert (result.code, result.err) == (0, "")
     for expected in (
         "11 revolute and 1 prismatic pairs, 3 independent loops",
-        "mobility 3 by Grübler's formula, 3 by the rank",
+        "mobility 3 by the Chebychev–Grübler–Kutzbach criterion, 3 by the rank",
         "driven: crank1, crank4",
         "free: r1",
         "RRR dyad, closed form",
@@ -424,7 +424,7 @@ def test_the_table_does_not_depend_on_samples(cli):
 
 
 def test_a_motion_too_long_to_be_looked_at_is_marked(cli, monkeypatch):
-    monkeypatch.setattr("linkages.solution.measuring.followed.MOST_STEPS", 10)
+    monkeypatch.setattr("linkages.solution.measuring.dense.MOST", 21)
     short = ("--set", "simulate.end=0.1", "--set", "simulate.samples=21", "--no-figures")
     text = plain(cli("simulate", "ninebar", *short, "--no-verify").out)
     assert re.search(r"^clearance speed +r1 +-?[\d.]+~ ", text, re.MULTILINE)

@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 from plot_data import press, press_data
 
 from linkages.plots.motion.free_axes import Free
-from linkages.plots.motion.phase import coordinates, draw, figure
+from linkages.plots.motion.phase import MANY_POINTS, coordinates, draw, figure
 from linkages.plots.motion.phase_curve import refined, spread, wrapped
 
 
@@ -103,6 +103,6 @@ def test_nothing_to_draw():
 
 
 def test_a_long_run_is_drawn_as_dots():
-    ax = draw(Figure().add_subplot(), press_data(60_001), Free("clearance", "r1"))
+    ax = draw(Figure().add_subplot(), press_data(MANY_POINTS + 1), Free("clearance", "r1"))
     assert ax.lines[0].get_linestyle() == "None"
-    assert len(ax.lines[0].get_xdata()) < 60_001
+    assert len(ax.lines[0].get_xdata()) < MANY_POINTS

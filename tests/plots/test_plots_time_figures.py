@@ -152,7 +152,7 @@ def test_a_curve_denser_than_the_paper_is_an_envelope_with_a_few_swings_beside()
     # a column holds a swing and more; a sample is off a top by (2π400·5e-5/2)²/2 = 0.2 % at most
     assert half[inside] == pytest.approx(2.0 + np.cos(np.pi * middle[inside]), rel=0.01)
     shown = swings.lines[0].get_xdata()
-    assert 4 / 400 < np.ptp(shown[:, 0]) < 8 / 400
+    assert 4 / 400 < np.ptp(shown) < 8 / 400
     assert swings.lines[0].get_ydata().max() == pytest.approx(3.0, rel=2e-3)
 
 

@@ -79,7 +79,7 @@ def test_a_drive_that_turns_fast_is_followed_whatever_the_samples():
 
 
 def test_a_motion_that_took_long_keeps_its_samples_and_says_so(ninebar, monkeypatch):
-    monkeypatch.setattr("linkages.solution.measuring.followed.MOST_STEPS", 100)
+    monkeypatch.setattr("linkages.solution.measuring.dense.MOST", 501)
     solution = linkages.simulate(linkages.load("ninebar"), end=0.5, samples=501)
     data = solution.dense(["clearance_force"])
     own = solution.data["clearance_force"].to_numpy()

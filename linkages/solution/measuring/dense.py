@@ -14,7 +14,7 @@ from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_values
-from linkages.solution.measuring.followed import Followed, denser, enough, factor_of, through
+from linkages.solution.measuring.followed import PER_STEP, Followed, denser, enough, through
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.resolved import PER_SWING, samples_per_swing
@@ -164,8 +164,9 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
     if count < 2 or motion.interrupted:
         return motion
     if motion.method:
-        factor = factor_of(motion, count, most=MOST)
-        return motion if factor == 1 else _again(system, motion, settings, factor)
+        wanted = ceil(PER_STEP * motion.cost.get("steps", 0) / (count - 1))
+        factor = min(wanted, MOST // (count - 1))
+        return motion if factor <= 1 else _again(system, motion, settings, factor)
     known = [name for name in requested(system, None) if not VARIABLES[name].whole]
     names = [name for name in known if not VARIABLES[name].noise]
     factor = ceil(max(FEWEST, PER_TURN * _turns(system, motion)) / (count - 1))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-_PER_STEP = 4
+PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
 MOST_STEPS = 1_000_000
@@ -153,20 +153,19 @@ def enough(motion: Motion, samples: int) -> bool:
 
     An adaptive method takes several steps per swing, so that nothing happens between such samples.
     """
-    return samples - 1 >= _PER_STEP * motion.cost.get("steps", 0)
+    return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
 
 
-def factor_of(motion: Motion, samples: int, most: int = MOST_SAMPLES) -> int:
+def factor_of(motion: Motion, samples: int) -> int:
     """How many times as close samples must be for quintic polynomials to be as good as the steps.
 
-    Powers of two, so that motions which are alike are sampled alike; with no more than `most`
-    samples.
+    Powers of two, so that motions which are alike are sampled alike.
     """
     count = samples - 1
     if count < 1 or motion.interrupted or motion.cost.get("steps", 0) > MOST_STEPS:
         return 1
     factor = 1
-    while not enough(motion, factor * count + 1) and 2 * factor * count <= most:
+    while not enough(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
         factor *= 2
     return factor
 

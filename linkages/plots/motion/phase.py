@@ -51,8 +51,9 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
     result, axes = diagrams(len(shown))
     for ax, (coordinate, part) in zip(axes, shown, strict=True):
-        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "")
-        if part.sizes["time"] < data.sizes["time"]:
+        whole = part.sizes["time"] == data.sizes["time"]
+        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "", start=whole)
+        if not whole:
             ax.set_title(f"{coordinate.name}, a few swings")
     return result
 
@@ -82,7 +83,9 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     ]
 
 
-def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axes:
+def draw(
+    ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", *, start: bool = True
+) -> Axes:
     """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
 
     Parameters
@@ -95,6 +98,8 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
         What to draw.
     heading
         Stands before the name in the title.
+    start
+        Whether to mark where the curve begins.
     """
     x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
     angle = VARIABLES[coordinate.value.variable].angle
@@ -110,12 +115,12 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
         show_output(ax, way, data, output, values)
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
-    draw_curve(ax, degrees if angle else along * x, up * y)
+    draw_curve(ax, degrees if angle else along * x, up * y, start=start)
     ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
     return ax
 
 
-def draw_curve(ax: Axes, x: Array, y: Array) -> None:
+def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
     if len(x) > MANY_POINTS:
         ax.plot(
@@ -128,9 +133,10 @@ def draw_curve(ax: Axes, x: Array, y: Array) -> None:
             "alpha": 1.0 if turns < DENSE else FAINT,
         }
         ax.plot(x, y, color=PALETTE[0], marker="." if len(x) == 1 else "", **look)
-    ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
-    ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
+    if start:
+        ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
+        ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
 
 

@@ -72,7 +72,10 @@ def _functions(
 
     def made() -> SampledFunctions | None:
         model = Model(system.topology)
-        program = write_functions_of(model, nodes(model), ", ".join(what))
+        wanted = nodes(model)
+        if not wanted:
+            return None
+        program = write_functions_of(model, wanted, ", ".join(what))
         return None if program.held else SampledFunctions(program, LANES)
 
     return _FUNCTIONS.get((system.structure.key, system.topology.coordinates, what), made)

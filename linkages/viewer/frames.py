@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.resolved import per_swing, resolved
-from linkages.solution.simulate import simulate
-from linkages.solution.values.requests import available, requested
+from linkages.solution.resolved import samples_per_swing
+from linkages.solution.solution import Solution, labelled
+from linkages.solution.values.requests import REACTION, STATE, available, requested
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from linkages.solution.solution import Solution
 
 Array = NDArray[np.float64]
 
@@ -52,26 +50,22 @@ def wanted(system: System, outputs: Iterable[str] | None = None) -> list[str]:
 
 
 def dense(solution: Solution) -> xr.Dataset:
-    """Data of a solution with all that a page shows, at samples that show every swing.
-
-    A solution that lacks something is computed again, unless it was interrupted or was sampled at
-    times of one's own.
-    """
-    names = wanted(solution.system, [str(name) for name in solution.data.data_vars])
-    again = not solution.motion.interrupted and "samples" in solution.options
-    if again and not set(names) <= {str(name) for name in solution.data.data_vars}:
-        options = solution.options | {"outputs": names}
-        solution = simulate(solution.mechanism, **options, throw=False)
-    moving = [name for name in names if VARIABLES[name].coordinate]
-    return resolved(solution, moving, [name for name in names if name not in moving])
+    """Data of a solution with all that a page shows, at samples that show every swing."""
+    given = [str(name) for name in solution.data.data_vars]
+    names = wanted(solution.system, given)
+    known = {*given, REACTION, STATE}
+    shown = [name for name in names if name in known or not VARIABLES[name].whole]
+    close = solution.closely
+    found = labelled(solution.system, close.motion, {name: close.values(name) for name in shown})
+    return found.assign_attrs(solution.data.attrs)
 
 
 def chosen(data: xr.Dataset) -> NDArray[np.intp]:
     """Indices of the samples that become frames, the first and the last among them."""
     samples = data.sizes["time"]
     series = sum(int(np.prod(array.shape[1:])) for array in data.data_vars.values())
-    names = [str(name) for name in data.data_vars if VARIABLES[str(name)].coordinate]
-    swing = per_swing(data, names)
+    moving = [a for name, a in data.data_vars.items() if VARIABLES[str(name)].coordinate]
+    swing = samples_per_swing(np.asarray(array, dtype=float) for array in moving)
     needed = PER_SWING * samples / swing if np.isfinite(swing) else 0.0
     most = int(np.clip(NUMBERS / max(series, 1), FEWEST, MOST))
     count = min(samples, most, max(FEWEST, int(np.ceil(needed))))

@@ -30,8 +30,12 @@ def run(request: Request, outputs: str | None, browser: bool) -> int:
         )
     if not solution.data.sizes["time"]:
         raise ComputationError(f"nothing to show: {failure}", time=None)
-    state = {"complete": failure is None, "interrupted": interrupted}
-    (path,) = request.write([(f"{NAME}.html", html(solution))], solution.options, **state)
+    (path,) = request.write(
+        [(f"{NAME}.html", html(solution))],
+        solution.options,
+        complete=failure is None,
+        interrupted=interrupted,
+    )
     if browser:
         webbrowser.open(path.absolute().as_uri())
 

@@ -81,6 +81,18 @@ free: {block: {position: 0.3, speed: 0}}
 """,
 }  # fmt: skip
 NAMES = [*SHIPPED, *SCENES]
+PARALLELOGRAM = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  a: {joints: [O, A], length: 0.5, mass: 1}
+  b: {joints: [A, B], length: 1, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+drives: {a: {angle: 60 deg, speed: -6}}
+assembly: {B: [1.25, 0.4]}
+simulate: {end: 0.4, samples: 4}
+"""
+CHANGES = np.pi / 3 / 6
+"""When its bars are in line."""
 SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from browser import Browser, needs_browser
 from exported_states import (
+    CHANGES,
     NAMES,
+    PARALLELOGRAM,
     SWITCHED,
     assert_near,
     cases,
@@ -148,3 +150,14 @@ def test_contacts_and_friction_are_those_of_simulate(name, page):
     assert ended["status"] == 0
     found = np.array(ended["values"], dtype=float)[:, rows]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_change_points_end_driven_motions(page):
+    of = System(linkages.loads(PARALLELOGRAM))
+    times = "[0, 0.4 / 3, 0.8 / 3, 0.4]"
+    followed = f"integrate(model, model.parameters, model.state, {times}, {{}}, () => 0)"
+    said = f"[{followed}].map((e) => [e.time, model.statuses[e.status]])[0]"
+    time, text = run(page, javascript_module(of) + javascript_integrator(), said)
+    assert time == pytest.approx(CHANGES, abs=1e-5)
+    assert "singular" in text
+    assert "joint B" in text

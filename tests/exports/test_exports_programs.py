@@ -4,6 +4,7 @@ import csv
 import ctypes
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,9 @@ from runpy import run_path
 import numpy as np
 import pytest
 from exported_states import (
+    CHANGES,
     NAMES,
+    PARALLELOGRAM,
     SCENES,
     SWITCHED,
     assert_near,
@@ -335,3 +338,23 @@ def test_formats_are_found_and_take_the_options_of_the_motion(tmp_path):
     subject = Subject(mechanism, "bar", None, {"end": 0.25, "samples": 7})
     (text,) = files_of(subject, "python", {}).values()
     assert "END, SAMPLES = 0.25, 7" in text
+
+
+def test_programs_end_at_change_points(tmp_path):
+    """Between two samples, with the joint; where the margin is 1e-7 its time is known to 1e-6."""
+    of = System(linkages.loads(PARALLELOGRAM))
+    found = run_module(in_python(of), tmp_path)
+    with pytest.raises(ArithmeticError, match=r"singular.*joint B") as refusal:
+        found["integrate"](np.linspace(0.0, 0.4, 4), *found["start"]())
+    (time,) = re.findall(r"t = ([\d.]+) s", str(refusal.value))
+    assert float(time) == pytest.approx(CHANGES, abs=1e-5)
+    if shutil.which("gcc") is None:
+        return
+    write(c_files(of, "p", of.mechanism.simulation), tmp_path)
+    subprocess.run([*STRICT, "p.c", "-o", "p", "-lm"], cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "p"], capture_output=True, text=True, encoding="utf-8")
+    assert done.returncode == 1
+    assert "singular" in done.stderr
+    (time,) = re.findall(r"t = ([\d.]+) s", done.stderr)
+    assert float(time) == pytest.approx(CHANGES, abs=1e-5)
+    assert len(done.stdout.splitlines()) == 3  # the heading, and two times before

@@ -9,7 +9,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.exports.kernels.exported import NOT_FOLLOWED, STEP_TOO_SMALL, Exported, exported
+from linkages.exports.kernels.exported import (
+    NOT_FOLLOWED,
+    SINGULAR,
+    STEP_TOO_SMALL,
+    Exported,
+    exported,
+)
 from linkages.exports.kernels.method import dop853_tables
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import c_function
@@ -116,6 +122,8 @@ def _constants(found: Exported) -> str:
         "NOT_FOLLOWED": NOT_FOLLOWED,
         "MEMORIES": 0 if switching is None else len(switching.owners),
         "VALUES": found.program.routines[-1].arguments["out"],
+        "BLOCKS": len(found.margin_scale),
+        "SINGULAR": SINGULAR,
         "HELD": len(found.p) - found.program.held,
         "FUNCTION": len(layout.coordinates) + 2 * len(layout.carried),
     }
@@ -136,6 +144,8 @@ def _tables(found: Exported) -> str:
         _array("static const double state", found.state.tolist()),
         _array("static const int turned", found.turned),
         *_switching(found),
+        _array("static const double margin_scale", found.margin_scale.tolist()),
+        _array("static const int blocks", found.blocks),
         "",
     ])  # fmt: skip
 

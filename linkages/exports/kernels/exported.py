@@ -29,13 +29,16 @@ from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
 
-STEP_TOO_SMALL, NOT_FOLLOWED = -2, -3
-"""Statuses with which motions end."""
+STEP_TOO_SMALL, NOT_FOLLOWED, SINGULAR = -2, -3, 1000
+"""Statuses with which motions end; that of a singular block is added to its number."""
 
 _LEFT_OUT = ("joint_jerk", "closure_residual")
 """Outputs that cost more than all others together, and that say nothing of another program."""
 
-_RATES = "equations", "Accelerations, settled coordinates, functions of modes and their rates."
+_RATES = (
+    "equations",
+    "Accelerations, settled coordinates, functions of modes, margins, rates.",
+)
 _SETTLE = "settle", "Whole turns of angles that springs feel."
 _OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
 
@@ -79,6 +82,8 @@ class Exported:
         All that stands in the array of parameters at the start.
     quantities
         What ``quantities`` writes.
+    margin_scale
+        Sizes of the margins of blocks at the start.
     turned
         Places of the parameters that ``settle`` writes.
     switching
@@ -92,8 +97,14 @@ class Exported:
     state: Floats
     p: Floats
     quantities: tuple[Quantity, ...]
+    margin_scale: Floats
     turned: tuple[int, ...]
     switching: Switching | None
+
+    @property
+    def blocks(self) -> tuple[int, ...]:
+        """Numbers of the blocks that have margins."""
+        return tuple(block.index for block in self.system.topology.solved_blocks)
 
     @property
     def modes(self) -> tuple[str, ...]:
@@ -135,6 +146,11 @@ class Exported:
             if block.kind != ITERATED:
                 text += f" (at the limit {block_alignment(model, block.index)})"
             found[1 + block.index] = text
+            place = f"joint {apex}, {block.title} of {names}"
+            found[SINGULAR + block.index] = (
+                f"this position is singular, the motion can go on in two ways: {place}, where "
+                f"{block_alignment(model, block.index)}"
+            )
         return found
 
 
@@ -150,7 +166,8 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
     """
     source = kernel_source(system.topology)
     model = source.model
-    equations = [*source.accelerations, *model.settled, *source.switched]
+    margins = [*model.margins, *model.margin_rates]
+    equations = [*source.accelerations, *model.settled, *source.switched, *margins]
     changed = transition_nodes(model, Layout.of(system.topology))
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
@@ -177,6 +194,7 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
         state=system.state.copy(),
         p=p,
         quantities=tuple(_described(model, series) for series in found.values()),
+        margin_scale=system.margin_scale,
         turned=tuple(places["turns", load] for load in turned),
         switching=switching_of(model, Layout.of(system.topology)),
     )

@@ -78,6 +78,8 @@ def _described(found: Exported) -> dict[str, Any]:
             "held": len(found.p) - found.program.held,
         },
         "turned": found.turned,
+        "marginScale": found.margin_scale.tolist(),
+        "blocks": found.blocks,
         "timed": program.timed,
         "become": program.routines[-1].arguments["out"],
         "written": found.written,

@@ -88,6 +88,8 @@ def _numbers(found: Exported) -> Sequence[str]:
         _list("PARAMETERS", found.p.tolist()),
         _list("STATE", found.state.tolist()),
         _list("TURNED", found.turned),
+        _list("MARGIN_SCALE", found.margin_scale.tolist()),
+        _list("BLOCKS", found.blocks),
         f"MODES = {', '.join(found.modes)!r}",
         f"FREE, FIRST_CARRIED = {len(layout.free)}, {layout.moved}",
         f"CARRIED, TIMED, WRITTEN = {len(layout.carried)}, {found.program.timed}, {found.written}",

@@ -189,6 +189,48 @@ static int fixed(motion *m, const double *times, int count, const linkage_option
   return 0;
 }
 
+/* Whether drives lead a block through a singular position: intervals are halved until margins change
+   little in each, and where one is least. */
+static int led_through(const double *p, const double *y, double a, const evaluation *ea, double b,
+                       const evaluation *eb, int depth, double *where) {
+  int split = 0;
+  for (int k = 0; k < BLOCKS; k++) {
+    const int margin = FUNCTION + 2 * MODES + k, rate = margin + BLOCKS;
+    const double from = ea->work[margin] * ea->work[rate] * (b - a);
+    const double to = eb->work[margin] * eb->work[rate] * (b - a);
+    const double change = fmax(fabs(ea->work[rate]), fabs(eb->work[rate])) * fabs(b - a);
+    if (fabs(eb->work[margin]) < 1e-7 * margin_scale[k]) {
+      *where = b;
+      return SINGULAR + blocks[k];
+    }
+    split = split || change > 0.35 * margin_scale[k] || (from < 0.0 && to > 0.0);
+  }
+  const double middle = 0.5 * (a + b);
+  if (!split || depth == 40) return 0;
+  evaluation e;
+  *where = middle;
+  int status = look(middle, y, p, &e);
+  if (!status) status = led_through(p, y, a, ea, middle, &e, depth + 1, where);
+  return status ? status : led_through(p, y, middle, &e, b, eb, depth + 1, where);
+}
+
+/* Visits all times of a motion that drives determine. */
+static int driven(motion *m, const double *times, int count, linkage_visit visit, void *data) {
+  evaluation before, here;
+  for (int k = 0; k < count; k++) {
+    double where = times[k];
+    int status = look(times[k], m->y, m->p, &here);
+    if (k > 0 && !status) {
+      status = led_through(m->p, m->y, m->t, &before, times[k], &here, 0, &where);
+    }
+    m->t = status ? where : times[k];
+    if (status) return status;
+    visit(m->t, m->y, m->p, data);
+    before = here;
+  }
+  return 0;
+}
+
 int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached) {
@@ -201,11 +243,7 @@ int linkage_integrate(double *p, double *y, const double *times, int count,
   int status = MODES && (equal || back) ? NOT_FOLLOWED : linkage_settle(m.t, m.y, p);
   if (!status) status = linkage_rates(m.t, m.y, p, m.slopes[0]);
   if (!status && !LINKAGE_STATE) {
-    for (int k = 0; !status && k < count; k++) {
-      m.t = times[k];
-      status = linkage_settle(m.t, m.y, p);
-      if (!status) visit(m.t, m.y, p, data);
-    }
+    status = driven(&m, times, count, visit, data);
   } else if (!status) {
     status = (equal ? fixed : adaptive)(&m, times, count, options, visit, data);
   }

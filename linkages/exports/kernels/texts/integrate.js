@@ -131,7 +131,43 @@ export function integrate(model, parameters, state, times, options, visit) {
     return both ? 0.01 * Math.sqrt(position / slope) : 1e-6;
   }
 
+  /* Whether drives lead a block through a singular position: intervals are halved until margins
+     change little in each, and where one is least. */
+  function ledThrough(from, margins, to, reached, depth) {
+    t = to;
+    const isSmall = (scale, k) => Math.abs(reached[k]) < 1e-7 * scale;
+    const found = reached ? model.marginScale.findIndex(isSmall) : -1;
+    if (!reached) return model.settled(to, state, parameters);
+    if (found >= 0) return 1000 + model.blocks[found];
+    const count = model.marginScale.length;
+    const split = model.marginScale.some((scale, k) => {
+      const [before, after] = [margins[count + k], reached[count + k]];
+      return Math.max(Math.abs(before), Math.abs(after)) * Math.abs(to - from) > 0.35 * scale ||
+        (margins[k] * before * (to - from) < 0 && reached[k] * after * (to - from) > 0);
+    });
+    if (!split || depth === 40) return 0;
+    const middle = (from + to) / 2, there = model.margins(middle, state, parameters);
+    return ledThrough(from, margins, middle, there, depth + 1) ||
+      ledThrough(middle, there, to, reached, depth + 1);
+  }
+
+  /* Visits all times of a motion that drives determine. */
+  function driven() {
+    let before = model.margins(t, state, parameters);
+    for (; index < times.length; index++) {
+      const here = model.margins(times[index], state, parameters);
+      if (!before) return model.settled(t, state, parameters);
+      const status = index > 0 ? ledThrough(t, before, times[index], here, 0) : 0;
+      if (status) return status;
+      t = times[index];
+      visit(index, t, state);
+      before = here;
+    }
+    return 0;
+  }
+
   const ended = (status) => ({ status, time: t, steps });
+  if (size === 0) return ended(driven());
   if (switching && sign < 0) return ended(-3);
   let status = model.settled(t, state, parameters);
   status = status || model.rates(t, state, parameters, stages[0]);

@@ -114,6 +114,13 @@ export const model = (() => {
 
     settled,
 
+    /* Margins of blocks and their rates at a state, zero where it is singular; null if there is no
+       such state. */
+    margins(t, state, parameters) {
+      const first = firstFunction + 2 * modes;
+      return evaluated(t, state, parameters) ? null : work.slice(first);
+    },
+
     /* The first mode that the state contradicts after `rates` there; -1 if there is none. */
     contradicted(parameters) {
       for (let k = 0; k < modes; k++) {

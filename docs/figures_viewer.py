@@ -29,7 +29,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, Browser() as browser:
         file = linkages.view(linkages.load("ninebar"), Path(folder) / "ninebar.html")
         page = _opened(browser.page(1300, 860), file)
-        page.evaluate("v.player.seek(0.25); v.stage.on.reactions = true; changed()")
+        page.evaluate(
+            "v.player.seek(0.25); [...document.querySelectorAll('.chip')]"
+            ".find((chip) => chip.textContent === 'Reactions').click()"
+        )
         _take(page, "viewer")
         page = _opened(browser.page(1300, 860, dark=True), file)
         page.evaluate(

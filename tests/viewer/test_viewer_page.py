@@ -29,6 +29,20 @@ def test_a_page_asks_for_nothing_and_complains_of_nothing(opened, name):
     assert asked[0].startswith("file:")
 
 
+def test_signs_are_read_as_they_were_written_whatever_stands_in_the_head(
+    browser, written, tmp_path
+):
+    """Browsers look for the encoding of a file in its first 1024 bytes."""
+    text = written("four-bar").read_text(encoding="utf-8")
+    file = tmp_path / "page.html"
+    file.write_text(text.replace("<head>", f"<head><!-- {'x' * 5000} -->", 1), encoding="utf-8")
+    page = browser.page()
+    page.open(file)
+    assert page.evaluate("document.characterSet") == "UTF-8"
+    assert page.evaluate("document.compatMode") == "CSS1Compat"
+    assert page.evaluate("document.documentElement.lang") == "en"
+
+
 def test_the_page_may_not_reach_anything(opened):
     page = opened("four-bar")
     got = page.evaluate("fetch('https://example.org/').then(() => 'got it', () => 'refused')")

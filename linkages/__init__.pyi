@@ -66,6 +66,7 @@ from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
 from linkages.sweeps.sweep import sweep as sweep
+from linkages.viewer.view import view as view
 
 __version__: str
 

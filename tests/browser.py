@@ -95,23 +95,23 @@ class Browser:
 
     def page(self, width: int = 1300, height: int = 900, *, dark: bool = False) -> Page:
         """A new empty page of a size in pixels."""
-        return Page(self, width, height, dark)
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        found = self.call("Target.attachToTarget", targetId=target, flatten=True)
+        page = Page(self, found["sessionId"])
+        page.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=1, mobile=width < 600)  # fmt: skip
+        look = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        page.call("Emulation.setEmulatedMedia", features=[look])
+        return page
 
 
 class Page:
-    """A page: what it is asked, what is done with it, and what it complained of."""
+    """A page or a frame: what it is asked, what is done with it, and what it complained of."""
 
-    def __init__(self, browser: Browser, width: int, height: int, dark: bool) -> None:
-        self.browser = browser
-        target = browser.call("Target.createTarget", url="about:blank")["targetId"]
-        found = browser.call("Target.attachToTarget", targetId=target, flatten=True)
-        self._session = found["sessionId"]
+    def __init__(self, browser: Browser, session: str) -> None:
+        self.browser, self._session = browser, session
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                  deviceScaleFactor=1, mobile=width < 600)  # fmt: skip
-        look = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self.call("Emulation.setEmulatedMedia", features=[look])
 
     def call(self, method: str, /, **parameters: Any) -> Any:
         """What the browser answers to a command for this page."""
@@ -122,6 +122,18 @@ class Page:
         self.call("Page.navigate", url=file.absolute().as_uri())
         self.evaluate("new Promise(done => document.readyState == 'complete'"
                       " ? done() : addEventListener('load', () => done()))")  # fmt: skip
+
+    def frame(self) -> Page:
+        """The only frame on the page, one that has no part in what is around it."""
+        how = {"autoAttach": True, "waitForDebuggerOnStart": False, "flatten": True}
+        self.call("Target.setAutoAttach", **how)
+        (found,) = (
+            event["params"]["sessionId"]
+            for event in self._own()
+            if event["method"] == "Target.attachedToTarget"
+            and event["params"]["targetInfo"]["type"] == "iframe"
+        )
+        return Page(self.browser, found)
 
     def evaluate(self, expression: str) -> Any:
         """The value of an expression of JavaScript, or of the promise that it is."""

@@ -133,6 +133,7 @@ class Request:
         self,
         options: Mapping[str, Any] | None = None,
         *,
+        name: str = "",
         complete: bool = True,
         interrupted: bool = False,
     ) -> AbstractContextManager[Published]:
@@ -141,23 +142,31 @@ class Request:
         own = {name: value for name, value in self.own.items() if value is not None}
         how = {**self.own, **(self.asked if options is None else options), **own}
         state = {"complete": complete, "interrupted": interrupted}
-        return published(self.verb, self.folder, self.mechanism, how, **state)
+        return published(name or self.verb, self.folder, self.mechanism, how, **state)
 
     def write(
-        self, files: Iterable[File], options: Mapping[str, Any] | None = None, **state: bool
+        self,
+        files: Iterable[File],
+        options: Mapping[str, Any] | None = None,
+        *,
+        name: str = "",
+        **state: bool,
     ) -> list[Path]:
         """Write the files of the run, one as soon as it is made; returns where they are.
+
+        Files of a command that draws something else each time are not those of its last run: their
+        `name` tells them apart.
 
         Parameters
         ----------
         files
             Names, and what the files hold: their endings follow from that.
-        options, state
+        options, name, state
             As `publishing` takes them.
         """
-        with self.publishing(options, **state) as place:
-            for name, content in files:
-                _write(place.folder / name, content, self.format)
+        with self.publishing(options, name=name, **state) as place:
+            for file, content in files:
+                _write(place.folder / file, content, self.format)
         return place.files
 
     def report(

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit, phase
-from linkages.plots.motion.time_figures import time_figure
+from linkages.plots.motion.polar import POLAR, polar_figure
+from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
 from linkages.plots.style import style
 from linkages.reading.replacing import replaced
+from linkages.solution.solution import Solution
+from linkages.solution.values.requests import available
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,21 +27,79 @@ FigureFunction = Callable[["xr.Dataset", Mechanism], Figure | None]
 FIGURES: Mapping[str, FigureFunction] = {
     "mechanism": drawing.figure,
     "traces": traces.figure,
-    "slider_displacement": time_figure("slider_position"),
-    "slider_velocity": time_figure("slider_velocity"),
-    "slider_acceleration": time_figure("slider_acceleration"),
-    "slider_displacement_error": time_figure("slider_position_error"),
-    "slider_velocity_error": time_figure("slider_velocity_error"),
-    "slider_acceleration_error": time_figure("slider_acceleration_error"),
-    "drive_effort": time_figure("drive_effort"),
-    "drive_force": time_figure("drive_force"),
-    "load_force": time_figure("load_force"),
-    "load_torque": time_figure("load_torque"),
-    "clearance_force": time_figure("clearance_force"),
+    **{name: time_figure(name) for name in VARIABLES if drawable(name)},
+    FORCE: time_figure(FORCE),
     "clearance_orbit": clearance_orbit.orbit_figure,
     "clearance_state": clearance_orbit.state_figure,
     "phase": phase.figure,
+    **{f"{name}_polar": polar_figure(name) for name in POLAR},
 }
+
+OF_ALL = (
+    "mechanism",
+    "traces",
+    "slider_position",
+    "slider_velocity",
+    "slider_acceleration",
+    "slider_position_error",
+    "slider_velocity_error",
+    "slider_acceleration_error",
+    "drive_effort",
+    "drive_force",
+    "load_force",
+    "load_torque",
+    "clearance_force",
+    "clearance_orbit",
+    "clearance_state",
+    "phase",
+)
+"""Figures of every motion that has something to show in them."""
+
+PICTURES = ("mechanism", "traces")
+"""Figures of the outputs that a solution has, at its own samples."""
+
+WITHOUT_SLIDERS = ("bar_angle", "bar_speed", "transmission_angle")
+"""Figures besides, where no slider tells how the mechanism moves."""
+
+
+def figures_of(solution: Solution, asked: Sequence[str] | str | None = None) -> list[str]:
+    """Names of the figures that are worth drawing: few, or those of outputs that were asked for.
+
+    Parameters
+    ----------
+    solution
+        What is drawn.
+    asked
+        Names of outputs, or ``"all"``, if some were.
+    """
+    if asked is not None and asked != "all":
+        own = [name for output in asked for name in (output, f"{output}_polar")]
+        others = [n for n in OF_ALL if {*asked} & {*FIGURE_OUTPUTS.get(n, ())} or n in PICTURES]
+        return [name for name in FIGURES if name in {*own, *others}]
+    chosen = {*OF_ALL}
+    if not any(body.kind == "slider" for body in solution.mechanism.bodies.values()):
+        chosen |= {*WITHOUT_SLIDERS} & {*available(solution.system)}
+    return [name for name in FIGURES if name in chosen]
+
+
+def dense_data(solution: Solution, names: Iterable[str]) -> xr.Dataset:
+    """What figures over time draw, at samples that show all that the motion does."""
+    drawn = list(names)
+    wanted = [FIGURE_OUTPUTS.get(name, (name.removesuffix("_polar"),)) for name in drawn]
+    needed = dict.fromkeys(name for group in wanted for name in group)
+    others = {name for name in available(solution.system) if not VARIABLES[name].whole}
+    have = {*map(str, solution.data.data_vars)} | others & {*drawn}
+    return solution.dense([name for name in needed if name in have])
+
+
+FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(PICTURES, ()),
+    "phase": phase.OUTPUTS,
+    FORCE: ("drive_effort",),
+    "clearance_orbit": clearance_orbit.SHOWN,
+    "clearance_state": clearance_orbit.SHOWN,
+}
+"""Figure → outputs that it shows over time, of those that are not called like it."""
 
 # Dates and versions would make files of the same figure differ.
 _METADATA: dict[str, dict[str, str | None]] = {
@@ -68,7 +130,7 @@ def save_figures(
     format
         ``"png"``, ``"pdf"`` or ``"svg"``.
     names
-        Of `FIGURES`; all of them if not given.
+        Of `FIGURES`; `OF_ALL` if not given.
     dense
         Data for curves over time, if others than `data`.
 
@@ -82,13 +144,12 @@ def save_figures(
     ValueError
         For an unknown format or name; nothing is written then.
     """
-    wanted = list(FIGURES) if names is None else list(names)
+    wanted = list(OF_ALL) if names is None else list(names)
     _check("format", [format], _METADATA)
     _check("figure", wanted, FIGURES)
     written = []
     for name in wanted:
-        over_time = FIGURES[name] not in (drawing.figure, traces.figure, phase.figure)
-        chosen = dense if dense is not None and over_time else data
+        chosen = data if dense is None or name in PICTURES else dense
         figure = FIGURES[name](chosen, mechanism)
         if figure is not None:
             written.append(write_figure(figure, folder / f"{name}.{format}"))

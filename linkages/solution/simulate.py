@@ -24,11 +24,12 @@ from linkages.solution.moving.starting import State, asked_for, own_times, start
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
-from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.values.contact_notes import contact_notes
 from linkages.solution.values.dissipation import dissipated
 from linkages.solution.values.episodes import states, touches_so_far
 from linkages.solution.values.impacts import energy_of_impacts, losses_of_impacts
+from linkages.solution.values.labelled import labelled
 from linkages.solution.values.requests import (
     DISSIPATION,
     LOSS,

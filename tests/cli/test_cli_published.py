@@ -100,8 +100,9 @@ def test_files_that_a_run_does_not_write_again_are_removed(simulate, cli, tmp_pa
     (folder / "traces.png").write_bytes(b"drawn over by somebody")
     assert simulate("--format", "svg", "--outputs", "slider_position").code == 0
     assert contents(folder).keys() == {
-        "simulate.nc", "simulate.csv", "slider_displacement.svg",
-        "phase_diagram.nc", "phase_diagram.csv", "notes.txt", "traces.png",
+        "simulate.nc", "simulate.csv", "slider_position.svg",
+        "phase_time_piston.position.nc", "phase_time_piston.position.csv",
+        "notes.txt", "traces.png",
     }  # fmt: skip
     assert (folder / "traces.png").read_bytes() == b"drawn over by somebody"
 

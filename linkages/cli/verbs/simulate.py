@@ -23,14 +23,11 @@ from linkages.solvers.choice import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
-COARSE = 0.05
-"""Part of a largest value that may be missing between samples before a note says so."""
-
 RESOLVED = 1e-3
-"""Part that may be missing before the value is marked."""
+"""Part of a value that may be missing before it is marked, in motions too long to be looked at."""
 
 LATE, OPEN = "*", "~"
-"""Marks of values beyond the horizon, and of peaks that samples do not resolve."""
+"""Marks of values beyond the horizon, and of those that samples of a long motion may miss."""
 
 SUMMARY = (
     "slider_position_error",
@@ -75,23 +72,18 @@ def run(
             failure, interrupted = "interrupted before it was known until when this holds", True
     rows = shown_maxima(solution, names)
     _mark_late(solution, horizon)
-    notes = [*solution.notes, *_warnings(solution, rows)]
-    how = {"complete": failure is None, "interrupted": interrupted}
-    with request.publishing(solution.options, **how) as place:
+    notes = [*solution.notes, *_warnings(solution)]
+    complete = failure is None
+    with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
         solution.save(place.folder)
         if request.figures:
-            from linkages.plots.figures import save_figures
-            from linkages.plots.motion.clearance_orbit import SHOWN
-            from linkages.plots.motion.time_figures import QUANTITIES
-            from linkages.solution.resolved import resolved
+            from linkages.plots.figures import dense_data, figures_of, save_figures
 
-            over_time, also = (
-                [name for name in group if name in solution.data] for group in (QUANTITIES, SHOWN)
-            )
-            dense = resolved(solution, over_time, also)
+            drawn = figures_of(solution, names)
             save_figures(
-                solution.data, solution.mechanism, place.folder, request.format, dense=dense
-            )
+                solution.data, solution.mechanism, place.folder, request.format, drawn,
+                dense_data(solution, drawn),
+            )  # fmt: skip
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)
@@ -148,21 +140,21 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
 def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
     """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
     for row in solution.maxima:
-        late = None
-        if horizon is not None:
-            late = not horizon.whole and abs(row["time"]) > abs(horizon.time)
-        row["beyond_horizon"] = late
+        row["beyond_horizon"] = None if horizon is None else _late(row["time"], horizon)
 
 
-def _marks(row: dict[str, Any]) -> str:
+def _late(time: float, horizon: Horizon | None) -> bool:
+    return horizon is not None and not horizon.whole and abs(time) > abs(horizon.time)
+
+
+def _marks(row: dict[str, Any], time: float, horizon: Horizon | None) -> str:
     """What a reader of a value must know."""
-    late = LATE if row.get("beyond_horizon") else ""
+    late = LATE if _late(time, horizon) else ""
     return late + (OPEN if row["missed"] > RESOLVED else "")
 
 
-def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str]:
+def _legend(marks: str, horizon: Horizon | None) -> list[str]:
     """What the marks in a table mean, those that are there."""
-    marks = {mark for row in rows for mark in _marks(row)}
     found = []
     if LATE in marks and horizon is not None:
         found.append(
@@ -170,7 +162,7 @@ def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str
             "right in kind only, another run has another value"
         )
     if OPEN in marks:
-        found.append(f"{OPEN} a peak that samples do not resolve: it may be higher")
+        found.append(f"{OPEN} the motion is too long to be looked at between samples: may be more")
     return found
 
 
@@ -208,27 +200,11 @@ def _varies(solution: Solution, row: dict[str, Any]) -> bool:
     return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
 
 
-def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
-    """What a reader of the table must know: peaks between samples, pins out of their holes."""
+def _warnings(solution: Solution) -> list[str]:
+    """What a reader of the table must know: pins out of their holes."""
     from linkages.chaos.sections.contact import contact_of
 
-    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution))]
-    return [text for text in found if text]
-
-
-def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
-    """A note on largest values that samples may miss."""
-    missed = [r for r in rows if r["missed"] > COARSE and not r["variable"].endswith("residual")]
-    if not missed:
-        return ""
-    worst = max(missed, key=lambda row: row["missed"])
-    of = f" of {worst['element']}" if worst["element"] else ""
-    more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
-    time = solution.data["time"].to_numpy()
-    return (
-        f"samples {number(float(time[1] - time[0]))} s apart do not resolve peaks: the largest "
-        f"{worst['long_name']}{of}{more} may be well above what is shown; raise simulate.samples"
-    )
+    return [check.sentence for check in contact_of(solution) if check.sentence]
 
 
 def _print(
@@ -238,20 +214,23 @@ def _print(
     screen: Console,
 ) -> None:
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
+    ends = [
+        (row["least"], row["least_time"], row["greatest"], row["greatest_time"]) for row in rows
+    ]
+    marks = [
+        [_marks(row, time, horizon) for time in (early, late)]
+        for row, (_, early, _, late) in zip(rows, ends, strict=True)
+    ]
     cells = [
         [
-            row["long_name"],
-            row["element"],
-            number(row["value"]) + _marks(row),
-            row["units"],
-            row["time"],
+            row["long_name"], row["element"], number(least) + low, early,
+            number(greatest) + high, late, row["units"],
         ]
-        for row in rows
-    ]
-    screen.print(
-        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], cells)
-    )
-    for line in _legend(rows, horizon):
+        for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
+    ]  # fmt: skip
+    columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
+    screen.print(table("Least and largest values", columns, cells))
+    for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
         screen.print(line, markup=False, soft_wrap=True)
     if solution.settings.run.method == AUTO and solution.motion.reason:
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")

@@ -115,7 +115,7 @@ def _called(
     return functions(own.prepared(functions), own.which, piece.time, states, piece.held)
 
 
-_FUNCTIONS: Remembered[Hashable, SampledFunctions] = Remembered(MOST_STRUCTURES)
+_FUNCTIONS: Remembered[Hashable, SampledFunctions | None] = Remembered(MOST_STRUCTURES)
 
 
 def _functions(
@@ -126,8 +126,11 @@ def _functions(
         return None
     system = piece.system
 
-    def made() -> SampledFunctions:
+    def made() -> SampledFunctions | None:
         model = Model(system.topology)
-        return SampledFunctions(write_functions_of(model, nodes(model), ", ".join(what)), LANES)
+        wanted = nodes(model)
+        if not wanted:
+            return None
+        return SampledFunctions(write_functions_of(model, wanted, ", ".join(what)), LANES)
 
     return _FUNCTIONS.get((system.structure.key, system.topology.coordinates, what), made)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-_PER_STEP = 4
+PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
 MOST_STEPS = 1_000_000
@@ -87,7 +87,7 @@ class Followed:
         found = np.empty((len(series), len(places)))
         left = np.ones(found.shape, dtype=bool)
         chosen = [self._series[series[k]] for k in followed]
-        for inside, piece in self._within(places) if followed else []:
+        for inside, piece in self.within(places) if followed else []:
             values = self._evaluated(Motion(pieces=(piece,)), chosen)
             for k, each in zip(followed, chosen, strict=True):
                 found[k, inside] = each.picked(values, self._model)
@@ -131,7 +131,7 @@ class Followed:
             begin += len(piece.wanted)
         return found
 
-    def _within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
+    def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
         """Places that lie in a piece, and the motion there."""
         found = []
         for begin, piece in self._starts:
@@ -148,17 +148,24 @@ class Followed:
         return found
 
 
+def enough(motion: Motion, samples: int) -> bool:
+    """Whether quintic polynomials through so many samples are as good as the steps of a motion.
+
+    An adaptive method takes several steps per swing, so that nothing happens between such samples.
+    """
+    return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
+
+
 def factor_of(motion: Motion, samples: int) -> int:
     """How many times as close samples must be for quintic polynomials to be as good as the steps.
 
-    An adaptive method takes several steps per swing, so that nothing happens between such samples.
     Powers of two, so that motions which are alike are sampled alike.
     """
-    steps, count = motion.cost.get("steps", 0), samples - 1
-    if count < 1 or motion.interrupted or steps > MOST_STEPS:
+    count = samples - 1
+    if count < 1 or motion.interrupted or motion.cost.get("steps", 0) > MOST_STEPS:
         return 1
     factor = 1
-    while factor * count < _PER_STEP * steps and 2 * factor * count <= MOST_SAMPLES:
+    while not enough(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
         factor *= 2
     return factor
 

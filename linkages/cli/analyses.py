@@ -10,11 +10,13 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Drawing, Moving, Processor, Start, read_seconds
-from linkages.cli.verb import computes
+from linkages.cli.options import Drawing, Moving, Processor, Start
+from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
+from linkages.spec.dimensions import DURATION, LENGTH
+from linkages.spec.quantities import Bound, Quantity
 
 RANGE = "PATH=FIRST:LAST:COUNT"
 
@@ -42,6 +44,9 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
 ]
+
+SIZE = reading(Quantity(LENGTH, Bound.POSITIVE))
+SECONDS = reading(Quantity(DURATION))
 
 Measures = Annotated[
     list[str] | None,
@@ -96,6 +101,28 @@ def equations(
     """Print the closure equations, the energies and Lagrange's equations."""
 
 
+@computes(SimulationOptions, without=("figures", "form"))
+def export(
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT", help="svg, dxf, or another one that is found.")
+    ],
+    hole: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Diameter of holes at joints."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Width of links."),
+    ] = None,
+    paths: Annotated[bool | None, typer.Option(help="Write the paths of joints.")] = None,
+    links: Annotated[bool | None, typer.Option(help="Write the outlines of links.")] = None,
+    symbols: Annotated[
+        bool | None, typer.Option("--symbols", help="Draw the mechanism as figures do.")
+    ] = None,
+) -> None:
+    """Write the mechanism for another program: drawings at 1:1, programs, models."""
+
+
 @computes(RunOptions, without=("figures",))
 def animate(
     form: Annotated[
@@ -103,13 +130,11 @@ def animate(
     ] = Moving.GIF,
     start: Annotated[
         float,
-        typer.Option(parser=read_seconds, metavar="<time>", help="Time of the first frame."),
+        typer.Option(parser=SECONDS, metavar="<time>", help="Time of the first frame."),
     ] = 0.0,
     duration: Annotated[
         float | None,
-        typer.Option(
-            parser=read_seconds, metavar="<time>", help="How much to show; default: the rest."
-        ),
+        typer.Option(parser=SECONDS, metavar="<time>", help="How much to show; default: the rest."),
     ] = None,
     slow: Annotated[
         float | None,
@@ -139,7 +164,7 @@ def phase(
     ],
     wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
     skip: Annotated[
-        float, typer.Option(parser=read_seconds, metavar="<time>", help="Left out at the start.")
+        float, typer.Option(parser=SECONDS, metavar="<time>", help="Left out at the start.")
     ] = 0.0,
     samples: Annotated[
         int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")
@@ -340,6 +365,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, plot, phase, poincare, lyapunov, bifurcation, map_, sweep,
-    sensitivity, tolerance, chaos, bench,
+    simulate, check, equations, export, animate, plot, phase, poincare, lyapunov, bifurcation, map_,
+    sweep, sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

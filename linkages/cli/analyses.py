@@ -15,7 +15,7 @@ from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
-from linkages.spec.dimensions import LENGTH
+from linkages.spec.dimensions import DURATION, LENGTH
 from linkages.spec.quantities import Bound, Quantity
 
 RANGE = "PATH=FIRST:LAST:COUNT"
@@ -46,6 +46,7 @@ Scheduler = Annotated[
 ]
 
 SIZE = reading(Quantity(LENGTH, Bound.POSITIVE))
+SECONDS = reading(Quantity(DURATION))
 
 Measures = Annotated[
     list[str] | None,
@@ -129,13 +130,11 @@ def animate(
     ] = Moving.GIF,
     start: Annotated[
         float,
-        typer.Option(parser=read_seconds, metavar="<time>", help="Time of the first frame."),
+        typer.Option(parser=SECONDS, metavar="<time>", help="Time of the first frame."),
     ] = 0.0,
     duration: Annotated[
         float | None,
-        typer.Option(
-            parser=read_seconds, metavar="<time>", help="How much to show; default: the rest."
-        ),
+        typer.Option(parser=SECONDS, metavar="<time>", help="How much to show; default: the rest."),
     ] = None,
     slow: Annotated[
         float | None,
@@ -181,7 +180,7 @@ def phase(
     ],
     wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
     skip: Annotated[
-        float, typer.Option(parser=read_seconds, metavar="<time>", help="Left out at the start.")
+        float, typer.Option(parser=SECONDS, metavar="<time>", help="Left out at the start.")
     ] = 0.0,
     samples: Annotated[
         int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")

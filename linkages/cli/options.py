@@ -34,18 +34,6 @@ def _paths(incomplete: str) -> list[str]:
     ]
 
 
-def read_seconds(text: str) -> float:
-    """A time as definition files have it, such as ``60 ms``; a number is in seconds."""
-    from linkages.spec import dimensions
-    from linkages.spec.conversion import QuantityError
-    from linkages.spec.quantities import Quantity
-
-    try:
-        return float(Quantity(dimensions.DURATION).read(text))
-    except QuantityError as error:
-        raise typer.BadParameter(str(error)) from None
-
-
 File = Annotated[
     str,
     typer.Argument(

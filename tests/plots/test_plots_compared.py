@@ -128,3 +128,21 @@ def test_what_cannot_be_compared_is_said(cranks):
     crank = linkages.simulate(linkages.load("slider-crank"), end=0.01)
     with pytest.raises(ValueError, match="piston has no 'displacement'; did you mean 'position'"):
         charts.plot(crank, "piston.displacement")
+
+
+def test_least_and_greatest_are_those_of_the_table(cranks):
+    """Located on the motion for a curve as for a row of `maxima`, to the same digits."""
+    rows = {(row["variable"], row["element"]): row for row in cranks[0].maxima}
+    keys = {"rocker.speed": ("bar_speed", "rocker"), "P.velocity": ("joint_velocity", "P")}
+    for name, key in keys.items():
+        (curve,) = compared({"": cranks[0]}, [name], "crank.angle").curves
+        assert curve.least == pytest.approx(rows[key]["least"], rel=1e-12)
+        assert curve.greatest == pytest.approx(rows[key]["greatest"], rel=1e-12)
+
+
+def test_poles_do_not_hide_what_is_beside_them(cranks):
+    """The mechanical advantage of a rocker is infinite where it turns back."""
+    ax = charts.mechanical_advantage(cranks[0])
+    values = np.concatenate([line.get_ydata() for line in ax.lines])
+    assert np.isnan(values).any()
+    assert np.nanmax(np.abs(values)) < 1e3

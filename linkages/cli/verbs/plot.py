@@ -89,8 +89,8 @@ def run(
     written = request.write(made(), {**sources[0].options, **request.own}, name=name, **state)
     rows = [
         {
-            "name": curve.name, "of": curve.source, "least": float(np.nanmin(curve.y)),
-            "greatest": float(np.nanmax(curve.y)), "units": curve.units,
+            "name": curve.name, "of": curve.source, "least": curve.least,
+            "greatest": curve.greatest, "units": curve.units,
         }
         for one in found
         for curve in one.curves

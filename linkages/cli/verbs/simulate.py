@@ -229,7 +229,8 @@ def _print(
         for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
     ]  # fmt: skip
     columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
-    screen.print(table("Least and largest values", columns, cells))
+    if cells:
+        screen.print(table("Least and largest values", columns, cells))
     for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
         screen.print(line, markup=False, soft_wrap=True)
     if solution.settings.run.method == AUTO and solution.motion.reason:

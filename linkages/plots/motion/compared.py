@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.measuring.followed import through
+from linkages.solution.measuring.located import largest_between
 from linkages.solution.solution import Solution
+from linkages.solution.values.peaks import ROUND_OFF
 from linkages.solution.values.requests import available
 from linkages.solution.values.series import (
     TIME,
@@ -39,6 +41,8 @@ class Curve:
         What the series is called, what it is one of, and its unit.
     time, x, y
         Shape (samples,), in SI. Over time, `x` is `time`.
+    least, greatest
+        Of `y`.
     """
 
     source: str
@@ -48,6 +52,8 @@ class Curve:
     time: Array
     x: Array
     y: Array
+    least: float
+    greatest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +112,26 @@ class Viewed:
 
     def at(self, name: str, times: Array) -> Array:
         """A series at times within the motion."""
-        series = self.series[name]
-        if series.variable == TIME:
+        if self.series[name].variable == TIME:
             return times
         order = 1 if self.time[-1] >= self.time[0] else -1
         count = np.arange(len(self.time), dtype=float)
-        places = np.interp(times, self.time[::order], count[::order])
+        return self._between(name, np.interp(times, self.time[::order], count[::order]))
+
+    def extremes(self, name: str) -> tuple[float, float]:
+        """Least and largest value of a series, between samples where those are close enough."""
+        values = self.values(name)
+        if self.solution is None or not self.solution.closely.close or name == TIME:
+            return float(np.nanmin(values)), float(np.nanmax(values))
+        if np.ptp(values) <= ROUND_OFF * np.abs(values).max():
+            return float(values.min()), float(values.max())
+        low = largest_between(-values[None], lambda _, places: -self._between(name, places))
+        high = largest_between(values[None], lambda _, places: self._between(name, places))
+        return -float(low.value[0]), float(high.value[0])
+
+    def _between(self, name: str, places: Array) -> Array:
+        """A series at places in samples from the first one."""
+        series = self.series[name]
         if self.solution is None:
             smooth = series.variable not in VARIABLES or VARIABLES[series.variable].smooth
             return through(self.values(name), places, smooth)
@@ -174,7 +194,7 @@ def compared(
             words, quantity, units = view.words(name)
             found = Curve(
                 label if len(viewed) > 1 else "", words, quantity, units,
-                view.time, view.values(against), view.values(name),
+                view.time, view.values(against), view.values(name), *view.extremes(name),
             )  # fmt: skip
             if difference:
                 found = _less(found, next(iter(viewed.values())), name, against)
@@ -206,8 +226,10 @@ def _less(curve: Curve, reference: Viewed, name: str, against: str) -> Curve:
     if not inside.any():
         raise ValueError(f"the motions have no {against} in common")
     there = reference.at(name, np.clip(times[inside], *sorted(reference.time[[0, -1]])))
+    less = curve.y[inside] - there
     return replace(
-        curve, time=curve.time[inside], x=curve.x[inside], y=curve.y[inside] - there,
+        curve, time=curve.time[inside], x=curve.x[inside], y=less,
+        least=float(less.min()), greatest=float(less.max()),
         quantity=f"difference in {curve.quantity}", name=f"difference in {curve.name}",
     )  # fmt: skip
 
@@ -234,7 +256,9 @@ def vectors(
             x, y = array.to_numpy().astype(float).T
             words, quantity, units = view.words(name)
             shown = label if len(sources) > 1 else ""
-            curves.append(Curve(shown, words, quantity, units, view.time, x, y))
+            curves.append(
+                Curve(shown, words, quantity, units, view.time, x, y, *view.extremes(name))
+            )
         heading = str(view.data.attrs.get("name", ""))
         found.append(Compared(tuple(curves), f"{curves[0].name}, x", curves[0].units, heading))
     return tuple(found)

@@ -46,6 +46,9 @@ Array = NDArray[np.float64]
 MOST_LINES = 8
 """In one panel: more can not be told apart."""
 
+POLE = 12.0
+"""Medians beyond which a value that may be infinite is not drawn."""
+
 FORCE = "drive_force"
 """Efforts of drives that push: torques and forces have no common axis."""
 
@@ -141,6 +144,8 @@ class Lines:
             ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))
         ]
         self.values: Array = values.reshape(len(self.time), len(self.names))
+        if variable in VARIABLES and VARIABLES[variable].reciprocal:
+            self.values = without_poles(self.values)
         units = str(array.attrs.get("units", ""))
         self.scales = scale_of(self.time, "s"), axis_scale(self.values, units)
         known = VARIABLES[variable].long_name if variable in VARIABLES else variable
@@ -153,6 +158,8 @@ class Lines:
         horizon = self.data.attrs.get("horizon")
         found = VARIABLES.get(variable)
         smooth = (found is None or found.smooth) and even(self.time)
+        if found is not None and found.reciprocal:
+            return [None] * len(self.names)
         peaks: list[CurvePeak | None] = []
         for name, column in zip(self.names, self.values.T, strict=True):
             if name in known:
@@ -177,6 +184,13 @@ class Lines:
             *(Group(tuple(lines), dense=False) for lines in smooth),
             *(Group((k,), dense=True) for k in dense),
         ]
+
+
+def without_poles(values: Array) -> Array:
+    """Values without those near poles, which would hide all others, shape (samples, series)."""
+    sizes = np.abs(np.where(np.isfinite(values), values, np.nan))
+    most = POLE * np.nanmedian(sizes) if np.isfinite(sizes).any() else np.inf
+    return np.where(sizes <= most, values, np.nan)
 
 
 def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:

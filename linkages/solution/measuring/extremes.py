@@ -39,7 +39,9 @@ def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
 
 def _rows(dense: Dense, name: str) -> list[dict[str, Any]]:
     variable = VARIABLES[name]
-    if variable.flags or (variable.dims[-1:] == ("axis",) and not variable.magnitude):
+    if variable.flags or variable.reciprocal:  # states have no size, what has poles no largest one
+        return []
+    if variable.dims[-1:] == ("axis",) and not variable.magnitude:
         return []
     table, names = series_of(dense, name)
     if not len(table):

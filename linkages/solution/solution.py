@@ -123,7 +123,7 @@ class Solution:
         from linkages.solution.origin import origin_of
 
         notes = json.dumps(self.notes, ensure_ascii=False)
-        origin = {**origin_of(self.mechanism, self.options), "notes": notes}
+        origin = {"verb": "simulate", **origin_of(self.mechanism, self.options), "notes": notes}
         paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
         times = {name: data["time"].to_numpy() for name, data in self.events.items()}
         return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths
@@ -178,7 +178,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     }
     for dim in dims:
         coordinates[dim] = (dim, np.array(labels(system.model, dim), dtype=object))
-    attrs = {"name": system.mechanism.name, "source": system.mechanism.source}
+    attrs = {"name": system.mechanism.name, "source": system.mechanism.file_name}
     if system.topology.free:
         attrs["free"] = " ".join(system.topology.free)
     return xr.Dataset(variables, coordinates, attrs)

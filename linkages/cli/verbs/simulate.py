@@ -90,8 +90,9 @@ def run(
             )
             dense = resolved(solution, over_time, also)
             save_figures(
-                solution.data, solution.mechanism, place.folder, request.format, dense=dense
-            )
+                solution.data, solution.mechanism, place.folder, request.format, dense=dense,
+                remark=request.differences,
+            )  # fmt: skip
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)

@@ -118,7 +118,7 @@ def test_check_as_text_says_the_same(cli):
     assert (result.code, result.err) == (0, "")
     for expected in (
         "11 revolute and 1 prismatic pairs, 3 independent loops",
-        "mobility 3 by Grübler's formula, 3 by the rank",
+        "mobility 3 by the Chebychev–Grübler–Kutzbach criterion, 3 by the rank",
         "driven: crank1, crank4",
         "free: r1",
         "RRR dyad, closed form",

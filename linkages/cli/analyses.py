@@ -11,10 +11,12 @@ from typing import Annotated
 import typer
 
 from linkages.cli.options import Drawing, Moving, Page, Processor, Start, Table
-from linkages.cli.verb import computes
+from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
+from linkages.spec.dimensions import LENGTH
+from linkages.spec.quantities import Bound, Quantity
 
 RANGE = "PATH=FIRST:LAST:COUNT"
 
@@ -42,6 +44,8 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
 ]
+
+SIZE = reading(Quantity(LENGTH, Bound.POSITIVE))
 
 Measures = Annotated[
     list[str] | None,
@@ -99,6 +103,28 @@ def equations(
     ] = "text",
 ) -> None:
     """Print the closure equations, the energies and Lagrange's equations."""
+
+
+@computes(SimulationOptions, without=("figures", "form"))
+def export(
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT", help="svg, dxf, or another one that is found.")
+    ],
+    hole: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Diameter of holes at joints."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Width of links."),
+    ] = None,
+    paths: Annotated[bool | None, typer.Option(help="Write the paths of joints.")] = None,
+    links: Annotated[bool | None, typer.Option(help="Write the outlines of links.")] = None,
+    symbols: Annotated[
+        bool | None, typer.Option("--symbols", help="Draw the mechanism as figures do.")
+    ] = None,
+) -> None:
+    """Write the mechanism for another program: drawings at 1:1, programs, models."""
 
 
 @computes(RunOptions, without=("figures",))
@@ -306,6 +332,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
-    sensitivity, tolerance, chaos, bench,
+    simulate, check, equations, export, animate, phase, poincare, lyapunov, bifurcation, map_,
+    sweep, sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

@@ -20,9 +20,8 @@ def test_inputs_are_all_entries_and_mark_what_differs(solution):
     rows = dict(input_rows(solution.mechanism))
     assert "size 0.2 mm" in rows[f"{MARK} clearances.r1"]
     assert sum(name.startswith(MARK) for name in rows) == 1
-    assert {
-        f"bars.{bar.name}" for bar in solution.mechanism.components if bar.section == "bars"
-    } <= (rows.keys())
+    bars = {bar.name for bar in solution.mechanism.components if bar.section == "bars"}
+    assert {f"bars.{name}" for name in bars} <= rows.keys()
 
 
 def test_values_beyond_the_horizon_are_marked(solution):
@@ -52,7 +51,7 @@ def test_sheets_are_computed_again(solution, tmp_path):
     path = linkages.save_report(solution, tmp_path / "report.pdf")
     content = path.read_bytes()
     sizes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", content)
-    assert {tuple(map(float, size)) for size in sizes} == {(8.27 * 72, 11.69 * 72)}
+    assert {tuple(map(float, size)) for size in sizes} == {(595.44, 841.68)}  # A4 in points
     assert linkages.load(path) == solution.mechanism
 
 

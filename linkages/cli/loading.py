@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from linkages.components.mechanisms.definition import load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
+from linkages.reading.locate import shipped
 from linkages.reading.overrides import parse_assignment
 from linkages.stamps import FORMATS, stamped
 
@@ -34,6 +35,16 @@ INTEGRATION = ("method", "rtol", "atol", "step", "change_points")
 
 _OF_PLACES = ("store", "to", "out")
 """Options that name files and folders, which are of one machine."""
+
+
+def results_in(file: str) -> str:
+    """Of a folder of results, the file to compute from: that of `simulate`, or the only one."""
+    folder = Path(file)
+    if not folder.is_dir() or file in shipped():
+        return file
+    found = sorted(folder.glob("*.nc"))
+    wanted = [path for path in found if path.stem == "simulate"] or found
+    return str(wanted[0]) if len(wanted) == 1 else file
 
 
 def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, Any]:

@@ -15,7 +15,14 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.loading import arguments_in, each_read, mechanism_from, overrides, require_folder
+from linkages.cli.loading import (
+    arguments_in,
+    each_read,
+    mechanism_from,
+    overrides,
+    require_folder,
+    results_in,
+)
 from linkages.cli.published import EndedError, Published, published
 from linkages.cli.terminal import console, print_json, print_notes, progress
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -78,18 +85,18 @@ class Request:
     def again(self) -> Request:
         """The same with what a file of results was computed with, unless something else is said.
 
-        The options of the command that wrote it are taken over, and by all others those that say
+        A folder of results stands for the file in it, and is where those of this command go. The
+        options of the command that wrote it are taken over, and by all others those that say
         how motions are integrated.
         """
-        said = arguments_in(
-            self.file, self.verb, [text.partition("=")[0] for text in self.assignments]
-        )
-        if not said:
-            return self
+        file = results_in(self.file)
+        out = Path(self.file) if self.out is None and file != self.file else self.out
+        assigned = [text.partition("=")[0] for text in self.assignments]
+        said = arguments_in(file, self.verb, assigned)
         known = {option.name for option in options_in(self.kind)} if self.kind else set()
         given = {name: value for name, value in said.items() if name in known} | dict(self.given)
         own = {n: said.get(n) if value is None else value for n, value in self.own.items()}
-        return replace(self, given=given, own=own)
+        return replace(self, file=file, out=out, given=given, own=own)
 
     @property
     def folder(self) -> Path:

@@ -295,3 +295,11 @@ def test_a_folder_holds_results_of_one_definition(simulate, cli, tmp_path):
     assert simulate("--no-figures").code == 0
     assert contents(folder).keys() == {"simulate.nc", "simulate.csv", "notes.txt"}
     assert len(contents(folder / "earlier")) == 4
+
+
+def test_a_folder_of_results_stands_for_the_file_in_it(simulate, cli, tmp_path):
+    assert simulate("--no-figures", "--samples", "7").code == 0
+    before = (tmp_path / "results/m/simulate.csv").read_bytes()
+    assert cli("simulate", "results/m", "--no-figures").code == 0
+    assert (tmp_path / "results/m/simulate.csv").read_bytes() == before
+    assert not (tmp_path / "results/simulate").exists()

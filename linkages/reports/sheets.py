@@ -125,11 +125,8 @@ def _filled(report: Report) -> _Sheets:
     sheets.table((0.0, 2.0), (28, 80), [["entry", "values"], *report.inputs])
     if report.maxima:
         sheets.heading("Least and largest values")
-        sheets.table(
-            (0.0, 2.3, 3.2, 4.2, 4.95, 5.95, 6.7),
-            (34, 12, 14, 11, 14, 11, 9),
-            [HEADS, *report.maxima],
-        )
+        places = (0.0, 2.3, 3.2, 4.2, 4.95, 5.95, 6.7)
+        sheets.table(places, (34, 12, 14, 11, 14, 11, 9), [HEADS, *report.maxima])
         sheets.lines(report.marks, color=GREY)
     sheets.heading("Origin")
     sheets.lines(provenance(report))

@@ -4,6 +4,7 @@ Everything is local: no inventories are downloaded, and pages need no scripts fr
 """
 
 import dataclasses
+import re
 import sys
 from importlib.metadata import version as installed
 from pathlib import Path
@@ -22,15 +23,16 @@ author = "the authors of linkages"
 copyright = "the authors of linkages, MIT licence"  # noqa: A001
 release = version = installed("linkages")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_build", "_static"]
 root_doc = "index"
 nitpicky = False
 default_role = "literal"
 highlight_language = "text"
 
-myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence", "deflist"]
+myst_enable_extensions = ["amsmath", "dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+nb_execution_mode = "off"  # notebooks have their outputs: docs/run_notebooks.py
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -104,9 +106,17 @@ def _keys(_app, page, source):
         source[0] = source[0].replace(marker, listed)
 
 
+def _contents(_app, _page, source):
+    """Tables of contents stand in comments: hosts of code would show a directive as text."""
+    source[0] = re.sub(
+        r"^<!-- toctree\n(.*?)^-->$", r"```{toctree}\n\1```", source[0], flags=re.S | re.M
+    )
+
+
 def setup(app):
     """Register the renderer of formulas, the signatures of dataclasses and the tables of keys."""
     app.connect("source-read", _keys)
+    app.connect("source-read", _contents)
     # both may have changed although their pages have not
     app.connect("env-get-outdated", lambda *_: ["api", "schema"])
     app.add_html_math_renderer(

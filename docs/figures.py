@@ -13,6 +13,7 @@ import datetime
 import json
 import os
 import platform
+import re
 import statistics
 import subprocess
 import sys
@@ -59,6 +60,21 @@ def write_small(figure: Figure, path: Path, colours: int = 64) -> None:
     write_figure(figure, path)
     with Image.open(path) as image:
         image.convert("RGB").quantize(colours).save(path, optimize=True)
+
+
+def write_table(name: str, text: str) -> None:
+    """Put a table between its markers into all pages that have them."""
+    begin, end = f"<!-- table: {name} -->", "<!-- end of table -->"
+    marked = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
+    block = f"{begin}\n\n{text.strip()}\n\n{end}"
+    known = False
+    for page in (ROOT / "docs").rglob("*.md"):
+        found = page.read_text(encoding="utf-8")
+        if begin in found:
+            known = True
+            page.write_text(marked.sub(lambda _: block, found), encoding="utf-8")
+    if not known:
+        raise ValueError(f"no page has a place for the table {name!r}")
 
 
 def work_precision() -> dict[str, list[Row]]:
@@ -188,9 +204,9 @@ def main() -> None:
     ninebar_figures()
     rows = work_precision()
     write_small(work_precision_figure(rows), STATIC / "work-precision.png")
-    (STATIC / "work-precision.md").write_text(work_precision_table(rows), encoding="utf-8")
+    write_table("work-precision", work_precision_table(rows))
     if "--benchmark" in sys.argv:
-        (STATIC / "against-c.md").write_text(benchmark_table(), encoding="utf-8")
+        write_table("against-c", benchmark_table())
 
 
 if __name__ == "__main__":

@@ -19,8 +19,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from figures import STATIC, machine
-from figures_stability import write
+from figures import STATIC, machine, write_table
 
 import linkages
 from linkages.chaos.growth.lyapunov import characteristic_period
@@ -159,4 +158,4 @@ def table(content: dict) -> str:
 if __name__ == "__main__":
     if "--measure" in sys.argv:
         measure()
-    write("analyses.md", table(json.loads(NUMBERS.read_text(encoding="utf-8"))))
+    write_table("analyses", table(json.loads(NUMBERS.read_text(encoding="utf-8"))))

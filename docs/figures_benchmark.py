@@ -17,8 +17,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from figures import STATIC, machine, write_small
-from figures_stability import write
+from figures import STATIC, machine, write_small, write_table
 
 from linkages.benchmark.work_precision import Point
 from linkages.plots.work_precision import figure
@@ -138,10 +137,10 @@ def main() -> None:
         content = json.loads(numbers(name).read_text(encoding="utf-8"))
         points = [Point(**row) for row in content["points"]]
         write_small(figure(points, CASES[name][0]), STATIC / f"bench-{name}.png")
-        write(f"bench-{name}.md", times(content))
+        write_table(f"bench-{name}", times(content))
         if name == "ninebar":
-            write("bench-costs.md", costs(content))
-    write("methods.md", methods())
+            write_table("bench-costs", costs(content))
+    write_table("methods", methods())
 
 
 if __name__ == "__main__":

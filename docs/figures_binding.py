@@ -12,8 +12,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from figures import machine
-from figures_stability import write
+from figures import machine, write_table
 
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -98,7 +97,7 @@ def _ways(
 def main() -> None:
     """Write the table."""
     note = f"CPU time for each set of numbers, least of {ROUNDS} rounds; {machine()}."
-    write("binding.md", "\n".join([*rows(), "", note, ""]))
+    write_table("binding", "\n".join([*rows(), "", note, ""]))
 
 
 if __name__ == "__main__":

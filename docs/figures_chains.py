@@ -12,9 +12,8 @@ import subprocess
 import sys
 
 import numpy as np
-from figures import ROOT, STATIC, machine
+from figures import ROOT, STATIC, machine, write_table
 from figures_benchmark import rounded
-from figures_stability import write
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
@@ -104,7 +103,7 @@ def main() -> None:
         measure()
     content = json.loads(NUMBERS.read_text(encoding="utf-8"))
     write_figure(figure(content["rows"]), STATIC / "chains.svg")
-    write("chains.md", table(content))
+    write_table("chains", table(content))
 
 
 if __name__ == "__main__":

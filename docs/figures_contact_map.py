@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from figures import STATIC
+from figures import STATIC, write_table
 from figures_contact_published import LAWS, mechanism
-from figures_stability import write
 from matplotlib.figure import Figure
 
 import linkages
@@ -90,7 +89,7 @@ def main() -> None:
     given = parser.parse_args()
     data = computed(given.points, given.store)
     write_figure(figure(data), STATIC / "contact-map.png")
-    write("contact-map.md", table(data))
+    write_table("contact-map", table(data))
 
 
 if __name__ == "__main__":

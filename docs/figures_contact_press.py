@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from figures import STATIC
-from figures_stability import write
+from figures import STATIC, write_table
 from matplotlib.figure import Figure
 
 import linkages
@@ -107,7 +106,7 @@ def shares() -> Figure:
 
 def main() -> None:
     """Write all files."""
-    write("contact-press.md", comparison())
+    write_table("contact-press", comparison())
     write_figure(shares(), STATIC / "contact-press.svg")
 
 

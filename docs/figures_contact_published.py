@@ -9,8 +9,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from figures import STATIC, write_small
-from figures_stability import write
+from figures import STATIC, write_small, write_table
 from matplotlib.figure import Figure
 
 import linkages
@@ -126,7 +125,7 @@ def main() -> None:
     """Write all files."""
     write_figure(figure(), STATIC / "contact-published.svg")
     write_small(touch_map(), STATIC / "contact-touches.png")
-    write("contact-published.md", table())
+    write_table("contact-published", table())
 
 
 if __name__ == "__main__":

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from figures import STATIC, write_small
+from figures import STATIC, write_small, write_table
 from figures_contact_published import LAWS, mechanism
-from figures_stability import write
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -149,7 +148,7 @@ def figure(found: list[tuple[int, float]]) -> Figure:
 def main() -> None:
     """Write all files."""
     found = list(doublings())
-    write("contact-route.md", table(found))
+    write_table("contact-route", table(found))
     write_small(figure(found), STATIC / "contact-route.png")
 
 

@@ -11,9 +11,8 @@ import json
 import subprocess
 import sys
 
-from figures import ROOT, STATIC, machine
+from figures import ROOT, STATIC, machine, write_table
 from figures_benchmark import rounded
-from figures_stability import write
 
 NUMBERS = STATIC / "contact-speed.json"
 BENCHMARK = ROOT / "tests" / "benchmarks" / "contact_in_c.py"
@@ -52,7 +51,7 @@ def main() -> None:
     """Write the table."""
     if "--measure" in sys.argv:
         measure()
-    write("contact-speed.md", table(json.loads(NUMBERS.read_text(encoding="utf-8"))))
+    write_table("contact-speed", table(json.loads(NUMBERS.read_text(encoding="utf-8"))))
 
 
 if __name__ == "__main__":

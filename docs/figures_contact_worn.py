@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from figures import STATIC, write_small
-from figures_stability import write
+from figures import STATIC, write_small, write_table
 from matplotlib.figure import Figure
 
 import linkages
@@ -124,7 +123,7 @@ def figure() -> Figure:
 def main() -> None:
     """Write both."""
     write_small(figure(), STATIC / "contact-worn.png")
-    write("contact-worn.md", table())
+    write_table("contact-worn", table())
 
 
 if __name__ == "__main__":

@@ -12,8 +12,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-from figures import machine
-from figures_stability import write
+from figures import machine, write_table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "benchmarks"))
 
@@ -44,7 +43,7 @@ def main() -> None:
     if platform.machine().lower() not in ("x86_64", "amd64"):
         raise SystemExit("this table compares instruction sets of x86-64; run it on such a machine")
     note = f"Nanoseconds for an evaluation of one state, least of {lanes.ROUNDS}; {machine()}."
-    write("lanes.md", "\n".join([*rows(), "", note, "", *heyoka(), ""]))
+    write_table("lanes", "\n".join([*rows(), "", note, "", *heyoka(), ""]))
 
 
 def heyoka() -> list[str]:

@@ -17,9 +17,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from figures import STATIC
+from figures import STATIC, write_table
 from figures_benchmark import rounded
-from figures_stability import write
 from reproduction import parts, tables
 
 KEPT = STATIC / "paper.json"
@@ -46,7 +45,7 @@ def main() -> None:
         if name != "tables":
             keep(name, PARTS[name]())
     for name, text in tables_of(kept_evidence()).items():
-        write(f"paper-{name}.md", text)
+        write_table(f"paper-{name}", text)
 
 
 def kept_evidence() -> dict[str, Any]:

@@ -12,8 +12,7 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
-from figures import machine
-from figures_stability import write
+from figures import machine, write_table
 
 import linkages
 from linkages.benchmark.problem import seconds_per_evaluation
@@ -129,8 +128,8 @@ def _count(system: System, name: str) -> int:
 
 def main() -> None:
     """Write both tables."""
-    write("kernel-parts.md", kernels())
-    write("output-parts.md", outputs())
+    write_table("kernel-parts", kernels())
+    write_table("output-parts", outputs())
 
 
 if __name__ == "__main__":

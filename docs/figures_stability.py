@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from figures import STATIC, power_of_ten, write_small
+from figures import STATIC, power_of_ten, write_small, write_table
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
@@ -278,29 +278,24 @@ def damping_table(found: dict[str, tuple[np.ndarray, float | None]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write(name: str, text: str) -> None:
-    """A table of docs/_static."""
-    (STATIC / name).write_text(text, encoding="utf-8")
-
-
 def main() -> None:
     """Write all files."""
     found, swing = drifts()
     write_small(drift_figure(found, swing), STATIC / "energy-drift.png")
-    write("energy-drift.md", drift_table(found, swing))
+    write_table("energy-drift", drift_table(found, swing))
     time, residual, steps = closures()
     write_small(closure_figure(time, residual), STATIC / "closure-residual.png")
-    write(
-        "closure-residual.md",
+    write_table(
+        "closure-residual",
         f"Largest closure residual at {len(residual):,} samples of {steps:,} steps: "
         f"{residual.max():.1e} m.\n",
     )
     frequency = frequencies()
     write_small(frequency_figure(frequency), STATIC / "swing-frequency.png")
-    write("swing-frequency.md", frequency_table(frequency))
+    write_table("swing-frequency", frequency_table(frequency))
     damped = amplitudes()
     write_small(damping_figure(damped), STATIC / "coarse-rk4.png")
-    write("coarse-rk4.md", damping_table(damped))
+    write_table("coarse-rk4", damping_table(damped))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import os
 from multiprocessing import get_context
 from pathlib import Path
 
+from figures import write_table
 from verdicts.table import SKIPS, TOLERANCES, Case, confusion, judged, listed, shares, systems
 
 STATIC = Path(__file__).parent / "_static"
@@ -50,7 +51,7 @@ def write(answers: dict[tuple[int, int | None, float], tuple[str, int | None]]) 
         for rtol in TOLERANCES
     ]
     for name, text in (("list", listed), ("confusion", confusion), ("shares", shares)):
-        (STATIC / f"verdicts-{name}.md").write_text(text(cases), encoding="utf-8")
+        write_table(f"verdicts-{name}", text(cases))
     rows = [
         {
             "system": case.known.name,

@@ -51,6 +51,7 @@ from linkages.errors import ComputationError as ComputationError
 from linkages.errors import InputError as InputError
 from linkages.errors import Interrupted as Interrupted
 from linkages.errors import LinkagesError as LinkagesError
+from linkages.exports import export as export
 from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register

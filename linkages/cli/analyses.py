@@ -6,15 +6,18 @@ What they do is `run` of the module of their name in `linkages.cli.verbs`.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from linkages.cli.options import Drawing, Moving, Processor, Start
-from linkages.cli.verb import computes
+from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
+from linkages.spec import dimensions
+from linkages.spec.dimensions import LENGTH
+from linkages.spec.quantities import Bound, Quantity
 
 RANGE = "PATH=FIRST:LAST:COUNT"
 
@@ -43,12 +46,19 @@ Scheduler = Annotated[
     typer.Option(metavar="tcp://HOST:PORT", help="Compute on the workers of a Dask scheduler."),
 ]
 
+SIZE = reading(Quantity(LENGTH, Bound.POSITIVE))
+
 Measures = Annotated[
     list[str] | None,
     typer.Option(
         metavar="MEASURE", help="A number of the motion, e.g. 'max(abs(crank.effort))'; repeatable."
     ),
 ]
+
+
+INSTANT: dict[str, Any] = {
+    "parser": reading(Quantity(dimensions.DURATION)), "metavar": "<time>",
+}  # fmt: skip
 
 
 @computes(SimulationOptions)
@@ -96,20 +106,45 @@ def equations(
     """Print the closure equations, the energies and Lagrange's equations."""
 
 
+@computes(SimulationOptions, without=("figures", "form"))
+def export(
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT", help="svg, dxf, or another one that is found.")
+    ],
+    hole: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Diameter of holes at joints."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(parser=SIZE, metavar="LENGTH", help="Width of links."),
+    ] = None,
+    paths: Annotated[bool | None, typer.Option(help="Write the paths of joints.")] = None,
+    links: Annotated[bool | None, typer.Option(help="Write the outlines of links.")] = None,
+    symbols: Annotated[
+        bool | None, typer.Option("--symbols", help="Draw the mechanism as figures do.")
+    ] = None,
+) -> None:
+    """Write the mechanism for another program: drawings at 1:1, programs, models."""
+
+
 @computes(RunOptions, without=("figures",))
 def animate(
     form: Annotated[
         Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
     ] = Moving.GIF,
-    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
+    start: Annotated[
+        float, typer.Option(help="Time of the first frame, in s or with a unit.", **INSTANT)
+    ] = 0.0,
     duration: Annotated[
-        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
+        float | None,
+        typer.Option(help="How much of the motion to show; default: what can be seen.", **INSTANT),
     ] = None,
     slow: Annotated[
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: 1, or what makes the film last from 4 to 12 s."
+            "default: what shows the fastest swing."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -117,7 +152,15 @@ def animate(
         str | None,
         typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
     ] = None,
-    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
+    dpi: Annotated[
+        float | None,
+        typer.Option(help="Pixels per inch; default: texts and symbols grow with the size."),
+    ] = None,
+    names: Annotated[bool, typer.Option("--names", help="Write names beside joints.")] = False,
+    plot: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
+    ] = None,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 
@@ -301,6 +344,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, animate, phase, poincare, lyapunov, bifurcation, map_, sweep,
-    sensitivity, tolerance, chaos, bench,
+    simulate, check, equations, export, animate, phase, poincare, lyapunov, bifurcation, map_,
+    sweep, sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

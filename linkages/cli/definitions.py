@@ -68,10 +68,13 @@ def list_mechanisms(
     out: Out = None,
     figures: Figures = True,
     form: Format = Picture.PNG,
+    dimensions: Annotated[
+        bool, typer.Option("--dimensions", help="Draw lengths and centres of mass, too.")
+    ] = False,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""
     from linkages.cli.verbs.library import run_list, run_show
 
-    raise typer.Exit(
-        run_list(json) if name is None else run_show(name, out, json, figures, form.value)
-    )
+    if name is None:
+        raise typer.Exit(run_list(json))
+    raise typer.Exit(run_show(name, out, json, figures, form.value, dimensions))

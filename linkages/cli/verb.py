@@ -142,7 +142,7 @@ def _flag(option: Option) -> Parameter:
     value, default = option.value, option.default
     how: dict[str, Any] = {"metavar": option.form}
     if isinstance(option.rule, Count | Quantity):
-        how = {"parser": _reading(option.rule), "metavar": _metavar(option.rule)}
+        how = {"parser": reading(option.rule), "metavar": _metavar(option.rule)}
     elif get_origin(value) is Literal:
         value = _words(option.name, value)
     names = (f"--{option.name}",) if value is bool and default is False else ()
@@ -169,7 +169,7 @@ def _metavar(rule: Count | Quantity) -> str:
     return f"<{rule.dimension.name}>" if rule.dimension.unit else "<float>"
 
 
-def _reading(rule: FieldType) -> Callable[[Any], Any]:
+def reading(rule: FieldType) -> Callable[[Any], Any]:
     """Read a flag as the definition file is read: with arithmetic, and with a unit."""
 
     def read(text: Any) -> Any:

@@ -12,9 +12,9 @@ from linkages.spec.quantities import Angle, AngularSpeed, Name, PositiveLength
 
 @component
 class Clearance(Component):
-    """The end of one bar sits ``size`` away from the pin that it would turn on.
+    """The end of one bar sits ``size`` away from the journal that it would turn on.
 
-    Pin and hole stay in contact, so the distance is a massless link whose angle is one more
+    Journal and bearing stay in contact, so the distance is a massless link whose angle is one more
     free coordinate.
 
     Parameters
@@ -29,7 +29,7 @@ class Clearance(Component):
     size
         Radial clearance in metres, > 0.
     angle, speed
-        Direction from the pin to the bar's point at t = 0 (rad) and its rate (rad/s).
+        Direction from the journal to the bar's point at t = 0 (rad) and its rate (rad/s).
     """
 
     section: ClassVar[str] = "clearances"

@@ -1,4 +1,4 @@
-"""A revolute joint whose pin may leave its hole, hit its wall and follow it."""
+"""A revolute joint whose journal may leave its bearing, hit its wall and follow it."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ Modulus = Annotated[float, Quantity(Dimension("modulus", "Pa", "pascals"), Bound
 
 @component
 class ContactClearance(Touching):
-    """The end of one bar moves freely within ``size`` around its pin, and presses where it touches.
+    """The end of one bar moves freely within ``size`` of its journal, and presses where it touches.
 
-    The offset from pin to end has two free coordinates, ``name.x`` and ``name.y``, along the axes
-    of the ground.
+    The offset from journal to end has two free coordinates, ``name.x`` and ``name.y``, along the
+    axes of the ground.
 
     Parameters
     ----------
@@ -60,21 +60,22 @@ class ContactClearance(Touching):
     size
         Radial clearance in metres, > 0.
     modulus, poisson
-        Young's modulus in Pa and Poisson's ratio of pin and hole, in the place of the stiffness.
+        Young's modulus in Pa and Poisson's ratio of journal and bearing, in the place of the
+        stiffness.
     stiffness_model
-        The stiffness that follows: ``sphere``, of one with the radius of the pin in one with the
-        hole's, or ``cylinder``, with an exponent of its own, from the width.
+        The stiffness that follows: ``sphere``, of one with the radius of the journal in one with
+        the bearing's, or ``cylinder``, with an exponent of its own, from the width.
     carries
         What the bar has: the ``hole``, or the ``pin``.
     pin_radius
-        Radius of the pin in metres.
+        Radius of the journal in metres.
     viscosity
         Dynamic viscosity of the oil in Pa·s, > 0.
     width
-        Of pin and hole along their axis, in metres: of an oil film, or of a contact with a modulus,
-        for which it tells how far around the pin that reaches.
+        Of journal and bearing along their axis, in metres: of an oil film, or of a contact with a
+        modulus, for which it tells how far around the journal that reaches.
     offset, rate
-        From the pin to the bar's point at t = 0 in metres along the axes of the ground, and its
+        From the journal to the bar's point at t = 0 in metres along the axes of the ground, and its
         rate in m/s.
     """
 
@@ -94,7 +95,7 @@ class ContactClearance(Touching):
     rate: tuple[Speed, Speed] = (0.0, 0.0)
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
-        """Keys that the law has or lacks, numbers out of its range, a start outside the hole."""
+        """Keys that the law has or lacks, numbers out of its range, a start outside the bearing."""
         found = [*self.contact_problems()]
         if self.modulus is not None:
             found += self._of_the_material()
@@ -103,7 +104,7 @@ class ContactClearance(Touching):
 
     @property
     def deepest(self) -> float:
-        """Indentation at the start in metres; negative if pin and hole do not touch."""
+        """Indentation at the start in metres; negative if journal and bearing do not touch."""
         return math.hypot(*self.offset) - self.size
 
     def _of_the_start(self) -> Iterator[tuple[str, str]]:
@@ -146,8 +147,8 @@ class ContactClearance(Touching):
     def half_angle(self, force: float) -> float | None:
         """How far a contact under a force (N) reaches to either side, in radians.
 
-        It is 2 √(F/(π E* L c)) of a cylinder in a hole (Johnson, *Contact Mechanics*, 1985); None
-        where modulus or width are not given.
+        It is 2 √(F/(π E* L c)) of a cylinder in a bearing (Johnson, *Contact Mechanics*, 1985);
+        None where modulus or width are not given.
         """
         if self.modulus is None or self.width is None:
             return None

@@ -228,7 +228,7 @@ class _Pressed(ListedComponent):
 
 @component
 class JournalFriction(_Pressed):
-    """Friction of a pin in its hole that follows the reaction in the joint.
+    """Friction of a journal in its bearing that follows the reaction in the joint.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ class JournalFriction(_Pressed):
     coefficient
         Friction force over reaction, ≥ 0.
     radius
-        Of the pin in metres, > 0.
+        Of the journal in metres, > 0.
     slip_speed
         Speed in rad/s, > 0, over which friction is smoothed.
     bars

@@ -1,4 +1,4 @@
-"""Generalised forces of pins in holes that they may leave."""
+"""Generalised forces of journals in bearings that they may leave."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def require_forces_of_the_state(mechanism: Mechanism) -> None:
 
 @dataclass(frozen=True)
 class ContactForces:
-    """What pins and holes do to each other.
+    """What journals and bearings do to each other.
 
     Parameters
     ----------

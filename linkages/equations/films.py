@@ -1,4 +1,4 @@
-"""Generalised forces of films of oil between pins and holes: short journal bearings."""
+"""Generalised forces of films of oil between journals and bearings: short journal bearings."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FilmForces:
         self._symbols, self._name = symbols, contact.name
         self.definitions: list[Definition] = []
         pin = contact.geometry
-        assert isinstance(pin, PinInHole), "films are between pins and holes"
+        assert isinstance(pin, PinInHole), "films are between journals and bearings"
         size, radius = symbols.parameter(pin.size), symbols.parameter(pin.pin_radius)
         width, viscosity = symbols.parameter(film.width), symbols.parameter(film.viscosity)
         x, y = (symbols.coordinates[axis] for axis in pin.axes)

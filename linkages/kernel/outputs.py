@@ -160,7 +160,7 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
 
 
 def links(model: Model) -> tuple[str, ...]:
-    """Clearances whose pin and hole stay in contact: massless links."""
+    """Clearances whose journal and bearing stay in contact: massless links."""
     return tuple(name for name in labels(model, "clearance") if name in model.mechanism.bodies)
 
 

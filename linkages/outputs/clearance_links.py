@@ -12,7 +12,7 @@ from linkages.kernel.outputs import Variable, labels
 def _clearance_forces(model: Model) -> list[Scalar]:
     """Tension: the force that would be needed to lengthen the link, reversed.
 
-    Where pin and hole may part, what presses them together.
+    Where journal and bearing may part, what presses them together.
     """
     contacts = {nodes.contact.name: nodes for nodes in model.contacts}
 

@@ -1,6 +1,6 @@
-"""Clearances that open: offset of the pin in its hole, indentation, friction and slip.
+"""Clearances that open: offset of the journal in its bearing, indentation, friction and slip.
 
-A clearance whose pin and hole stay in contact has the offset of its massless link.
+A clearance whose journal and bearing stay in contact has the offset of its massless link.
 """
 
 from __future__ import annotations
@@ -87,11 +87,11 @@ OUTPUTS = {
         opening=True, smooth=False,
     ),
     "clearance_friction": Variable(
-        ("clearance",), "N", "force of friction on the pin along the wall of its hole",
+        ("clearance",), "N", "force of friction on the journal along the wall of its bearing",
         _scalars(lambda contact: contact.friction), default=True, opening=True, smooth=False,
     ),
     "clearance_slip": Variable(
-        ("clearance",), "m/s", "velocity of slip of the pin in its hole",
+        ("clearance",), "m/s", "velocity of slip of the journal in its bearing",
         _scalars(lambda contact: contact.gap.slip(contact.model.velocities)),
         default=True, opening=True, smooth=False,
     ),

@@ -19,7 +19,7 @@ from linkages.plots.chaos import maps as chaos_maps
 from linkages.plots.mechanism import drawing
 from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import Box, picture
+from linkages.plots.mechanism.view import picture
 from linkages.plots.motion import clearance_orbit as orbits
 from linkages.plots.motion import phase, time_figures
 from linkages.plots.motion.free_axes import Free, free_coordinates
@@ -62,7 +62,9 @@ SINGLE = 3.6  # inches: height of a picture that stands alone
 
 
 @styled
-def mechanism(solution: Solution, ax: Axes | None = None, *, time: float = 0.0) -> Axes:
+def mechanism(
+    solution: Solution, ax: Axes | None = None, *, time: float = 0.0, dimensions: bool = False
+) -> Axes:
     """The mechanism at the sample nearest to a time in seconds, with all names.
 
     Parameters
@@ -73,6 +75,8 @@ def mechanism(solution: Solution, ax: Axes | None = None, *, time: float = 0.0) 
         Where to draw; axes of a new figure if not given.
     time
         In seconds.
+    dimensions
+        Whether to write lengths of bars and of sides of plates, and to mark centres of mass.
 
     Raises
     ------
@@ -83,7 +87,8 @@ def mechanism(solution: Solution, ax: Axes | None = None, *, time: float = 0.0) 
     _require(data, "joint_position")
     index = int(np.argmin(np.abs(np.asarray(data["time"], dtype=float) - time)))
     pose = pose_at(data, solution.mechanism, index)
-    return drawing.draw_pose(ax or picture(drawing.reach(pose))[1], pose)
+    ax = ax or picture(drawing.reach(pose))[1]
+    return drawing.draw_pose(ax, pose, dimensions=dimensions)
 
 
 @styled
@@ -92,8 +97,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
-        box = Box.around(np.asarray(data["joint_position"], dtype=float))
-        ax = picture(box, joint_traces.MARGIN)[1]
+        ax = picture(drawing.framed(data, solution.mechanism)[1], joint_traces.MARGIN)[1]
     return joint_traces.draw(ax, data, solution.mechanism)
 
 

@@ -86,6 +86,8 @@ class Opened:
         known = signature(function).parameters
         given = {name: value for name, value in self.arguments.items() if name in known}
         given.pop("store", None)  # what is there is not computed again
+        if "results" in known:  # what it was computed from stands beside them
+            given["results"] = self.data
         return function(self.mechanism, **given)
 
     def _function(self) -> Callable[..., Any]:
@@ -109,6 +111,9 @@ ANALYSES = {
     "bifurcation": "linkages.chaos.sweeps.asked:bifurcation_asked",
     "map": "linkages.chaos.sweeps.maps:chaos_map",
     "sweep": "linkages.sweeps.asked:sweep_asked",
+    "sensitivity": "linkages.design.asked:sensitivity_asked",
+    "optimise": "linkages.design.optimising.optimise:optimise",
+    "fit": "linkages.design.asked:fit_asked",
     "tolerance": "linkages.design.tolerances.tolerance:tolerance",
 }
 """Name of a file of results → the function of this package that computes them."""

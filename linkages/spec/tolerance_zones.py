@@ -144,6 +144,27 @@ def nominal_text(text: str) -> str:
     return text if parts is None else parts.nominal
 
 
+def with_nominal(text: str, number: str, named: str) -> str:
+    """A text with another nominal number and the same tolerance; the number if it has none.
+
+    Parameters
+    ----------
+    text
+        As a definition has it.
+    number, named
+        The number, and its unit, which is that of the one before.
+    """
+    whole = f"{number} {named}".rstrip()
+    if _parts(text) is None:
+        return whole
+    plain = text.replace("−", "-").strip()
+    said = _LAW.search(plain)
+    part = plain[: said.start()].rstrip() if said else plain
+    found = _SYMMETRIC.fullmatch(part) or _LIMITS.fullmatch(part)
+    assert found is not None
+    return (whole if leading_number(found[1])[1] else number) + plain[found.end(1) :]
+
+
 def has_tolerance(value: object) -> bool:
     """Whether something is a text that states a tolerance, right or wrong."""
     if not isinstance(value, str):

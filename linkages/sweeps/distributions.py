@@ -44,10 +44,15 @@ def _triangular(u: Floats, low: float, mode: float, high: float) -> Floats:
     return np.where(u < rising, left, right)
 
 
+def _either(u: Floats, one: float, other: float) -> Floats:
+    return np.where(u < 0.5, one, other)
+
+
 _KINDS: Mapping[str, tuple[Callable[..., Floats], str]] = {
     "normal": (_normal, "mean, deviation"),
     "uniform": (_uniform, "low, high"),
     "triangular": (_triangular, "low, mode, high"),
+    "either": (_either, "one, other"),
 }
 """Name → inverse of the cumulative distribution, and what its numbers are."""
 

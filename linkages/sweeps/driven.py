@@ -14,6 +14,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
 from linkages.solution.moving.limits import GRID_ANGLE, suspicious
+from linkages.solution.moving.turns import turned_by
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -33,13 +34,8 @@ def serves(system: System, series: Mapping[str, Series]) -> bool:
         return False
     if not all(bodies[name].rotates for name in topology.driven):
         return False
-    for each in series.values():
-        if each.variable == TIME:
-            continue
-        variable = VARIABLES[each.variable]
-        turned = variable.angle and next(iter(each.place.values())) not in topology.driven
-        if variable.whole or turned:
-            return False
+    if any(each.variable != TIME and VARIABLES[each.variable].whole for each in series.values()):
+        return False
     nodes = [*_checked(system), *_Wanted(system, series).nodes]
     return not system.model.evaluator(nodes).switched
 
@@ -65,7 +61,7 @@ class _Wanted:
             self.nodes += own
 
     def of(self, values: Floats, times: Floats) -> dict[str, Floats]:
-        """Name → series.
+        """Name → series; angles within one turn.
 
         Parameters
         ----------
@@ -85,6 +81,14 @@ class _Wanted:
                 flat = reduced(rows.reshape(len(rows), -1))[each.index(self._model)]
                 found[name] = flat.reshape(rows.shape[1:])
         return found
+
+
+def _turning(system: System, series: Mapping[str, Series]) -> dict[str, Scalar]:
+    """Angles whose whole turns are counted, and the nodes of their rates."""
+    bodies = {name: next(iter(each.place.values())) for name, each in series.items() if each.angle}
+    counted = system.topology.counted
+    turning = system.model.velocities.turning
+    return {name: turning(body) for name, body in bodies.items() if body in counted}
 
 
 def _nodes(system: System, series: Series) -> list[Scalar]:
@@ -141,6 +145,9 @@ class DrivenMotions:
             )
             for name, row in wanted.of(values, times[part]).items():
                 found[name][part] = row
+        for name in _turning(self._system, {name: self._series[name] for name in series}):
+            begin, end = (self._sampled[name][which, at] for at in (interval, interval + 1))
+            found[name] += _whole(begin + (places - interval) * (end - begin) - found[name])
         return [found[name] for name in series]
 
 
@@ -203,19 +210,24 @@ def undisturbed(
     radicands = [reach.radicand for reach in model.reaches]
     margins, rates, finite = model.margins, model.margin_rates, _checked(system)
     wanted = _Wanted(system, series)
-    nodes = [*radicands, *margins, *rates, *finite, *wanted.nodes]
-    ends = np.cumsum([len(radicands), len(margins), len(rates), len(finite)])
+    turning = _turning(system, series)
+    nodes = [*radicands, *margins, *rates, *finite, *turning.values(), *wanted.nodes]
+    ends = np.cumsum([len(part) for part in (radicands, margins, rates, finite, turning)])
     split = _Parameters(parameters[:, :, None])
     for part in _blocks(count, len(times)):
         found = _evaluated(system, nodes, split.of(part), times[None])
         # motions that do not differ at all are evaluated as one
         shape = len(nodes), len(range(count)[part]), len(times)
         values = np.broadcast_to(found, shape)
-        reach, margin, rate, other, asked = np.split(values, ends)
-        for name, row in wanted.of(asked, times).items():
-            rows[name][part] = row if times is samples else row[:, sampled]
+        reach, margin, rate, other, speeds, asked = np.split(values, ends)
         relative = margin / scales[:, part, None], rate / scales[:, part, None]
         sound[part] = _goes_on(times, reach, *relative, other)
+        series_rows = wanted.of(asked, times)
+        for name, speed in zip(turning, speeds, strict=True):
+            series_rows[name], sure = _counted(series_rows[name], speed, times)
+            sound[part] &= sure
+        for name, row in series_rows.items():
+            rows[name][part] = row if times is samples else row[:, sampled]
     kept = rows if sound.all() else {name: row[sound] for name, row in rows.items()}
     return sound, DrivenMotions(system, parameters[:, sound], samples, series, kept)
 
@@ -237,6 +249,20 @@ def _goes_on(
             headed = suspicious(times, margins[:, doubtful], rates[:, doubtful])
             good[doubtful] = ~headed.any(axis=-1)
     return np.asarray(good)
+
+
+def _counted(angles: Floats, speeds: Floats, times: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Angles with all their turns, shape (motions, times), and where these are beyond doubt."""
+    turned = np.stack([angles[:, :-1], angles[:, 1:]])
+    rates = np.stack([speeds[:, :-1], speeds[:, 1:]])
+    change, sure = turned_by(turned, rates, np.diff(times))
+    reached = angles[:, :1] + np.cumsum(np.insert(change, 0, 0.0, axis=1), axis=1)
+    return angles + _whole(reached - angles), np.asarray(sure.all(axis=1))
+
+
+def _whole(angles: Floats) -> Floats:
+    """The nearest whole turns."""
+    return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
 
 
 def _looked_at(

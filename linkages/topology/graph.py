@@ -53,9 +53,9 @@ def topology_graph(mechanism: Mechanism) -> nx.MultiGraph:
 
 
 def gruebler_mobility(mechanism: Mechanism) -> int:
-    """Mobility 3·bodies − 2·pairs − relations (Grübler's formula); the ground does not count.
+    """Mobility 3·bodies − 2·pairs − relations (Chebychev, Grübler, Kutzbach).
 
-    Welds and gears are relations: each takes away one coordinate.
+    The ground does not count. Welds and gears are relations: each takes away one coordinate.
     """
     graph = topology_graph(mechanism)
     free = 3 * (graph.number_of_nodes() - 1) - 2 * graph.number_of_edges()

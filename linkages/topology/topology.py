@@ -53,7 +53,7 @@ class Topology:
     entry
         Body → the point that it is placed from.
     mobility
-        By Grübler's formula.
+        By the Chebychev–Grübler–Kutzbach criterion.
     loops
         Number of independent loops.
     redundant

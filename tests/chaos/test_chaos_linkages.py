@@ -387,7 +387,7 @@ def test_verdicts_of_the_nine_bar(angle, verdict):
     exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))
     total = report.exponents.attrs["sum"], report.exponents.attrs["sum_error"]
     assert abs(total[0]) < max(1e-3, 4 * total[1])
-    assert any("a real pin would leave" in reason for reason in report.reasons)
+    assert any("a real journal would leave" in reason for reason in report.reasons)
     if verdict == "chaotic":
         assert exponent > 4 * error
         assert 0.2 < exponent < 0.6  # reported: of the order 0.3…0.5 1/s

@@ -30,19 +30,24 @@ COMMANDS = [
     "sweep --measure max(rod.speed) --vary bars.rod.length=1:2:2,free.rod.angle=0:1:2"
     " --sample bars.rod.mass=uniform(1,2) --sequence sobol --draws 4",
     "simulate --set simulate.rtol=1e-7",
+    "sensitivity --of max(rod.speed) --of rms(rod.angle) --to bars.* --end 0.5",
+    "optimise --vary bars.rod.mass=1:1.2 --minimise max(abs(rod.acceleration)) --starts 2 --runs 8",
+    "fit --to m.csv --vary dampers[0].damping=0:1 --sigma rod.angle=1deg",
 ]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_results_of_commands_are_computed_again_bit_for_bit(cli, tmp_path, command):
     (tmp_path / "driven.yaml").write_text(DRIVEN, encoding="utf-8")
+    (tmp_path / "m.csv").write_text("time (s),rod.angle (deg)\n0.3,11\n0.7,-60\n1,-103\n")
     verb, *given = command.split()
     assert cli(verb, "driven.yaml", *given, "--out", "r", "--no-figures").code == 0
+    (tmp_path / "m.csv").unlink()  # what was measured stands beside the fit
     opened = linkages.open(tmp_path / "r")
     assert opened.analysis == verb
     assert f"{verb} driven.yaml" in opened.command
     again = opened.compute()
-    found = again.data if verb == "simulate" else again
+    found = again.data if verb in ("simulate", "optimise", "fit") else again
     assert set(found.data_vars) == set(opened.data.data_vars)
     for name, values in opened.data.data_vars.items():
         floats = values.dtype.kind == "f"

@@ -24,7 +24,7 @@ def words(text):
 def test_check_lists_the_contact_and_doubts_its_start(cli, tmp_path):
     loads(TEXT).save(tmp_path / "play.yaml")
     said = words(cli("check", "play.yaml").out)
-    assert "mobility 3 by Grübler's formula, 3 by the rank" in said
+    assert "mobility 3 by the Chebychev–Grübler–Kutzbach criterion, 3 by the rank" in said
     assert "free: play.offset, play.tilt" in said
     assert "contact piston in its guide hertz, stiffness 1e+09 N/m^1.5 clearances.play" in said
     assert "clearance play starts pressed in by 0.0001 m" in said

@@ -46,7 +46,7 @@ def test_lost_contact_is_said(engine, verb):
     assert (lost.code, kept.code) == (0, 0), lost.err + kept.err
     assert "note: The force in gap has the wrong sign" in lost.out
     assert "wrong sign" not in kept.out
-    assert "pin and hole stay in contact, looked at every 0.00156 s" in kept.out
+    assert "journal and bearing stay in contact: looked at every 0.00156 s" in kept.out
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -13,8 +13,8 @@ from linkages.cli.terminal import console, print_notes
 from linkages.reading.locate import shipped
 
 VERBS = (
-    "simulate", "check", "equations", "animate", "phase", "poincare", "lyapunov", "bifurcation",
-    "map", "sweep", "sensitivity", "chaos", "bench", "list",
+    "simulate", "check", "equations", "export", "animate", "phase", "poincare", "lyapunov",
+    "bifurcation", "map", "sweep", "sensitivity", "chaos", "bench", "list",
 )  # fmt: skip
 # A short run of a mechanism that nothing integrates: fast.
 SHORT = ("--set", "simulate.end=0.02", "--set", "simulate.samples=21")
@@ -118,7 +118,7 @@ def test_check_as_text_says_the_same(cli):
     assert (result.code, result.err) == (0, "")
     for expected in (
         "11 revolute and 1 prismatic pairs, 3 independent loops",
-        "mobility 3 by Grübler's formula, 3 by the rank",
+        "mobility 3 by the Chebychev–Grübler–Kutzbach criterion, 3 by the rank",
         "driven: crank1, crank4",
         "free: r1",
         "RRR dyad, closed form",
@@ -566,3 +566,12 @@ def test_simulate_refuses_measures_before_it_computes(cli):
     assert found.code == 2
     assert "did you mean 'effort'" in found.err
     assert not found.files
+
+
+def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):
+    sizes = []
+    for more in ((), ("--dimensions",)):
+        result = cli("list", "four-bar", "--format", "svg", "--out", str(tmp_path), *more)
+        assert result.code == 0
+        sizes.append((tmp_path / "drawing.svg").stat().st_size)
+    assert sizes[1] > sizes[0]

@@ -80,7 +80,7 @@ CHANGES = {
     "turned into the walls": ({"angle": "5 deg"}, "a corner starts"),
     "across": ({"angle": "95 deg"}, "expected a block less than 90 deg from its guide, found 95"),
     "friction without slip": ({"friction": 0.1}, "missing key 'slip'"),
-    "oil": ({"contact": "lubricated", "stiffness": None}, "a law of pins in holes"),
+    "oil": ({"contact": "lubricated", "stiffness": None}, "a law of journals in bearings"),
 }  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import yaml
 from design_differences import compared, richardson
 
 import linkages
@@ -67,15 +68,13 @@ def test_derivatives_go_through_jumps_of_drives_whose_times_are_numbers(monkeypa
     assert abs(exact[1, 0, -1] - without[1, 0, -1]) > 0.1 * abs(exact[1, 0, -1])
 
 
-def test_between_the_samples_around_a_jump_there_are_no_derivatives():
-    run = {"end": 0.4, "samples": 81}
-    found = Differentiated(_swung(), ["at(0.228 s, rod.speed)"], PATHS[:1], run=run)
-    for ask in (
-        lambda: found.at(found.values),
-        lambda: found.along(found.values, ["rod.speed"], np.array([0.228])),
-    ):
-        with pytest.raises(ComputationError, match=r"jump between two samples at t = 0.23 s"):
-            ask()
+def test_derivatives_are_known_between_the_samples_around_a_jump():
+    """At 2 ms before the jump and 3 ms behind it, within the interval of samples of 5 ms."""
+    run = {"end": 0.4, "samples": 80, "rtol": 1e-12}
+    times, paths = np.array([0.228, 0.233]), PATHS
+    found = Differentiated(_swung(), [], paths, run=run)
+    missed, attainable = compared(found, ["rod.speed"], times, [0, 1, 2, 3], 1e-3)
+    assert (missed <= 3e-8 + 10 * attainable).all()
 
 
 def test_a_jump_at_the_start_has_no_derivative_by_its_time():
@@ -96,42 +95,39 @@ def test_a_jump_at_the_start_has_no_derivative_by_its_time():
         ('"where(t < start, 0, (t - start)*(t - start)*10)"', "parameters.start"),
     ],
 )
-def test_means_of_what_jumps_at_a_time_that_moves_are_refused(law, path):
-    mechanism = _driven(law)
-    run = {"end": 0.8, "samples": 81}
-    for measure in ("mean(arm.effort)", "rms(arm.effort)"):
-        found = Differentiated(mechanism, [measure], [path], run=run)
-        with pytest.raises(ComputationError, match=r"arm.effort jumps at t = 0.23 s"):
-            found.at(found.values)
-    found = Differentiated(mechanism, ["mean(arm.angle)"], [path], run=run)
+def test_means_of_what_jumps_at_a_time_that_moves_change_by_the_jump(law, path):
+    """The rms of the speed does not change: its differences are round-off, as is the derivative."""
+    measures = ["mean(arm.effort)", "rms(arm.effort)", "mean(arm.angle)", "rms(arm.speed)"]
+    found = Differentiated(_driven(law), measures, [path], run={"end": 0.8, "samples": 81})
     exact = found.at(found.values).derivatives
     assert exact is not None
     difference, error = richardson(
         lambda x: found.at(x, derivatives=False).values, found.values, 0, 1e-3
     )
-    # Simpson's rule across a bend of the speed: h^2/12 of it, with h = 5 ms
-    assert abs(exact[0, 0] - difference[0]) < 1e-4 * abs(exact[0, 0]) + 10 * error[0]
+    assert (abs(exact[:, 0] - difference) <= 1e-14 + 1e-9 * abs(exact[:, 0]) + 10 * error).all()
+    assert abs(exact[0, 0]) > 0.1  # without the jump there is no more than a part of it
 
 
-def test_extremes_next_to_a_jump_that_moves_are_refused_and_others_are_not():
+def test_extremes_at_a_jump_that_moves_follow_it():
+    """Acceleration A/2 (π/d)² cos(π u): largest behind begin, least before begin + d."""
     mechanism = _driven("{rise: harmonic, to: 70 deg, begin: 0.23, duration: 0.4}")
-    path, run = "drives.arm.law.duration", {"end": 0.8, "samples": 81}
-    found = Differentiated(mechanism, ["min(arm.acceleration)"], [path], run=run)
-    with pytest.raises(ComputationError, match=r"arm.acceleration jumps"):
-        found.at(found.values)
-    found = Differentiated(mechanism, ["max(arm.speed)", "time_of_max(arm.speed)"], [path], run=run)
-    exact = found.at(found.values).derivatives
-    assert exact is not None
-    # speed = A/2 π/d sin(π u), largest at begin + d/2
-    largest = np.deg2rad(70) / 2 * np.pi / 0.4
-    np.testing.assert_allclose(exact[:, 0], [-largest / 0.4, 0.5], rtol=1e-7)
+    paths, run = ["drives.arm.law.begin", "drives.arm.law.duration"], {"end": 0.8, "samples": 81}
+    measures = [f"{each}(arm.acceleration)" for each in ("min", "time_of_min", "max")]
+    measures += ["max(arm.speed)", "time_of_max(arm.speed)"]
+    found = Differentiated(mechanism, measures, paths, run=run)
+    evaluated = found.at(found.values)
+    bend, speed = np.deg2rad(70) / 2 * (np.pi / 0.4) ** 2, np.deg2rad(70) / 2 * np.pi / 0.4
+    np.testing.assert_allclose(evaluated.values, [-bend, 0.63, bend, speed, 0.43], rtol=1e-12)
+    closed = [[0, 2 * bend / 0.4], [1, 1], [0, -2 * bend / 0.4], [0, -speed / 0.4], [1, 0.5]]
+    # the rate beside the jump is that of a polynomial of degree 24
+    np.testing.assert_allclose(evaluated.derivatives, closed, rtol=1e-7, atol=1e-7)
 
 
 @pytest.mark.parametrize(
     ("measure", "message"),
     [
         ("time_of_max(arm.angle)", "reached at t = .* and at t = "),
-        ("at(0.23 s, arm.effort)", "arm.effort jumps at t = 0.23 s"),
+        ("at(0.23 s, arm.effort)", "jumps at t = 0.23 s, and numbers move that time"),
     ],
 )
 def test_measures_without_a_derivative_say_so(measure, message):
@@ -158,3 +154,49 @@ def test_the_end_of_the_simulation_is_no_number_of_the_equations():
     mechanism = linkages.load("slider-crank")
     with pytest.raises(InputError, match=r"simulate.end: this number does not enter"):
         Differentiated(mechanism, ["final(piston.position)"], ["simulate.end"])
+
+
+def test_two_jumps_between_two_looks_are_found():
+    """A push of 0.1 ms, half of what lies between two looks: the mean is 5 N m · 2 w/T."""
+    mechanism = linkages.loads("""
+joints: {O: [0, 0]}
+parameters: {width: 5e-5}
+bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
+drives: {arm: {angle: 0, speed: 1}}
+loads: [{bar: arm, torque: "where(abs(t - 0.40009) < width, -5, 0)"}]
+""")
+    run = {"end": 0.8, "samples": 81}
+    found = Differentiated(mechanism, ["mean(arm.effort)"], ["parameters.width"], run=run)
+    evaluated = found.at(found.values)
+    assert evaluated.derivatives is not None
+    # times near 0.4 s are known to 5e-17 s, and sides are 1e-15 s apart
+    np.testing.assert_allclose(evaluated.values, [5 * 2 * 5e-5 / 0.8], rtol=1e-9)
+    np.testing.assert_allclose(evaluated.derivatives, [[5 * 2 / 0.8]], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "bar", "limit"), [("four-bar", "coupler", 0.73),
+                                                    ("class-three", "leg1", 1.03)])  # fmt: skip
+def test_laws_of_state_jump_in_driven_motions_at_times_that_move(name, bar, limit):
+    """Nothing is integrated, so jumps are no modes; loops close by formulas or by iteration."""
+    definition = yaml.safe_load(linkages.load(name).to_yaml())
+    definition["parameters"] = {"limit": limit, "push": 20}
+    definition["loads"] = [
+        {"bar": bar, "torque": f"where({bar}.angle > limit, push, -push)"},
+        *(definition.get("loads") or []),
+    ]
+    paths = ["parameters.limit", "parameters.push"]
+    measures = ["mean(abs(crank.effort))", "rms(crank.effort)", "max(crank.effort)"]
+    found = Differentiated(
+        linkages.loads(yaml.safe_dump(definition)), measures, paths,
+        run={"end": 1.0, "samples": 201},
+    )  # fmt: skip
+    exact = found.at(found.values).derivatives
+    assert exact is not None
+    assert abs(exact[1, 0]) > 0.1
+    for number, value in enumerate(found.values):
+        difference, error = richardson(
+            lambda x: found.at(x, derivatives=False).values, found.values, number, 1e-3 * value
+        )
+        scale = np.abs(exact[:, number]) + 1e-3  # of efforts of about 10 N m
+        # round-off, and iterations that end at 1e-12
+        assert (np.abs(exact[:, number] - difference) <= 1e-8 * scale + 10 * error).all()

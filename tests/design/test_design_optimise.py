@@ -7,7 +7,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import linkages
+from linkages.design.optimising import problem
 from linkages.design.optimising.goals import Peak, Plain, constraint_of, goal_of, sum_of
+from linkages.kernel.reaching import unreached
 from linkages.spec.measures import read_measure
 
 EFFORT = "max(abs(crank.effort))"
@@ -218,3 +220,89 @@ def test_constraints_measure_the_side_that_is_no_constant():
     assert (one.measured.text, one.sign) == (other.measured.text, other.sign) == ("min(a.b)", -1.0)
     assert constraint_of("max(a.b) = 3").violation(-0.5) == 0.5
     assert goal_of(None, " max(a.b) ").text == "maximise max(a.b)"
+
+
+@pytest.mark.parametrize(
+    ("written", "found"),
+    [
+        ("140 ± 0.05 mm", "120 ± 0.05 mm"),
+        ("140 mm ± 50 um", "120 mm ± 50 um"),
+        ("0.14 ± 5e-5", "0.12 ± 5e-5"),
+        ("140 +0.1/-0.05 mm (uniform)", "120 +0.1/-0.05 mm (uniform)"),
+        ("'14 cm ± 5 % (normal, 2 sigma)'", "'12 cm ± 5 % (normal, 2 sigma)'"),
+        ("14 cm", "12 cm"),
+        ("0.14", "120 mm"),
+    ],
+)
+def test_numbers_that_are_found_keep_their_units_and_tolerances(tmp_path, written, found):
+    """The acceleration of a piston is least with the longest rod, so the shortest is found."""
+    text = f"""
+joints: {{O: [0, 0]}}
+bars:
+  crank: {{joints: [O, A], length: 40 mm}}
+  rod: {{joints: [A, B], length: {written}}}
+sliders: {{piston: {{joint: B, through: O, angle: 0}}}}
+drives: {{crank: {{angle: 0, speed: 10}}}}
+assembly: {{B: [0.17, 0]}}
+simulate: {{end: 0.7, samples: 31}}
+"""
+    (tmp_path / "crank.yaml").write_text(text, encoding="utf-8")
+    optimum = linkages.optimise(
+        linkages.load(tmp_path / "crank.yaml"),
+        ["bars.rod.length=120mm:160mm"],
+        maximise="max(abs(piston.acceleration))",
+        runs=20,
+    )
+    assert f"length: {found}}}" in optimum.text
+    assert optimum.mechanism.definition.value(("bars", "rod", "length")) == found.strip("'")
+    nominal = linkages.loads(text).tolerances.get(("bars", "rod", "length"))
+    kept = optimum.mechanism.tolerances.get(("bars", "rod", "length"))
+    assert (nominal is None) == (kept is None)
+    if nominal is not None:
+        part = 120 / 140 if "%" in written else 1.0
+        assert kept.half == pytest.approx(nominal.half * part, rel=1e-9)
+
+
+@pytest.mark.parametrize("rocker", [5, 40, 300, 800])
+def test_how_far_from_assembly_a_four_bar_is(rocker):
+    """The gap at 40° is √(40² + 100² − 2·40·100·cos 40°) mm, and the coupler 120 mm."""
+    gap = np.sqrt(40**2 + 100**2 - 8000 * np.cos(np.deg2rad(40)))
+    missing = max(gap - 120 - rocker, abs(120 - rocker) - gap) / (120 + rocker)
+    mechanism = linkages.load("four-bar", set={"bars.rocker.length": f"{rocker} mm"})
+    assert unreached(mechanism) == pytest.approx(missing / (1 + missing), rel=1e-12)
+    assert unreached(linkages.load("four-bar")) == 0.0
+
+
+def test_a_global_search_finds_what_can_be_assembled_by_how_far_it_is(monkeypatch):
+    """Within these bounds one of 700 four-bars can be assembled, and the start cannot.
+
+    Where all that cannot are alike, at most a few of the runs hit upon one that can.
+    """
+    vary = {"bars.rocker.length": ("0.3 m", "100 m"), "bars.coupler.points.B[0]": (0.6, 100.0)}
+    how = {"minimise": "range(rocker.angle)", "search": "global", "end": 0.1, "samples": 11}
+    found = linkages.optimise(linkages.load("four-bar"), vary, **how, runs=500, seed=1)
+    assert 500 - found.data.attrs["runs_missing"] > 50
+    monkeypatch.setattr(problem, "unreached", lambda _mechanism: 0.5)
+    with_luck = linkages.optimise(linkages.load("four-bar"), vary, **how, runs=500, seed=1)
+    assert 500 - with_luck.data.attrs["runs_missing"] < 10
+    assert found.data["value"][1] < 0.5 * with_luck.data["value"][1]
+
+
+def test_a_search_on_a_plateau_ends_and_says_so():
+    """A spring that levels an arm exactly: k = m g L/(h a), where the effort is round-off."""
+    arm = linkages.loads(
+        """
+        gravity: [0, -9.81]
+        joints: {O: [0, 0], S: [0, 300 mm]}
+        bars: {arm: {points: {O: [0, 0], Q: [200 mm, 0], P: [500 mm, 0]}}}
+        masses: {P: 4 kg}
+        springs: [{between: [S, Q], stiffness: 150 N/m, length: 0 mm}]
+        drives: {arm: {angle: -60 deg, speed: 30 deg/s}}
+        simulate: {end: 4, samples: 201}
+        """
+    )
+    stiffness = {"springs[0].stiffness": (100, 900)}
+    found = linkages.optimise(arm, stiffness, minimise="max(abs(arm.effort))")
+    assert float(found.data["number"][1, 0]) == pytest.approx(4 * 9.81 * 0.5 / 0.06, rel=1e-12)
+    assert found.data.attrs["plateau"] == 1
+    assert found.data.attrs["runs"] < 100

@@ -8,6 +8,7 @@ from design_differences import compared
 
 import linkages
 from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.numbers import written
 from linkages.errors import ComputationError, InputError
 from linkages.reading.locate import shipped
 from linkages.solution.values.series import system_series
@@ -114,7 +115,7 @@ def test_derivatives_go_through_a_jump_whose_time_depends_on_numbers():
 
 
 def test_derivatives_go_through_touches():
-    """A touch of a pin in its hole; touches make errors of motions larger by their number."""
+    """A journal touches its bearing; touches make errors of motions larger by their number."""
     found = Differentiated(
         linkages.load("slider-crank-contact"), [], ["clearances.gap.size", "bars.rod.length"],
         run={"end": 0.004, "samples": 401, "rtol": 1e-12},
@@ -195,3 +196,72 @@ def test_friction_that_holds_a_motion_changes_with_numbers():
     assert (missed <= 2e-9 + 10 * attainable).all()
     held = found.along(found.values, ["rod.speed"], np.array([4.0]))
     assert abs(held.values[0, 0]) < 1e-12  # round-off, while it slides at about 1 rad/s
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "part"),
+    [
+        ("four-bar", None, 1e-3),
+        ("beam-pump", None, 1e-3),
+        ("double-pendulum", 1.0, 1e-3),
+        ("slider-crank-contact", 0.001, 1e-6),
+        ("ninebar", 0.05, 1e-3),
+    ],
+)
+def test_joint_reactions_have_the_derivatives_of_differences(name, end, part):
+    """By masses, lengths, speeds, weights and clearances: first and last reaction, five numbers.
+
+    The contact is stiff: differences of a millionth tell seven digits.
+    """
+    mechanism = linkages.load(name)
+    numbers = [number.path for number in written(mechanism)]
+    run = {"samples": 101, "rtol": 1e-12} | ({} if end is None else {"end": end})
+    found = Differentiated(mechanism, [], numbers, run=run)
+    reactions = [
+        k for k, s in system_series(found.system).items() if s.variable == "joint_reaction"
+    ]
+    last = float(found.system.mechanism.simulation.end if end is None else end)
+    chosen = np.linspace(0, len(numbers) - 1, 5).astype(int).tolist()
+    missed, attainable = compared(
+        found, [reactions[0], reactions[-1]], np.array([0.3, 0.8]) * last, chosen, part
+    )
+    assert (missed <= 5e-8 + 10 * attainable).all()
+    assert np.isfinite(attainable).all()
+    assert attainable.min() < 1e-6
+
+
+def test_reactions_of_redundant_constraints_have_no_derivative():
+    """Three parallel cranks carry a coupler that two would carry as well."""
+    mechanism = linkages.loads(
+        """
+        joints: {O: [0, 0], P: [1, 0], Q: [2, 0]}
+        bars:
+          coupler: {points: {A: [0, 0], B: [1, 0], C: [2, 0]}, mass: 1, center: [1, 0], inertia: 1}
+          first: {joints: [O, A], length: 0.5}
+          second: {joints: [P, B], length: 0.5}
+          third: {joints: [Q, C], length: 0.5}
+        drives: {first: {angle: 40 deg, speed: 1}}
+        """
+    )
+    with pytest.raises(ValueError, match="constraints are redundant"):
+        linkages.sensitivities(mechanism, "max(A.x reaction)", "bars.coupler.mass", end=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "part"), [("ninebar", 0.05, 1e-3), ("slider-crank-contact", 0.001, 1e-6)]
+)
+def test_deviations_from_the_ideal_mechanism_have_derivatives(name, end, part):
+    """Of the clearance they are of, which the ideal one has not, and of a length that both have."""
+    mechanism = linkages.load(name)
+    numbers = [number.path for number in written(mechanism)]
+    sizes = [path for path in numbers if path.startswith("clearances") and path.endswith("size")]
+    lengths = [path for path in numbers if path.endswith("length")]
+    found = Differentiated(
+        mechanism, [], [sizes[0], lengths[0]], run={"end": end, "samples": 101, "rtol": 1e-12}
+    )
+    errors = [k for k, s in system_series(found.system).items() if s.variable.endswith("error")]
+    errors = [each for each in errors if "residual" not in each][:2]
+    assert errors
+    missed, attainable = compared(found, errors, np.array([0.3, 0.8]) * end, [0, 1], part)
+    assert (missed <= 1e-7 + 10 * attainable).all()
+    assert attainable.max() < 1e-5  # errors are small differences of positions

@@ -204,3 +204,43 @@ def test_a_measure_that_divides_by_zero_is_refused(engine):
 def test_a_mechanism_in_which_nothing_varies_is_refused():
     with pytest.raises(ValueError, match="nothing varies"):
         linkages.tolerance(linkages.load("slider-crank"), STROKE)
+
+
+GUIDED = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm}
+  rod: {joints: [A, B], length: 140 mm}
+sliders: {piston: {joint: B, through: [0, 5 mm], angle: ANGLE, mass: 1, inertia: 1e-4}}
+drives: {crank: {angle: 50 deg, speed: 10}}
+assembly: {B: [0.17, 0]}
+clearances:
+  room: {slider: piston, size: 0.2 mm, length: 30 mm, height: 20 mm, contact: hertz, stiffness: 1e9}
+simulate: {end: 0.1, samples: 11}
+"""
+
+
+@pytest.mark.parametrize("angle", ["0", "12 deg"])
+def test_a_block_rests_against_one_wall_of_its_guide_or_the_other(angle):
+    """The piston's displacement s with its joint e off the axis: |A − B(s, e)| = l by hand."""
+    mechanism = linkages.loads(GUIDED.replace("ANGLE", angle))
+    data = linkages.tolerance(mechanism, "at(0, piston.position)", draws=128, seed=3)
+    axis = np.deg2rad(float(angle.split()[0]))
+    along, across = (np.array([np.cos(a), np.sin(a)]) for a in (axis, axis + np.pi / 2))
+    crank = 0.04 * np.array([np.cos(np.deg2rad(50)), np.sin(np.deg2rad(50))])
+
+    def position(e):
+        away = crank - np.array([0.0, 0.005]) - e * across
+        height = away @ across
+        return away @ along + np.sqrt(0.14**2 - height**2)
+
+    assert float(data["nominal"][0]) == pytest.approx(position(0.0), rel=1e-12)
+    # both walls, and nothing in between, each about as often
+    found = np.unique(data["sample"][0].to_numpy().round(13))
+    expected = sorted([position(0.0002), position(-0.0002)])
+    np.testing.assert_allclose(found, expected, rtol=1e-11)
+    assert 32 < (data["sample"][0] > position(0.0)).sum() < 96
+    slope = (position(1e-6) - position(-1e-6)) / 2e-6
+    own = data.sel(contributor="clearances.room")
+    assert float(own["sensitivity"][0]) == pytest.approx(abs(slope), rel=1e-6)
+    assert float(data["linear_deviation"][0]) == pytest.approx(abs(slope) * 0.0002, rel=1e-6)

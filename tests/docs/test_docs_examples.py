@@ -78,8 +78,24 @@ def test_every_figure_stands_on_the_page_of_outputs():
 @pytest.mark.parametrize("page", sorted((ROOT / "docs" / "components").glob("*.md")), ids=str)
 def test_component_page_is_in_the_list(page):
     index = (page.parent / "index.md").read_text(encoding="utf-8")
-    listed = re.search(r"\{toctree\}\n(.*?)\n```", index, re.DOTALL)[1].splitlines()
-    assert page.stem == "index" or page.stem in listed or {":glob:", "*"} <= set(listed)
+    title = page.read_text(encoding="utf-8").splitlines()[0].removeprefix("# ")
+    assert page.stem == "index" or f"- [{title}]({page.name})" in index.splitlines()
+    contents = re.search(r"<!-- toctree\n(.*?)\n-->", index, re.DOTALL)[1].splitlines()
+    assert page.stem == "index" or page.stem in contents or {":glob:", "*"} <= set(contents)
+
+
+# the page that is another file of the repository
+@pytest.mark.parametrize("page", [page for page in PAGES if page != "docs/contributing.md"])
+def test_page_reads_where_directives_are_unknown(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    assert not re.search(r"^(```|:::)\{|^: |^\([\w-]+\)=$", text, re.MULTILINE)
+    opened = re.findall(r"^<!-- (table: [\w-]+|end of table) -->$", text, re.MULTILINE)
+    assert all(mark.startswith("table") for mark in opened[::2])
+    assert opened[1::2] == ["end of table"] * len(opened[::2])
+    shown = re.findall(r"!\[(.*?)\]\((.*?)\)", text)
+    assert all(words for words, _ in shown), "a picture has no text for those who do not see it"
+    missing = [path for _, path in shown if not ((ROOT / page).parent / path).is_file()]
+    assert missing == []
 
 
 def test_every_public_name_stands_in_the_reference():

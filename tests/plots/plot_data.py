@@ -33,7 +33,7 @@ JOINTS = {
     "F": (0.2, 0.7),
 }
 SERIES = {
-    "slider_position": ("slider", "m", 1.0),
+    "slider_position": ("slider", "m", 0.25),
     "slider_velocity": ("slider", "m/s", 0.3),
     "slider_acceleration": ("slider", "m/s^2", 20.0),
     "slider_position_error": ("slider", "m", 8e-5),

@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon
+from matplotlib.patches import Circle
 from plot_data import JOINTS, press, press_data
 
+import linkages
 from linkages.plots.mechanism.bodies import convex_hull
 from linkages.plots.mechanism.drawing import draw, figure
 from linkages.plots.mechanism.labels import Labels
@@ -50,8 +52,11 @@ def test_symbols(ax):
     rings = [patch for patch in ax.patches if isinstance(patch, Circle)]
     assert len(rings) == len(JOINTS)  # none at B.r1, but two at B
     assert [ring.get_edgecolor() for ring in rings].count(to_rgba(CLEARANCE)) == 1
-    assert sum(isinstance(patch, Polygon) for patch in ax.patches) == 1
-    assert sum(isinstance(patch, FancyArrowPatch) for patch in ax.patches) == 1
+
+
+def test_the_legend_names_the_colours_that_occur(ax):
+    names = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert names == ["driven", "clearance"]
 
 
 def test_own_axes_and_missing_joints():
@@ -94,3 +99,53 @@ def test_hull_of_collinear_and_inner_points():
 
 def test_gravity_arrow():
     assert gravity_arrow(press()) == "↓"
+
+
+def test_roles_of_one_colour_share_an_entry_of_the_legend():
+    text = """
+joints: {O: [0, 0], C: [0.4, -0.3]}
+bars: {arm: {joints: [O, K], length: 1, mass: 2}}
+cylinders: {c: {between: [C, K], bore: 0.05, pressure: 1e5}}
+loads: [{joint: K, force: [0, -5]}]
+free: {arm: {angle: 0, speed: 0}}
+"""
+    places = {"O": (0.0, 0.0), "C": (0.4, -0.3), "K": (1.0, 0.0)}
+    ax = draw(Figure().add_subplot(), linkages.loads(text), places)
+    names = [entry.get_text() for entry in ax.get_legend().get_texts()]
+    assert names == ["free", "load, cylinder"]
+
+
+def test_a_casing_parts_bars_that_cross_and_leaves_fills_alone():
+    """Pixels beside the upper of two crossing bars are those of paper, and the fill of a plate is
+    as pale at its edge as in its middle."""
+    text = """
+joints: {O: [0, 0], D: [0, 1], G: [1.5, 0]}
+bars:
+  low: {joints: [O, A], length: 1.414}
+  high: {joints: [D, B], length: 1.414}
+  plate: {points: {G: [0, 0], H: [1, 0], I: [0.5, 1]}}
+drives:
+  low: {angle: 45 deg, speed: 0}
+  high: {angle: -45 deg, speed: 1}
+  plate: {angle: 0, speed: 0}
+"""
+    places = {"O": (0.0, 0.0), "D": (0.0, 1.0), "A": (1.0, 1.0), "B": (1.0, 0.0)}
+    places |= {"G": (1.5, 0.0), "H": (2.5, 0.0), "I": (2.0, 1.0)}
+    with style():
+        figure = Figure(figsize=(6, 4), dpi=600)
+        FigureCanvasAgg(figure)
+        ax = draw(figure.add_subplot(), linkages.loads(text), places)
+        ax.grid(visible=False)
+        figure.canvas.draw()
+    image = np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(int)
+
+    def colour(point, points=0.0, way=(0.0, 0.0)):
+        x, y = ax.transData.transform(point) + points * 600 / 72 * np.array(way)
+        return image[image.shape[0] - 1 - round(y), round(x)]
+
+    half = np.sqrt(0.5)
+    along_low = (half, half)  # across the upper bar, along the lower one
+    assert (colour((0.5, 0.5), 2.5, along_low) == 255).all()
+    assert (colour((0.5, 0.5), 5.0, along_low) != 255).any()
+    middle, edge = colour((2.0, 0.45)), colour((1.8, 0.0), 1.8, (0.0, 1.0))
+    assert middle.tolist() == edge.tolist()

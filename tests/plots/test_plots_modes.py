@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.patches import Circle
 from plot_data import JOINTS, press
 
 from linkages.plots.mechanism.modes import MOST, Mode, figure, shown_modes
@@ -26,18 +27,35 @@ def test_one_numbered_drawing_for_each_mode_inside_the_figure(count):
         assert not any(box.overlaps(other) for other in boxes[index + 1 :])
 
 
-def test_all_at_one_scale_and_the_selected_one_is_framed():
+def test_drawings_of_one_size_have_no_scale_and_the_selected_one_is_framed():
     result = figure(press(), modes(5, selected=3))
     limits = [(*ax.get_xlim(), *ax.get_ylim()) for ax in result.axes]
     np.testing.assert_allclose(limits, limits[:1] * 5, rtol=1e-12)  # round-off of their places
+    assert not any(ax.lines for ax in result.axes)
     frames = [to_hex(ax.spines["left"].get_edgecolor()).upper() for ax in result.axes]
     assert [colour == DRIVEN for colour in frames] == [False, False, True, False, False]
 
 
 def test_joints_are_where_the_mode_puts_them():
     (ax,) = figure(press(), modes(1)).axes
-    places = {tuple(np.round(line.get_xydata()[0], 9)) for line in ax.lines}
-    assert JOINTS["O"] in places
+    centres = {tuple(np.round(p.center, 9)) for p in ax.patches if isinstance(p, Circle)}
+    assert JOINTS["O"] in centres
+
+
+def test_every_drawing_fills_its_panel_and_has_a_scale_where_they_differ():
+    """One twice as large: both reach equally far, and the bar has the length that it says."""
+    one, two = modes(2)
+    large = {name: (2 * x, 2 * y) for name, (x, y) in two.positions.items()}
+    result = figure(press(), [one, Mode(2, large, "B right")])
+    spans = [np.ptp(ax.get_ylim()) for ax in result.axes]
+    assert spans[1] == pytest.approx(2 * spans[0], rel=0.05)  # the crank's pin is not twice as far
+    for ax in result.axes:
+        (bar,) = ax.lines
+        (text,) = (text for text in ax.texts if text.get_text().endswith("m"))
+        assert set(JOINTS) - {"B.r1"} <= {other.get_text() for other in ax.texts}
+        number, unit = text.get_text().split()
+        length = float(number) * {"m": 1.0, "mm": 1e-3}[unit]
+        assert np.ptp(bar.get_xdata()) == pytest.approx(length, rel=1e-12)
 
 
 def test_too_many_say_so_and_keep_the_selected_one():

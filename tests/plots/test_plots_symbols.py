@@ -1,16 +1,16 @@
-"""What is drawn for each component: found again in the axes, at its place."""
+"""What is drawn for each component: found again among the shapes, at its place."""
 
 import numpy as np
 import pytest
+from drawn_shapes import SCALE, arrows, corners, discs, shapes, words
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, FancyArrowPatch, PathPatch
 
 from linkages.components.mechanisms.definition import from_document
 from linkages.plots.mechanism.drawing import draw
 from linkages.plots.mechanism.gears import Wheels, gears, wheels
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.springs import COLOUR
-from linkages.plots.style import DRIVEN, LOAD, style
+from linkages.plots.mechanism.shapes import Strokes
+from linkages.plots.style import style
 from linkages.reading.document import parse
 
 TEXT = """
@@ -45,25 +45,12 @@ def drawn(text, places=PLACES):
     return ax
 
 
-def added(more, text=TEXT, places=PLACES):
-    """Patches that a component adds to a drawing."""
-    before = len(drawn(text, places).patches)
-    return drawn(text + more, places).patches[:], before
+def posed(text, places=PLACES):
+    return Pose(build(text), places)
 
 
-def springs_of(ax):
-    return [p for p in ax.patches if isinstance(p, PathPatch) and edge(p) == COLOUR]
-
-
-def edge(patch):
-    from matplotlib.colors import to_hex
-
-    return to_hex(patch.get_edgecolor()).upper()
-
-
-def corners(patch):
-    """Vertices of a symbol in pixels."""
-    return patch.get_transform().transform(patch.get_path().vertices)
+def springs_of(pose):
+    return shapes(pose, Strokes, role="spring")
 
 
 @pytest.mark.parametrize(
@@ -76,24 +63,24 @@ def corners(patch):
     ],
 )
 def test_springs_and_dampers_reach_from_joint_to_joint(more, count):
-    ax = drawn(TEXT + more)
-    found = springs_of(ax)
+    pose = posed(TEXT + more)
+    found = springs_of(pose)
     assert len(found) == count
-    for patch in found:
-        path = corners(patch)
+    for shape in found:
+        path = corners(pose, shape)
         for joint in "DC":
-            pixel = ax.transData.transform(1e3 * np.array(PLACES[joint]))
-            assert np.hypot(*(path - pixel).T).min() < 0.5  # pixels
+            assert np.hypot(*(path - PLACES[joint]).T).min() < 1e-12  # metres
 
 
-def test_a_damper_beside_a_spring_keeps_clear_of_it():
-    ax = drawn(TEXT + "springs: [{between: [D, C], stiffness: 5, length: 0.1, damping: 2}]")
-    spring, damper = (corners(patch) for patch in springs_of(ax))
+def test_a_damper_beside_a_spring_keeps_clear_of_it_and_of_the_joints():
+    pose = posed(TEXT + "springs: [{between: [D, C], stiffness: 5, length: 0.1, damping: 2}]")
+    spring, damper = (corners(pose, shape) for shape in springs_of(pose))
     way = np.subtract(PLACES["C"], PLACES["D"])
     across = np.array([-way[1], way[0]]) / np.hypot(*way)
-    middle = ax.transData.transform(1e3 * np.array(PLACES["D"])) @ across
-    inner = [path[3:-2] @ across - middle for path in (spring, damper)]
+    inner = [(path[6:] - PLACES["D"]) @ across for path in (spring, damper)]  # beyond the stubs
     assert inner[0].max() < 0 < inner[1].min() or inner[1].max() < 0 < inner[0].min()
+    for path, joint in ((path, joint) for path in (spring, damper) for joint in "DC"):
+        assert np.hypot(*(path[6:] - PLACES[joint]).T).min() * SCALE > 6.0  # beyond the pin
 
 
 @pytest.mark.parametrize(
@@ -105,13 +92,11 @@ def test_a_damper_beside_a_spring_keeps_clear_of_it():
     ],
 )
 def test_torsional_springs_and_dampers_are_about_their_joint(more, count, joint):
-    ax = drawn(TEXT + more)
-    found = springs_of(ax)
+    pose = posed(TEXT + more)
+    found = springs_of(pose)
     assert len(found) == count
-    pixel = ax.transData.transform(1e3 * np.array(PLACES[joint]))
-    points = ax.figure.dpi / 72
-    for patch in found:
-        assert np.hypot(*(corners(patch) - pixel).T).max() < 20 * points
+    for shape in found:
+        assert np.hypot(*(corners(pose, shape) - PLACES[joint]).T).max() * SCALE < 20
 
 
 @pytest.mark.parametrize(
@@ -122,53 +107,50 @@ def test_torsional_springs_and_dampers_are_about_their_joint(more, count, joint)
     ],
 )
 def test_forces_point_where_they_push(more, way):
-    ax = drawn(TEXT + more)
-    (arrow,) = (p for p in ax.patches if isinstance(p, FancyArrowPatch))
-    assert edge(arrow) == LOAD
-    line = arrow.get_transform().transform(arrow._path_original.vertices)
-    direction = (line[-1] - line[0]) / np.hypot(*(line[-1] - line[0]))
+    ((start, tip, _),) = arrows(posed(TEXT + more), "load")
+    direction = (tip - start) / np.hypot(*(tip - start))
     assert direction == pytest.approx(way, abs=1e-9)
 
 
-@pytest.mark.parametrize(("torque", "style_of"), [("4", "-|>"), ("sin(20*t)", "<|-|>")])
-def test_torques_are_arcs_with_a_head_for_each_sense(torque, style_of):
-    ax = drawn(TEXT + f"loads: [{{bar: coupler, torque: {torque}}}]")
-    (arrow,) = (p for p in ax.patches if isinstance(p, FancyArrowPatch))
-    heads = {"-|>": "CurveFilledB", "<|-|>": "CurveFilledAB"}
-    assert type(arrow.get_arrowstyle()).__name__ == heads[style_of]
-    texts = [text.get_text() for text in ax.texts]
-    assert ("4 N·m" if torque == "4" else "M(t)") in texts
+@pytest.mark.parametrize(("torque", "heads"), [("4", 1), ("sin(20*t)", 2)])
+def test_torques_are_arcs_with_a_head_for_each_sense(torque, heads):
+    pose = posed(TEXT + f"loads: [{{bar: coupler, torque: {torque}}}]")
+    ((_, _, found),) = arrows(pose, "load")
+    assert found == heads
+    assert ("4 N·m" if torque == "4" else "M(t)") in words(pose)
 
 
 def test_masses_are_discs_larger_than_pins():
-    patches, before = added("masses: {C: 3}")
-    (extra,) = (p for p in patches if isinstance(p, Circle) and p.radius > 5)
-    assert len(patches) == before + 1
-    assert extra.get_facecolor() == extra.get_edgecolor()
+    before = discs(posed(TEXT))
+    after = discs(posed(TEXT + "masses: {C: 3}"))
+    assert len(after) == len(before) + 1
+    assert max(radius for _, radius in after) > max(radius for _, radius in before)
 
 
 def test_drive_of_a_slider_is_an_arrow_along_its_axis():
     drive = "drives: {ram: {position: 0.3, speed: -1}}"
-    ax = drawn(SLIDER + drive, ARM)
-    (arrow,) = (p for p in ax.patches if isinstance(p, FancyArrowPatch))
-    assert edge(arrow) == DRIVEN
-    line = arrow.get_transform().transform(arrow._path_original.vertices)
-    assert line[0, 0] == pytest.approx(line[-1, 0])
-    assert line[-1, 1] < line[0, 1]  # towards smaller displacements: downwards
+    ((start, tip, _),) = arrows(posed(SLIDER + drive, ARM), "driven")
+    assert start[0] == pytest.approx(tip[0], abs=1e-12)
+    assert tip[1] < start[1]  # towards smaller displacements: downwards
 
 
-def test_rod_leaves_its_cylinder_at_the_end():
-    ax = drawn(SLIDER, ARM)
-    rods = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 2]
-    assert any(np.allclose(rod, [(400, 0), (500, 0)]) for rod in rods)
+def test_a_slider_beyond_the_end_of_its_bar_is_the_rod_of_a_cylinder():
+    """The rod ends at the pin C; its piston is inside the barrel, which ends with the bar at B."""
+    pose = posed(SLIDER, ARM)
+    rod = next(s for s in shapes(pose, Strokes, width=2.2) if s.name == "rod")
+    ends = corners(pose, rod)
+    assert ends[1] == pytest.approx(ARM["C"], abs=1e-15)
+    assert 0.0 < ends[0, 0] < 0.4
+    assert ends[0, 1] == 0.0
+    barrel = next(s for s in shapes(pose, Strokes, fill="paper") if s.name == "rod")
+    assert corners(pose, barrel)[:, 0].max() == pytest.approx(0.4, abs=1e-15)
 
 
 def test_welded_joint_has_a_corner_instead_of_a_pin():
     lever = TEXT.replace("  rocker:", "  lever: {joints: [C, L], length: 0.1}\n  rocker:")
     places = {**PLACES, "L": (0.2, 0.55)}
-    rings = [p for p in drawn(lever, places).patches if isinstance(p, Circle)]
-    welded = drawn(lever + "welds: {C: {bars: [coupler, lever], angle: 0}}", places)
-    assert len([p for p in welded.patches if isinstance(p, Circle)]) == len(rings) - 1
+    welded = lever + "welds: {C: {bars: [coupler, lever], angle: 0}}"
+    assert len(discs(posed(welded, places))) == len(discs(posed(lever, places))) - 1
 
 
 def gear_pose(entry):
@@ -181,7 +163,7 @@ def test_pitch_circles_touch_on_the_line_of_the_axes():
     """Radii in the ratio 2 : 1, their sum the distance of the axes."""
     pose, gear = gear_pose("{bars: [crank, rocker], ratio: -2}")
     found = wheels(pose, gear)
-    assert found.places == ((0, 0), (0.6, 0))
+    assert found.joints == ("O", "D")
     assert found.radii == pytest.approx((0.4, 0.2), rel=1e-15)
     assert not found.belt
 
@@ -205,7 +187,7 @@ gears: [{bars: [ground, planet], ratio: 3, carrier: arm}]
 """
     pose = Pose(build(text), {"O": (0, 0), "P": (0.1, 0), "Q": (0.1, 0.02)})
     found = wheels(pose, gears(pose)[0])
-    assert found == Wheels(((0, 0), (0.1, 0)), pytest.approx((0.15, 0.05)), belt=False)
+    assert found == Wheels(("O", "P"), pytest.approx((0.15, 0.05)), belt=False)
 
 
 def test_gears_without_axes_of_their_own_get_a_note():
@@ -227,23 +209,53 @@ CRANK_PLACES = {"O": (0, 0), "A": (0.1, 0), "B": (0.4, 0)}
 
 @pytest.mark.parametrize("force", [5, -5])
 def test_a_force_on_a_slider_stands_where_no_bar_is(force):
-    ax = drawn(CRANK + f"loads: [{{slider: ram, force: {force}}}]", CRANK_PLACES)
-    (arrow,) = (p for p in ax.patches if isinstance(p, FancyArrowPatch))
-    line = arrow.get_transform().transform(arrow._path_original.vertices)
-    pin = ax.transData.transform((400, 0))[0]
-    assert (line[:, 0] > pin + 11 * ax.figure.dpi / 72).all()  # beyond the block
-    assert np.sign(line[-1, 0] - line[0, 0]) == np.sign(force)
+    pose = posed(CRANK + f"loads: [{{slider: ram, force: {force}}}]", CRANK_PLACES)
+    ((start, tip, _),) = arrows(pose, "load")
+    assert min(start[0], tip[0]) > 0.4 + 11 / SCALE  # beyond the block
+    assert np.sign(tip[0] - start[0]) == np.sign(force)
 
 
 @pytest.mark.parametrize(("more", "side"), [("", 1), ("loads: [{slider: ram, force: -5}]", -1)])
 def test_a_damper_in_a_guide_leaves_room_for_bars_and_forces(more, side):
-    ax = drawn(CRANK + "dampers: [{slider: ram, damping: 5}]\n" + more, CRANK_PLACES)
-    (damper,) = springs_of(ax)
-    pin = ax.transData.transform((400, 0))[0]
-    assert (np.sign(corners(damper)[:, 0] - pin) == side).all()
+    pose = posed(CRANK + "dampers: [{slider: ram, damping: 5}]\n" + more, CRANK_PLACES)
+    damper, wall = springs_of(pose)
+    for shape in (damper, wall):
+        assert (np.sign(corners(pose, shape)[:, 0] - 0.4) == side).all()
 
 
 def test_plates_bear_their_names_inside():
     ax = drawn(TEXT)
     (name,) = (text for text in ax.texts if text.get_text() == "coupler")
     assert name.xy == pytest.approx(1e3 * np.mean([PLACES[j] for j in "ABC"], axis=0))
+
+
+def test_three_joints_in_line_have_an_eye_in_the_middle():
+    """One body goes on beyond the pin; two bars that end there have none."""
+    three = CRANK.replace(
+        "  rod: {joints: [A, B], length: 0.3}",
+        """
+  rod: {points: {A: [0, 0], M: [0.1, 0], B: [0.3, 0]}}
+  lever: {joints: [M, N], length: 0.1}""",
+    )
+    places = {**CRANK_PLACES, "M": (0.2, 0.0), "N": (0.2, 0.1)}
+    eyes = discs(posed(three, places), role="bar")
+    assert [tuple(centre) for centre, _ in eyes] == [(0.2, 0.0)]
+    assert not discs(posed(CRANK, CRANK_PLACES), role="bar")
+
+
+@pytest.mark.parametrize("angle", ["0", "180 deg"])
+def test_a_driven_crank_is_over_what_is_welded_to_it_in_line(angle):
+    """The counterweight shows beside it, for it is wider; beyond the pin it hides nothing."""
+    text = (
+        CRANK.replace("  rod:", "  weight: {joints: [O, W], length: 0.1}\n  rod:")
+        + f"""
+welds: {{O: {{bars: [crank, weight], angle: {angle}}}}}
+drives: {{crank: {{angle: 0, speed: 1}}}}
+"""
+    )
+    side = 1.0 if angle == "0" else -1.0
+    bars = shapes(posed(text, {**CRANK_PLACES, "W": (0.1 * side, 0.0)}), Strokes, casing=1.3)
+    names = [bar.name for bar in bars]
+    assert names.index("weight") < names.index("crank") == len(names) - 1
+    width = {bar.name: bar.look.width for bar in bars}
+    assert (width["weight"] > width["crank"]) == (side > 0)

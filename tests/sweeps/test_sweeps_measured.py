@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.kernel.system import System
+from linkages.solution.measuring.measure import measured_series
+from linkages.spec.measures import read_measure
 from linkages.sweeps.answers import Code
+from linkages.sweeps.driven import serves
 from linkages.sweeps.running import TaskOutcome, Threads, attempt
 
 EFFORT = "max(abs(crank.effort))"
@@ -60,6 +64,33 @@ def test_a_sweep_equals_single_runs_in_all_bits(name, path, distribution, measur
     assert data[name].to_numpy().tolist() == [
         single(mechanism, path, value, measure) for value in values
     ]
+
+
+DRAG_LINK = """
+joints: {O: [0, 0], C: [60 mm, 0]}
+bars:
+  crank: {joints: [O, A], length: 120 mm}
+  coupler: {joints: [A, B], length: 110 mm}
+  follower: {joints: [C, B], length: 130 mm}
+drives: {crank: {angle: 0.3, speed: 10}}
+assembly: {A: [0.11, 0.03], B: [0.08, 0.12]}
+simulate: {end: 2, samples: 301}
+"""
+
+
+@pytest.mark.parametrize(
+    "measure", ["final(follower.angle)", "max(follower.angle)", "at(1.2345, follower.angle)"]
+)
+def test_dependent_angles_count_whole_turns_in_sweeps(measure):
+    """Ground is the shortest of four: both of its neighbours go round, more than three times."""
+    mechanism = linkages.loads(DRAG_LINK)
+    lengths = [0.105, 0.11, 0.115]
+    path = "bars.coupler.length"
+    data = linkages.sweep(mechanism, {path: lengths}, measure)
+    found = data[measure].to_numpy().tolist()
+    assert found == [single(mechanism, path, value, measure) for value in lengths]
+    assert min(found) > 10.0  # 2 s are 20 rad of the crank
+    assert serves(System(mechanism), measured_series(System(mechanism), read_measure(measure)))
 
 
 def test_results_do_not_depend_on_cores_chunks_or_order(monkeypatch):

@@ -1,4 +1,4 @@
-"""Whether pin and hole stay in contact, as the massless clearance link assumes."""
+"""Whether journal and bearing stay in contact, as the massless clearance link assumes."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Floats = NDArray[np.float64]
 class LinkForce:
     """The force along a clearance link over time.
 
-    A pin in a hole can be pulled away from the hole's centre only as far as the clearance goes: it
-    presses outward, which is tension in the link. Where the model asks for compression, a real pin
-    would leave the hole and fly, until it hits it again.
+    A journal in a bearing can be pulled away from the bearing's centre only as far as the clearance
+    goes: it presses outward, which is tension in the link. Where the model asks for compression, a
+    real journal would leave the bearing and fly, until it hits it again.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ class LinkForce:
             return ""
         return (
             f"The force in {self.clearance} has the wrong sign for {100 * self.share_lost:.2g} % "
-            f"of the time, first at t = {self.first_loss:.4g} s: a real pin would leave its hole "
-            "there, and move otherwise from then on."
+            f"of the time, first at t = {self.first_loss:.4g} s: a real journal would leave "
+            "its bearing there, and move otherwise from then on."
         )
 
 

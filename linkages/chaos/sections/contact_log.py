@@ -145,8 +145,8 @@ def contact_sentences(data: xr.Dataset) -> list[str]:
             up_to = f"at {lost} of {checked} points, for up to " if shares.ndim else "for "
             found.append(
                 f"The force in {name} has the wrong sign {up_to}{100 * np.nanmax(shares):.2g} % of "
-                f"the time, least {np.nanmin(forces):.4g} N: a real pin would leave its hole "
-                "there, and move otherwise from then on."
+                f"the time, least {np.nanmin(forces):.4g} N: a real journal would leave "
+                "its bearing there, and move otherwise from then on."
             )
     return found
 
@@ -156,8 +156,9 @@ def contact_kept(data: xr.Dataset) -> str:
     if "contact_lost" not in data:
         return ""
     if not np.isfinite(data["contact_lost"]).any():
-        return "whether pin and hole stay in contact was not looked at: the motion was too short"
+        return "contact of journal and bearing was not looked at: the motion was too short"
     if (data["contact_lost"] > 0).any():
         return ""
     interval = data["contact_lost"].attrs["interval"]
-    return f"pin and hole stay in contact, looked at every {interval:.3g} s after what is skipped"
+    looked = f"looked at every {interval:.3g} s after what is skipped"
+    return f"journal and bearing stay in contact: {looked}"

@@ -1,4 +1,4 @@
-"""Touches of pins and holes: when within a period, in which direction, and how fast."""
+"""Touches of journals and bearings: when within a period, in which direction, and how fast."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TOUCH = "touch"
 
 VARIABLES = {
     "touch_phase": ("", "part of the period of the drives"),
-    "touch_direction": ("rad", "direction of the touch, from the hole's or pin's centre"),
+    "touch_direction": ("rad", "direction of the touch, from the bearing's or journal's centre"),
     "touch_rate": ("m/s", "rate of the indentation"),
 }
 """Name → unit and what it is, over crossings and clearances."""

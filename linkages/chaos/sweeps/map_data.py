@@ -48,7 +48,7 @@ def map_fields(system: System) -> dict[str, Field]:
 
 
 def touchable(system: System) -> list[str]:
-    """Names of what may touch: pins and holes, blocks and guides, bodies and their stops."""
+    """Names of what may touch: journals and bearings, blocks and guides, bodies and their stops."""
     mechanism = system.mechanism
     return [about.name for about in mechanism.contacts] + [about.name for about in mechanism.ends]
 

@@ -53,7 +53,7 @@ class ChaosReport:
     horizon
         Until when the simulated motion has correct digits.
     contact
-        Per clearance, whether pin and hole stay in contact.
+        Per clearance, whether journal and bearing stay in contact.
     tighter
         ``how`` and ``verdict`` of the repetition with a tenth of the error, and the largest
         ``exponent`` with its ``error``.

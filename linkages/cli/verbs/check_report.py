@@ -56,8 +56,8 @@ def _print_mobility(content: dict[str, Any], screen: Console) -> None:
     screen.print(
         f"\n{content['revolute_pairs']} revolute and {content['prismatic_pairs']} prismatic pairs, "
         f"{content['loops']} independent loops\n"
-        f"mobility {mobility['gruebler']} by Grübler's formula, {mobility['numerical']} by the "
-        "rank of the closure Jacobian"
+        f"mobility {mobility['gruebler']} by the Chebychev–Grübler–Kutzbach criterion, "
+        f"{mobility['numerical']} by the rank of the closure Jacobian"
     )
     for what in ("driven", "free", "dependent"):
         screen.print(f"{what}: {', '.join(content[what]) or 'none'}", markup=False)

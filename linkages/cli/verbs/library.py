@@ -33,7 +33,9 @@ def run_list(json: bool) -> int:
     return 0
 
 
-def run_show(file: str, out: Path | None, json: bool, figures: bool, picture: str) -> int:
+def run_show(
+    file: str, out: Path | None, json: bool, figures: bool, picture: str, dimensions: bool
+) -> int:
     """Say what one mechanism is and draw it; returns the exit code."""
     from linkages.cli.loading import mechanism_from, require_folder
     from linkages.kernel.system import System
@@ -53,8 +55,11 @@ def run_show(file: str, out: Path | None, json: bool, figures: bool, picture: st
         "mobility": topology.mobility,
         "driven": list(topology.driven),
         "free": list(topology.free),
-        "files": [str(_drawn(system, folder / f"drawing.{picture}"))] if figures else [],
+        "files": [],
     }
+    if figures:
+        path = _drawn(system, folder / f"drawing.{picture}", dimensions)
+        content["files"] = [str(path)]
     if json:
         print_json(content)
     else:
@@ -83,11 +88,11 @@ def _components(mechanism: Mechanism) -> dict[str, list[str]]:
     return found
 
 
-def _drawn(system: System, path: Path) -> Path:
+def _drawn(system: System, path: Path, dimensions: bool) -> Path:
     from linkages.plots.figures import write_figure
     from linkages.plots.mechanism.drawing import start_figure
 
-    return write_figure(start_figure(system), path)
+    return write_figure(start_figure(system, dimensions=dimensions), path)
 
 
 def _print(content: dict[str, Any]) -> None:

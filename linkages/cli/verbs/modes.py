@@ -121,7 +121,7 @@ def _draw(
         Mode(
             row["mode"],
             {joint: (float(x), float(y)) for joint, (x, y) in place.items()},
-            " ".join(_short(choice) for choice in row["blocks"] if choice["side"]),
+            ", ".join(text for choice in row["blocks"] if (text := _short(system, choice))),
             row["selected"],
         )
         for row, place in zip(rows, places, strict=True)
@@ -129,8 +129,15 @@ def _draw(
     return write_figure(figure(system.mechanism, drawn), path)
 
 
-def _short(choice: Content) -> str:
-    return f"{choice['apex']} {choice['side']}"
+def _short(system: System, choice: Content) -> str:
+    """The side of a block; of an iterated one, the angles or places that tell modes apart."""
+    if choice["side"]:
+        return f"{choice['apex']} {choice['side']}"
+    bodies, parts = system.mechanism.bodies, []
+    for name, value in (choice["values"] or {}).items():
+        turned = math.degrees(math.remainder(value, 2.0 * math.pi))
+        parts.append(f"{name} " + (f"{turned:.0f}°" if bodies[name].rotates else number(value)))
+    return ", ".join(parts).replace("-", "−")
 
 
 def _cell(choice: Content) -> str:

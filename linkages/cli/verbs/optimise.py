@@ -9,7 +9,7 @@ import numpy as np
 from rich.console import Console
 
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import number, table
+from linkages.cli.terminal import number, print_notes, table
 from linkages.spec.units import unit
 
 if TYPE_CHECKING:
@@ -113,6 +113,7 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         "runs": int(data.attrs["runs"]),
         "runs_missing": int(data.attrs["runs_missing"]),
         "search": data.attrs["search"],
+        "plateau": bool(data.attrs["plateau"]),
         "numbers": numbers,
         "constraints": constraints,
     }
@@ -142,3 +143,6 @@ def _print(content: dict[str, Any], screen: Console) -> None:
     ]
     heads = ["measure", "start", "optimum", "unit", "active"]
     screen.print(table("Goal and constraints", heads, [goal, *limits]))
+    if content["plateau"]:
+        text = "the search ended on a plateau: many runs in a row gained no more than round-off"
+        print_notes([text], screen)

@@ -22,15 +22,13 @@ MOST_ROWS = 40
 
 def run(request: Request, of: Sequence[str], to: Sequence[str]) -> int:
     """Differentiate, write, print; returns the exit code."""
+    from linkages.design.asked import sensitivity_asked
     from linkages.design.sensitivity.ranked import effects_of
-    from linkages.design.sensitivity.sensitivities import sensitivities
     from linkages.spec.measures import read_measure
 
     with request.computing("sensitivities of"):
+        data = sensitivity_asked(request.mechanism, of, to, **request.given)
         measures = list(dict.fromkeys(read_measure(text).text for text in of))
-        series = [name for text in measures for name in read_measure(text).series]
-        asked = list(dict.fromkeys([*measures, *series]))
-        data = sensitivities(request.mechanism, asked, list(to), **request.given)
         found = {text: effects_of(request.mechanism, data, text) for text in measures}
     files = request.write(_files(data, found, request.figures))
     content = _content(data, found)

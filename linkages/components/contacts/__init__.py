@@ -1,1 +1,1 @@
-"""Laws of the force that presses a pin against its hole, one file each; found by themselves."""
+"""Laws of the force between journal and bearing, one file each; found by themselves."""

@@ -11,7 +11,7 @@ from linkages.components.contributed.terms import Parameter, Path, Play
 
 @dataclass(frozen=True)
 class NormalForce:
-    """The force that presses a pin against its hole, as a function of indentation and rate.
+    """The force that presses a journal against its bearing, as a function of indentation and rate.
 
     Its functions hold while the indentation `X` is positive; `V` is its rate and `FIRST` what that
     was at the last touch.
@@ -72,7 +72,7 @@ class RigidContact:
 
 @dataclass(frozen=True)
 class OilFilm:
-    """Oil that fills the gap between a pin and its hole, and keeps them apart.
+    """Oil that fills the gap between a journal and its bearing, and keeps them apart.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ Across = NormalForce | RigidContact | OilFilm
 
 @dataclass(frozen=True)
 class PinInHole:
-    """A pin that may leave its hole, fly, hit its wall and follow it.
+    """A journal that may leave its bearing, fly, hit its wall and follow it.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class PinInHole:
     size
         Radial clearance (m).
     hole
-        Whether the displaced body has the hole; otherwise it has the pin.
+        Whether the displaced body has the bearing; otherwise it has the journal.
     pin_radius
         In metres.
     """

@@ -164,8 +164,8 @@ class Displacement:
     joint, body, renamed
         The point of `body` at `joint` is called `renamed`.
     links
-        Massless bodies from the joint to that point: one that turns while pin and hole stay in
-        contact, or two that slide along x and y where they may part.
+        Massless bodies from the joint to that point: one that turns while journal and bearing stay
+        in contact, or two that slide along x and y where they may part.
     """
 
     name: str

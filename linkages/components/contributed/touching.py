@@ -140,7 +140,7 @@ class Touching(Component):
         """Keys that the law has or lacks, and numbers out of its range."""
         law = self.law
         if not set(law.needs) <= self.supplied.keys():
-            yield "contact", f"{law.name} is a law of pins in holes; expected another one"
+            yield "contact", f"{law.name} is a law of journals in bearings; expected another one"
         for key, value in self.supplied.items():
             if key in law.needs and value is None:
                 yield "contact", f"missing key {key!r}, which {law.name} needs"

@@ -54,7 +54,7 @@ class Fitted:
 @takes(SimulationOptions)
 def fit(
     mechanism: Mechanism,
-    measured: Measurements,
+    measured: Measurements | Measured,
     vary: Vary,
     *,
     sigma: Mapping[str, Any] | None = None,

@@ -86,7 +86,7 @@ class _RefusedError(Exception):
 
 
 def measured_of(
-    mechanism: Mechanism, given: Measurements, sigma: Mapping[str, Any] | None
+    mechanism: Mechanism, given: Measurements | Measured, sigma: Mapping[str, Any] | None
 ) -> Measured:
     """Measurements of outputs of a mechanism.
 
@@ -95,7 +95,7 @@ def measured_of(
     mechanism
         What was measured.
     given
-        A file or its columns.
+        A file or its columns; or what was read of one.
     sigma
         Series → standard deviation of all of its values, a number in SI or a text with a unit.
 
@@ -104,6 +104,8 @@ def measured_of(
     InputError
         With all that is wrong, and the line of a file where it is.
     """
+    if isinstance(given, Measured):
+        return given
     source = "measured" if isinstance(given, Mapping) else str(given)
     columns = given if isinstance(given, Mapping) else _read(Path(given))
     try:

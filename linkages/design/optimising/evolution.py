@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import Record, Tried
+from linkages.errors import InputError
 from linkages.kernel.varying import Varying
 from linkages.spec.measures import read_measure
 from linkages.sweeps.answers import Code
@@ -65,7 +66,10 @@ class Generations:
         along = Axis(tuple(problem.ranges.paths), problem.ranges.numbers(rows).T)
         points = Points((along,), {}, 1, 0, "random")
         question = MeasureQuestion(self._varying, points, self._measures, problem.given)
-        _ = question.first  # what all are built upon must not depend on who is first
+        try:
+            _ = question.first  # what all are built upon must not depend on who is first
+        except InputError as error:
+            return [problem.refused(row.copy(), error) for row in rows]
         found = computed(question, executor=self._executor)
         tried = []
         for index, row in enumerate(rows):
@@ -76,7 +80,11 @@ class Generations:
                 values = np.array([found.arrays[text][index] for text in problem.texts])
                 tried.append(problem.tried(row.copy(), values))
                 continue
-            missing = problem.missing(code, float(found.arrays["stop_time"][index]))
+            missing = (
+                problem.unassembled(row)
+                if code == Code.NOT_ASSEMBLED
+                else problem.missing(code, float(found.arrays["stop_time"][index]))
+            )
             tried.append(problem.failed(row.copy(), missing, str(found.arrays["reason"][index])))
         if found.interrupted:
             for one in tried:
@@ -88,7 +96,8 @@ class Generations:
 def evolved(generations: Generations, problem: Problem, record: Record, seed: int) -> None:
     """Search everywhere within the bounds; what is found is in the record.
 
-    What cannot be computed is worse than all that can, and the better the later it stops; what
+    What cannot be computed is worse than all that can, and the better the later it stops, or the
+    less it is from assembly; what
     violates constraints is worse than what satisfies them (J. Lampinen, "A constraint handling
     approach for the differential evolution algorithm", CEC 2002).
     """

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from linkages.design.optimising.goals import Peak, Plain, Sum
 from linkages.design.optimising.motions import Found, Linear, Motions
 from linkages.design.optimising.problem import Problem
-from linkages.design.optimising.record import Record
+from linkages.design.optimising.record import Record, Tried
 
 Floats = NDArray[np.float64]
 
@@ -31,6 +31,9 @@ MOST_ROUNDS = 5
 
 GAINED = 1e-9
 """Part of what measures are at the start below which a round has gained nothing."""
+
+STILL = 12
+"""Motions without a gain after which a round is on a plateau: all is round-off there."""
 
 _TOLERANCE = 1e-11
 _ITERATIONS = 50
@@ -73,6 +76,10 @@ class Local:
                 return
 
 
+class _PlateauError(Exception):
+    """Nothing has been gained for long."""
+
+
 class _Round:
     """The smooth problem of one set of windows, in places and bounds on peaks."""
 
@@ -86,6 +93,8 @@ class _Round:
         self.known: dict[bytes, Linear | None] = {}
         self.last = self.start
         self.worst = 0.0
+        self.best, self.still = self._tried(places, found), 0
+        self.size = abs(self.best.value) or 1.0
         self.scales = np.ones(1)
 
     def minimised(self) -> Floats:
@@ -96,10 +105,15 @@ class _Round:
         sizes = np.abs(first.slopes).max(axis=1)
         self.scales = np.where(sizes > 0.0, sizes, 1.0)
         box = [(0.0, 1.0)] * self.count + [(None, None)] * len(self.sizes)
-        found = minimize(
-            self._value, self.start, jac=self._slope, method="SLSQP", bounds=box,
-            constraints=self._conditions(), options={"ftol": _TOLERANCE, "maxiter": _ITERATIONS},
-        )  # fmt: skip
+        try:
+            found = minimize(
+                self._value, self.start, jac=self._slope, method="SLSQP", bounds=box,
+                constraints=self._conditions(),
+                options={"ftol": _TOLERANCE, "maxiter": _ITERATIONS},
+            )  # fmt: skip
+        except _PlateauError:
+            self.search.record.plateau = True
+            return self.best.places
         z = found.x if self._all(found.x) is not None else self.last
         return np.clip(z[: self.count], 0.0, 1.0)
 
@@ -147,9 +161,27 @@ class _Round:
         if found is None:
             return None
         if z.tobytes() not in self.known:
+            self._note(self._tried(np.clip(z[: self.count], 0.0, 1.0), found))
             self.known = {z.tobytes(): self._linear(found, z[self.count :] * self.sizes)}
         self.last = np.array(z)
         return self.known[z.tobytes()]
+
+    def _tried(self, places: Floats, found: Found) -> Tried:
+        rows = [self.search.motions.row[text] for text in self.search.problem.texts]
+        return self.search.problem.tried(places, found.measures.values[rows])
+
+    def _note(self, one: Tried) -> None:
+        """Raise if it is the last of many that have gained nothing."""
+        record = self.search.record
+        before, now = record.order(self.best), record.order(one)
+        gained = before[1] - now[1] > GAINED or (
+            now[1] <= before[1] and before[2] - now[2] > GAINED * self.size
+        )
+        self.still = 0 if gained else self.still + 1
+        if now < before:
+            self.best = one
+        if self.still > STILL:
+            raise _PlateauError
 
     def _linear(self, found: Found, bounds: Floats) -> Linear:
         rows = [self._sum(each, found.measures, bounds) for each in self.search.sums]
@@ -158,7 +190,7 @@ class _Round:
         for index, peak in enumerate(self.search.peaks):
             tops = self.search.motions.peaks(found, *peak)
             at = _led(self.edges[index], tops.place, tops.value)
-            held = self.search.motions.along(found, *peak, at)
+            held = self.search.motions.held(found, *peak, at)
             below = np.zeros((len(at), len(self.sizes)))
             below[:, index] = -self.sizes[index]
             values.append(held.values - bounds[index])

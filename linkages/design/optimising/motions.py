@@ -13,7 +13,7 @@ from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import Record
 from linkages.design.sensitivity.differentiated import Differentiated
 from linkages.design.sensitivity.moved import Moved
-from linkages.design.sensitivity.reductions import followed, inner, sampled
+from linkages.design.sensitivity.reductions import inner, peaks, sampled
 from linkages.errors import ComputationError, InputError
 from linkages.solution.measuring.summits import Summits, summits
 from linkages.spec.measures import read_measure
@@ -94,9 +94,9 @@ class Motions:
             lambda places: sign * sampled(node, moved, places),
         )
 
-    def along(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
-        """A series, or its negative, at places in samples from the first one."""
-        value, slopes = followed(inner(self._whole[series]), found.moved, places)
+    def held(self, found: Found, series: str, sign: float, places: Floats) -> Linear:
+        """Some of these peaks, at places in samples from the first one."""
+        value, slopes = peaks(inner(self._whole[series]), found.moved, places, sign)
         assert slopes is not None
         own = self._problem.ranges.width / self._own.scales
         return Linear(sign * value, sign * slopes.T * own)

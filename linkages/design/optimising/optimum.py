@@ -124,6 +124,7 @@ def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any
         "runs": len(record.tried),
         "runs_missing": len(missing),
         "holds": int(record.holds(best)),
+        "plateau": int(record.plateau),
         **about,
     }
     return xr.Dataset(variables, coordinates, attrs)

@@ -15,7 +15,8 @@ from linkages.design.optimising.goals import Constraint, Goal
 from linkages.design.optimising.record import Tried
 from linkages.design.sensitivity.differentiated import Differentiated
 from linkages.design.varied.ranges import Ranges
-from linkages.errors import ComputationError, LinkagesError
+from linkages.errors import ComputationError, InputError, LinkagesError
+from linkages.kernel.reaching import unreached
 from linkages.options.run import SimulationOptions
 from linkages.solution.options import options_of
 from linkages.sweeps.answers import Code
@@ -79,10 +80,16 @@ class Problem:
         match error:
             case ComputationError(time=float(time)):
                 return self.failed(places, self.missing(Code.STOPPED, time), reason_of(error))
-            case ComputationError():
-                return self.failed(places, NOT_ASSEMBLED, reason_of(error))
             case _:
-                return self.failed(places, NOT_ASSEMBLED, reason_of(error))
+                return self.failed(places, self.unassembled(places), reason_of(error))
+
+    def unassembled(self, places: Floats) -> float:
+        """How far from assembly some places are, as `Tried` has it."""
+        overrides = self.ranges.overrides(self.ranges.numbers(places))
+        try:
+            return NOT_ASSEMBLED + unreached(self.mechanism.with_values(overrides))
+        except InputError:
+            return INVALID
 
     def missing(self, code: int, time: float) -> float:
         """How much of a motion there is not, as `Tried` has it."""

@@ -34,8 +34,8 @@ class Tried:
         Of the constraints; nan if there are none.
     missing
         How much of the motion there is not: 0 if all of it is there, up to 1 where it stops before
-        its end, 2 if the mechanism cannot be assembled or a measure has no value, 3 if the numbers
-        make no sense.
+        its end, 2 if a measure has no value, above 2 and up to 3 by how far from assembly the
+        mechanism is, 3 if the numbers make no sense.
     reason
         Why, if not all of it is there.
     """
@@ -60,6 +60,8 @@ class Record:
         Called after each, with how many there are and the best value so far.
     most
         How many there may be; None for any number.
+    plateau
+        Whether a search has ended where nothing is gained any more but by round-off.
     """
 
     goal: Goal
@@ -69,6 +71,7 @@ class Record:
     tried: list[Tried] = field(default_factory=list)
     sizes: Floats | None = None
     best: Tried | None = None
+    plateau: bool = False
 
     def add(self, one: Tried) -> None:
         """Keep what came of some numbers; raises `EnoughError` when there may be no more."""

@@ -4,35 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.design.sensitivity.derived import moved_by
 from linkages.errors import ComputationError
 from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar, reachable
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.system import System
 from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.motion import Changed, Motion, Piece
 
 Floats = NDArray[np.float64]
 
 _LOOKS = 4001
 """At how many times it is looked for changes of sign."""
 
-_APART = 8
+_CLOSER = 64
+"""Parts into which an interval is cut where two changes may hide in it."""
+
+APART = 8
 """How many roundings of a time lie between it and where laws are on one side for certain."""
+
+ALIKE = 1e-6
+"""Part by which movements of times may differ that belong to one event."""
 
 
 @dataclass(frozen=True, eq=False)
 class Break:
-    """A change of branch at a time.
+    """A time at which a motion changes from one branch of its laws to another.
 
     Parameters
     ----------
     time, before, behind
-        In seconds; just before it and just behind it laws are on one side each.
+        In seconds; just before it and just behind it the motion is on one side each.
     moved
         Derivatives of the time by numbers, shape (P,).
     """
@@ -44,7 +52,7 @@ class Break:
 
 
 def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float) -> list[Break]:
-    """All breaks up to `end` that move with numbers, in the order of time.
+    """All breaks of laws of time up to `end`, in the order of time.
 
     Parameters
     ----------
@@ -57,21 +65,22 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
     end
         Of the motion, in seconds.
     """
-    found = {
-        node.operands[0]
-        for node in reachable(nodes)
-        if node.operation == "select" and node.operands[0].level == Level.TIME
-    }
-    conditions = sorted(found, key=lambda node: node.index)
+    conditions = conditions_of(nodes, Level.TIME)
     if not conditions:
         return []
     model = system.model
-    times = np.linspace(0.0, end, _LOOKS)
-    values = system.evaluate(conditions, times)
     directions = [*model.inputs.fed(effects.fed), {model.inputs.time.index: model.graph.one}]
     rows = derivative_along(conditions, directions)
+
+    def look(times: Floats) -> tuple[Floats, Floats]:
+        both = system.evaluate([*conditions, *(row[-1] for row in rows)], times)
+        return both[: len(conditions)], both[len(conditions) :]
+
+    times = np.linspace(0.0, end, _LOOKS)
+    times = np.union1d(times, more_looks(times, *look(times)))
+    values, _ = look(times)
     passed: list[Break] = []
-    apart = _APART * float(np.spacing(end))
+    apart = APART * float(np.spacing(end))
     for condition, row, rates in zip(conditions, values, rows, strict=True):
         crossed = (row[:-1] < 0.0) != (row[1:] < 0.0)
         crossed[0] |= row[0] == 0.0  # the other side is before the start
@@ -80,11 +89,42 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
             starts = k == 0 and row[0] == 0.0
             time = 0.0 if starts else _located(system, condition, low, high)
             slopes = system.evaluate(rates, time, further={"slope": effects.slopes[:, None]})[:, 0]
-            if slopes[:-1].any():
-                with np.errstate(divide="ignore"):  # without bound where it is only touched
-                    moved = -slopes[:-1] / slopes[-1]
-                passed.append(Break(time, time - apart, time + apart, moved))
+            if slopes.any():  # else it jumps where another one does, on which it depends
+                passed.append(Break(time, time - apart, time + apart, moved_by(slopes)))
     return _each_once(sorted(passed, key=lambda each: each.time))
+
+
+def conditions_of(nodes: Sequence[Scalar], level: Level) -> list[Scalar]:
+    """What decides between branches below nodes and depends on no more than that."""
+    found = {
+        node.operands[0]
+        for node in reachable(nodes)
+        if node.operation == "select" and node.operands[0].level == level
+    }
+    return sorted(found, key=lambda node: node.index)
+
+
+def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
+    """Further times at which to look, where a function may dip below zero between two of them.
+
+    There it heads for zero at the first and away from it at the second, and both tangents meet on
+    the other side: what is curved one way only lies on theirs.
+
+    Parameters
+    ----------
+    times, values, rates
+        Shapes (n,), and (functions, n) twice.
+    """
+    sides = np.where(values < 0.0, -1.0, 1.0)
+    size, rate, steps = sides * values, sides * rates, np.diff(times)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        falls, rises = -rate[:, :-1], rate[:, 1:]
+        meet = (size[:, 1:] - size[:, :-1] - rises * steps) / (-falls - rises)
+        lowest = size[:, :-1] - falls * meet
+    hidden = (sides[:, :-1] == sides[:, 1:]) & (falls > 0.0) & (rises > 0.0) & (lowest < 0.0)
+    within = np.flatnonzero(hidden.any(axis=0))
+    parts = np.arange(1, _CLOSER) / _CLOSER
+    return np.asarray(times[within, None] + steps[within, None] * parts).ravel()
 
 
 def _each_once(found: Sequence[Break]) -> list[Break]:
@@ -94,6 +134,20 @@ def _each_once(found: Sequence[Break]) -> list[Break]:
         same = kept and each.before <= kept[-1].behind and np.allclose(each.moved, kept[-1].moved)
         if not same:
             kept.append(each)
+    return kept
+
+
+def told_apart(found: Sequence[Break]) -> list[Break]:
+    """Breaks in the order of time; those at one time are one, whose movement may not be known."""
+    kept: list[Break] = []
+    for each in sorted(found, key=lambda one: one.time):
+        if not kept or kept[-1].behind < each.before:
+            kept.append(each)
+            continue
+        last = kept.pop()
+        alike = np.isclose(each.moved, last.moved, rtol=ALIKE, atol=0.0)
+        moved = np.where(alike, last.moved, np.nan)
+        kept.append(replace(last, behind=max(last.behind, each.behind), moved=moved))
     return kept
 
 
@@ -108,30 +162,38 @@ def _located(system: System, condition: Scalar, low: float, high: float) -> floa
     return float(high)
 
 
-@dataclass(frozen=True, eq=False)
-class Passed:
-    """A break that a motion has gone through: its time, and a sample on either side."""
+class Sides(Protocol):
+    """A time with one just before it and one just behind it, in seconds."""
 
-    time: float
-    before: Piece
-    behind: Piece
+    @property
+    def before(self) -> float: ...  # noqa: D102
+
+    @property
+    def behind(self) -> float: ...  # noqa: D102
 
 
-def driven_past(system: System, settings: Settings, found: Sequence[Break]) -> list[Passed]:
-    """Both sides of breaks in a motion that drives alone determine."""
+def with_sides(times: Floats, found: Sequence[Sides]) -> Floats:
+    """Sample times with both sides of breaks, and without what lies between the two."""
     if not found:
-        return []
-    sides = [side for each in found for side in (each.before, each.behind)]
-    motion = compute_motion(system, replace(settings, times=np.array([0.0, *sides])))
-    samples = [
-        piece.part(slice(k, k + 1)) for piece in motion.pieces for k in range(len(piece.time))
-    ]
-    pairs = zip(found, samples[1::2], samples[2::2], strict=False)
-    return [Passed(each.time, before, behind) for each, before, behind in pairs]
+        return times
+    sides = np.array([[each.before, each.behind] for each in found])
+    kept = sides[(sides[:, 0] > times[0]) & (sides[:, 1] < times[-1])]
+    after = np.searchsorted(kept[:, 0], times, side="left")
+    within = (after > 0) & (times < kept[after - 1, 1]) if len(kept) else np.zeros(len(times), bool)
+    return np.unique(np.concatenate([times[~within], kept.ravel()]))
 
 
-def led_past(march: March, times: Floats, found: Sequence[Break]) -> tuple[Motion, list[Passed]]:
-    """A motion with derivatives, which jump at breaks, and both sides of these.
+def led_past(march: March, times: Floats, found: Sequence[Break]) -> Motion:
+    """A motion with derivatives, which jump where laws of drives do.
+
+    Parameters
+    ----------
+    march
+        Where it starts.
+    times
+        Of its samples, with both sides of the breaks.
+    found
+        Where laws jump.
 
     Raises
     ------
@@ -140,48 +202,24 @@ def led_past(march: March, times: Floats, found: Sequence[Break]) -> tuple[Motio
     """
     last = float(times[-1])
     pieces: list[Piece] = []
-    passed: list[Passed] = []
     notes: list[str] = []
-    sides: list[Piece] = []
-    first = 0
+    changes: dict[str, Changed] = {}
     for each in [*found, None]:
         if each is not None and not march.time < each.before < each.behind < last:
             if each.before <= march.time:
                 march.require_steady(each.before, each.behind)
             continue
-        stop = len(times) if each is None else int(np.searchsorted(times, each.time))
         end = last if each is None else each.before
-        # both ends are samples as well: the sides of breaks
-        own = np.clip(times[first:stop], march.time, end)
-        motion = march.advance(np.unique([march.time, *own, end]))
+        motion = march.advance(times[(times >= march.time) & (times <= end)])
         notes += motion.notes
-        if not found or motion.failure is not None:
-            return replace(motion, pieces=(*pieces, *motion.pieces), notes=tuple(notes)), passed
+        pieces += motion.pieces
+        for name, changed in motion.changes.items():
+            changes[name] = changes.get(name, Changed.none()).joined(changed)
+        if each is None or motion.failure is not None:
+            break
         if any(piece.samples is not None for piece in motion.pieces):
             message = "a law of a drive jumps near a change point; no derivative is known"
             raise ComputationError(message, time=end)
-        kept, ends = _kept(motion.pieces, times[first:stop], own)
-        pieces += kept
-        sides += ends
-        if each is None:
-            break
         march.step_over(each.behind, each.moved)
-        passed.append(Passed(each.time, ends[1], ends[1]))
-        first = stop
-    passed = [replace(one, behind=sides[2 * k + 2]) for k, one in enumerate(passed)]
-    return replace(motion, pieces=tuple(pieces), notes=tuple(notes)), passed
-
-
-def _kept(
-    pieces: Sequence[Piece], times: Floats, own: Floats
-) -> tuple[list[Piece], tuple[Piece, Piece]]:
-    """The pieces at `times`, which were integrated as `own`, and the first and the last sample."""
-    filled = [piece for piece in pieces if len(piece.time)]
-    ends = filled[0].part(slice(0, 1)), filled[-1].part(slice(-1, None))
-    kept = []
-    for piece in filled:
-        inside = np.isin(piece.time, own)
-        if inside.any():
-            one = piece.part(inside)
-            kept.append(replace(one, time=times[np.searchsorted(own, one.time)]))
-    return kept, ends
+    filled = tuple(piece for piece in pieces if len(piece.wanted)) or tuple(pieces[:1])
+    return replace(motion, pieces=filled, notes=tuple(notes), changes=changes)

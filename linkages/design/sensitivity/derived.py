@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.design.sensitivity.reacting import changing_reactions
 from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.model import Model
@@ -14,9 +16,17 @@ from linkages.kernel.numbers.effects import Effects, Fed
 from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.motion import Piece
+from linkages.solution.values.reactions import reaction_nodes
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
+
+
+def moved_by(slopes: Floats) -> Floats:
+    """How a zero moves: from derivatives of its function by numbers and, last, by time, (P,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):  # without bound where it is only touched
+        return np.where(slopes[:-1] == 0.0, 0.0, -slopes[:-1] / slopes[-1])
 
 
 class Derivatives:
@@ -38,8 +48,27 @@ class Derivatives:
         ValueError
             For a series that has no derivative.
         """
+        reacting = [row for row, each in enumerate(series) if each.variable == REACTION]
+        plain = [row for row, each in enumerate(series) if each.variable != REACTION]
+        values = np.empty((len(series), len(piece.time)))
+        changes = np.empty((len(series), len(effects), len(piece.time)))
+        nodes = [differentiable(series[row], piece.system.model) for row in plain]
+        values[plain], changes[plain] = self.of_nodes(piece, nodes, effects)
+        if reacting:
+            rows = [series[row].index(piece.system.model) for row in reacting]
+            found = changing_reactions(piece, partial(self.of_nodes, effects=effects), effects)
+            values[reacting], changes[reacting] = (each[rows] for each in found)
+        for row, each in enumerate(series):
+            if _without_sign(each):
+                changes[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
+                values[row] = np.abs(values[row])
+        return values, changes
+
+    def of_nodes(
+        self, piece: Piece, nodes: Sequence[Scalar], effects: Effects
+    ) -> tuple[Floats, Floats]:
+        """Values of nodes and their derivatives, shapes (nodes, n) and (nodes, P, n)."""
         model, times = piece.system.model, len(piece.time)
-        nodes = [differentiable(each, model) for each in series]
         key = (model, *(node.index for node in nodes), effects.fed)
         if key not in self._known:
             self._known[key] = derivative_along(nodes, _directions(model, effects.fed))
@@ -53,13 +82,43 @@ class Derivatives:
             held=piece.held,
             further=self._further(piece, effects),
         )
-        values = found[: len(series)]
-        changes = found[len(series) :].reshape(len(series), len(effects), times)
-        for row, each in enumerate(series):
-            if _without_sign(each):
-                changes[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
-                values[row] = np.abs(values[row])
-        return values, changes
+        changes = found[len(nodes) :].reshape(len(nodes), len(effects), times)
+        return found[: len(nodes)], changes
+
+    def crossings(self, piece: Piece, names: Sequence[str], effects: Effects) -> Floats:
+        """How numbers move the time at which switches change, shape (switches, P).
+
+        Parameters
+        ----------
+        piece
+            One sample just before the change.
+        names
+            Of the switches.
+        effects
+            What changes with the numbers.
+        """
+        assert piece.held is not None
+        model = piece.system.model
+        own = [each.name for each in model.switches.switches]
+        key = (model, "crossings", effects.fed)
+        if key not in self._known:
+            inputs, switches = model.inputs, model.switches
+            along = _directions(model, effects.fed, modes=False)
+            accelerations = [inputs.acceleration(i) for i in range(len(model.changes))]
+            rows = derivative_along(switches.watched, along)
+            rates = switches.rates(switches.watched, accelerations)
+            self._known[key] = [[*row, rate] for row, rate in zip(rows, rates, strict=True)]
+        chosen = [self._known[key][own.index(name)] for name in names]
+        slopes = piece.system.evaluate(
+            [slope for row in chosen for slope in row],
+            piece.time,
+            piece.state,
+            piece.acceleration,
+            flipped=piece.flipped,
+            held=piece.held,
+            further=self._further(piece, effects) | {"mode": piece.held[: len(own)]},
+        )
+        return np.array([moved_by(row) for row in slopes.reshape(len(names), -1)])
 
     def _further(self, piece: Piece, effects: Effects) -> dict[str, Floats]:
         """Inputs that stand for directions."""
@@ -130,6 +189,13 @@ def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int,
         for moved, rate in zip(found, row, strict=True):
             moved[inputs.acceleration(i).index] = rate
     return [*found]
+
+
+def nodes_of(series: Series, model: Model) -> list[Scalar]:
+    """All nodes that a series follows from; raises as `differentiable` does."""
+    if series.variable == REACTION:
+        return reaction_nodes(model)
+    return [differentiable(series, model)]
 
 
 def differentiable(series: Series, model: Model) -> Scalar:

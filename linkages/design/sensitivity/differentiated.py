@@ -11,16 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.design.sensitivity.breaks import Break, Passed, breaks, driven_past, led_past
-from linkages.design.sensitivity.derived import Derivatives, differentiable
-from linkages.design.sensitivity.moved import Moved
-from linkages.design.sensitivity.numbers import effects, numbers_of, value_of
+from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apart, with_sides
+from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
+from linkages.design.sensitivity.crossed import crossed
+from linkages.design.sensitivity.derived import Derivatives, nodes_of
+from linkages.design.sensitivity.moved import Moved, compared_series
+from linkages.design.sensitivity.numbers import (
+    Number,
+    effects,
+    ideal_number,
+    numbers_of,
+    value_of,
+)
 from linkages.design.sensitivity.reductions import differentiated, followed
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import denser, factor_of
+from linkages.solution.measuring.followed import denser, evaluable, factor_of
 from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
@@ -189,22 +197,43 @@ class Differentiated:
     ) -> Moved:
         """The motion with other numbers; its derivatives are by numbers in `scales`."""
         system = self._system(np.asarray(numbers, dtype=float))
-        require_inertia(system)
         asked = self._numbers if derivatives else ()
+        own = {name: compared_series(each) or each for name, each in series.items()}
+        moved = self._followed(system, asked, own)
+        compared = {name: own[name] for name, each in series.items() if compared_series(each)}
+        if not compared:
+            return moved
+        ideal = System(system.mechanism.ideal())
+        kept = [ideal_number(system.mechanism, ideal.mechanism, number) for number in asked]
+        return moved.against(self._followed(ideal, kept, compared), [*compared])
+
+    def _followed(
+        self, system: System, asked: Sequence[Number | None], series: Mapping[str, Series]
+    ) -> Moved:
+        """The motion of a system with its derivatives by some numbers."""
+        require_inertia(system)
         changing = effects(system, asked).scaled(self.scales[: len(asked)])
         counting = any(each.angle for each in series.values())
-        if derivatives and system.layout.moved:
+        if asked and system.layout.moved:
             system = system.affected(changing)
-        nodes = [differentiable(one, system.model) for one in series.values() if derivatives]
-        if derivatives and system.layout.moved:
+        known = [one for one in series.values() if asked or evaluable(one)]
+        nodes = [node for one in known for node in nodes_of(one, system.model)]
+        if system.layout.moved:
             nodes += system.model.changes
         found = breaks(system, nodes, changing, self._run.end)
-        motion, passed = self._motion(system, counting, found)
-        if motion.interrupted:
-            raise KeyboardInterrupt
-        if motion.failure is not None:
-            raise ComputationError(motion.failure, time=motion.stop_time)
-        return Moved(system, motion, series, changing, self._derivatives, passed)
+        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        motion = self._motion(system, counting, times, found)
+        if not system.layout.moved and (
+            more := crossed(nodes, motion, changing, self._derivatives)
+        ):
+            found = [*found, *more]
+            motion = self._motion(system, counting, times, found)
+        modes = changing_modes(motion, self._run.end)
+        if modes:
+            motion = self._motion(system, counting, followed_closely(times, modes), found)
+            found = [*found, *as_breaks(modes, motion, changing, self._derivatives)]
+        events = told_apart(found)
+        return Moved(system, motion, series, changing, self._derivatives, times, events)
 
     def _system(self, numbers: Floats) -> System:
         if numbers.shape != self.values.shape:
@@ -214,26 +243,32 @@ class Differentiated:
         return self._varying.at({path: number for path, number, new in pairs if new})
 
     def _motion(
-        self, system: System, counting: bool, found: Sequence[Break]
-    ) -> tuple[Motion, list[Passed]]:
-        times = denser(np.linspace(0.0, self._run.end, self._run.samples), self.factor)
+        self, system: System, counting: bool, times: Floats, found: Sequence[Break]
+    ) -> Motion:
+        """The motion to its end, with both sides of breaks among its samples."""
+        times = with_sides(times, found)
         with np.errstate(over="ignore", invalid="ignore"):
             if system.effects is None:
                 settings = Settings(times=times, run=self._run, counting=counting)
-                return compute_motion(system, settings), driven_past(system, settings, found)
-            # the tangents of a number that takes a change point away grow without bound there
-            most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
-            march = March(
-                system,
-                replace(self._run, max_steps=most),
-                tangents=len(system.effects),
-                tangent_atol=self._run.atol or self._run.rtol,
-                counting=counting,
-            )
-            motion, passed = led_past(march, times, found)
-            if motion.failure is not None and not motion.interrupted:
-                self._require_bounded(system, motion)
-        return motion, passed
+                motion = compute_motion(system, settings)
+            else:
+                # tangents of a number that takes a change point away grow without bound there
+                most = min(self._run.most_steps, MORE_STEPS * (self._first[1] + FEWEST_STEPS))
+                march = March(
+                    system,
+                    replace(self._run, max_steps=most),
+                    tangents=len(system.effects),
+                    tangent_atol=self._run.atol or self._run.rtol,
+                    counting=counting,
+                )
+                motion = led_past(march, times, [one for one in found if one.moved.any()])
+                if motion.failure is not None and not motion.interrupted:
+                    self._require_bounded(system, motion)
+        if motion.interrupted:
+            raise KeyboardInterrupt
+        if motion.failure is not None:
+            raise ComputationError(motion.failure, time=motion.stop_time)
+        return motion
 
     def _require_bounded(self, system: System, motion: Motion) -> None:
         """Where the motion alone goes on, it is the derivatives that do not."""

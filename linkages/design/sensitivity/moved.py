@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.sensitivity.breaks import Passed
+from linkages.design.sensitivity.breaks import Break
 from linkages.design.sensitivity.derived import Derivatives
 from linkages.errors import ComputationError
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.solution.measuring.compiled import compiled_accelerated
 from linkages.solution.measuring.followed import Followed, between, through, unchanged
 from linkages.solution.moving.motion import Motion, Piece
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -23,21 +27,42 @@ JUMP = 1e-9
 """What a series differs by on both sides of a jump, as a part of its size; round-off is less."""
 
 
+def compared_series(series: Series) -> Series | None:
+    """What a series compares with that of the mechanism without clearances, if it does."""
+    variable = VARIABLES.get(series.variable)
+    if variable is None or not variable.compared:
+        return None
+    return replace(series, variable=variable.compared)
+
+
 class Moved:
     """Series of a motion with their derivatives.
 
     Parameters
     ----------
     system, motion
-        What moves, and how.
+        What moves, and how; with samples on both sides of all breaks.
     series
         Name → series.
     effects
         What changes with the numbers.
     derivatives
         How series are differentiated.
-    passed
-        Times at which laws change from one branch to another, if they move with the numbers.
+    time
+        Samples that are asked for, in seconds, evenly from one end of the motion to the other.
+    breaks
+        Times at which laws and modes change, none at the same time as another.
+
+    Attributes
+    ----------
+    time, count
+        As given, and the number of numbers.
+    breaks
+        Those within the motion.
+    sides
+        Places just before them and just behind them, shape (breaks, 2).
+    grid
+        Places of all samples of the motion.
     """
 
     def __init__(
@@ -47,15 +72,40 @@ class Moved:
         series: Mapping[str, Series],
         effects: Effects,
         derivatives: Derivatives,
-        passed: Sequence[Passed] = (),
+        time: Floats,
+        breaks: Sequence[Break] = (),
     ) -> None:
         self._motion, self._series = motion, series
         self._effects, self._derivatives = effects, derivatives
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
-        self._passed = passed
-        self.time = self._followed.time
-        self.count = len(effects)
+        self.time, self.count = time, len(effects)
+        own = self._followed.time
+        self.breaks = [one for one in breaks if own[0] < one.before and one.behind < own[-1]]
+        self._outside = [one for one in breaks if one not in self.breaks]
+        self._sides = np.array([[one.before, one.behind] for one in self.breaks]).reshape(-1, 2)
+        self._times = np.array([one.time for one in self.breaks])
+        self._first = np.searchsorted(own, self._sides[:, 0])
+        self.sides: Floats = self.places(self._sides)
+        self.grid: Floats = self.places(own)
+        self._ideal: tuple[Moved, frozenset[str]] | None = None
+        self._wanted = np.rint(self._inner(np.arange(len(time), dtype=np.float64))).astype(int)
+
+    def against(self, ideal: Moved, names: Sequence[str]) -> Moved:
+        """The same, with some series less those of another motion.
+
+        Raises
+        ------
+        ComputationError
+            If laws or modes change there at a time at which they do not here.
+        """
+        for each in ideal.breaks:
+            if each.moved.any() and not (self._times == each.time).any():
+                message = "the ideal mechanism changes its mode here, and the own one does not"
+                raise ComputationError(f"{message}; no derivative is known", time=each.time)
+        found = copy.copy(self)
+        found._ideal = ideal, frozenset(names)
+        return found
 
     def places(self, times: Floats) -> Floats:
         """Where times are, in samples from the first one.
@@ -74,48 +124,88 @@ class Moved:
         order = 1 if own[-1] >= own[0] else -1
         return np.interp(times, own[::order], np.arange(len(own))[::order].astype(float))
 
-    def jumps(self, names: Sequence[str]) -> list[tuple[str, float]]:
-        """Series that jump where laws do, with the times; these move with the numbers."""
-        if not self._passed:
-            return []
+    def stretch(self, place: float) -> tuple[float, float]:
+        """The places between which nothing changes, around one of them."""
+        time = np.interp(place, np.arange(len(self.time)), self.time)
+        passed = int(np.searchsorted(self._times, time, side="right"))
+        low = self.sides[passed - 1, 1] if passed else 0.0
+        high = self.sides[passed, 0] if passed < len(self.sides) else len(self.time) - 1.0
+        return float(low), float(high)
+
+    def _inner(self, places: Floats) -> Floats:
+        """Places among the samples of the motion, never between the two sides of a break."""
+        if not self.breaks:
+            return places
+        own = self._followed.time
+        times = np.interp(places, np.arange(len(self.time)), self.time)
+        found = np.interp(times, own, np.arange(len(own)))
+        last = np.searchsorted(self._sides[:, 0], times) - 1
+        within = (last >= 0) & (times < self._sides[last, 1])
+        first = self._first[last]
+        return np.where(within, np.where(times < self._times[last], first, first + 1), found)
+
+    def jumps_at_ends(self, names: Sequence[str]) -> list[tuple[str, float]]:
+        """Series that jump at the very start or end of the motion, with the times."""
         series = [self._series[name] for name in names]
-        sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
+        filled = [piece for piece in self._motion.pieces if len(piece.time)]
         found = []
-        for each in self._passed:
+        for each in self._outside if self.count else ():
+            if not each.moved.any():
+                continue
+            starts = each.before <= self._followed.time[0]
+            end = filled[0].part(slice(0, 1)) if starts else filled[-1].part(slice(-1, None))
             left, right = (
-                self._derivatives.evaluated(piece, series, self._effects)[0][:, 0]
-                for piece in (each.before, each.behind)
+                self._derivatives.evaluated(
+                    compiled_accelerated(replace(end, time=np.array([time]))), series, self._effects
+                )[0][:, 0]
+                for time in (each.before, each.behind)
             )
+            sizes = np.array([np.abs(values).max() for values in self.values(names, None)])
             apart = np.abs(right - left) > JUMP * sizes
             found += [(name, each.time) for name, jumps in zip(names, apart, strict=True) if jumps]
         return found
 
-    def require_followed(self, places: Floats) -> None:
-        """Raise for places between the two samples around a jump of an integrated motion.
-
-        Nothing follows derivatives through it.
-        """
-        for each in self._passed:
-            interval = np.ceil(self.places(np.array([each.time]))[0]) - 1.0
-            inside = (places > interval) & (places < interval + 1.0)
-            if each.before.tangents is not None and inside.any():
-                message = (
-                    f"derivatives jump between two samples at t = {each.time:.6g} s, and are asked "
-                    "for between these; expected more samples, or another time"
-                )
-                raise ComputationError(message, time=None)
-
     def values(self, names: Sequence[str], places: Floats | None) -> list[Floats]:
         """Series at places, in samples from the first one; at all samples if there are none."""
         if places is None:
-            return [self._followed.sampled(name)[0] for name in names]
-        return self._followed.between(names, np.zeros(len(places), dtype=np.int64), places)
+            found = [self._followed.sampled(name)[0][self._wanted] for name in names]
+        else:
+            which = np.zeros(len(places), dtype=np.int64)
+            found = self._followed.between(names, which, self._inner(places))
+        for row, other in self._others(names, lambda ideal, own: ideal.values(own, places)):
+            found[row] = found[row] - other
+        return found
 
     def slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
         """Derivatives of series at places, shape (P, places) each."""
+        found = self._own_slopes(names, places)
+        for row, other in self._others(names, lambda ideal, own: ideal.slopes(own, places)):
+            found[row] = found[row] - other
+        return found
+
+    def sampled(self, names: Sequence[str]) -> Floats:
+        """Derivatives of series at all samples that are asked for, shape (series, P, samples)."""
+        found = self._everywhere(names)[..., self._wanted]
+        for row, other in self._others(names, lambda ideal, own: list(ideal.sampled(own))):
+            found[row] = found[row] - other
+        return found
+
+    def _others(
+        self, names: Sequence[str], of: Callable[[Moved, list[str]], list[Floats]]
+    ) -> Iterator[tuple[int, Floats]]:
+        """Rows of series that are compared, with what they are compared with."""
+        if self._ideal is None:
+            return
+        ideal, compared = self._ideal
+        rows = [row for row, name in enumerate(names) if name in compared]
+        if rows:
+            yield from zip(rows, of(ideal, [names[row] for row in rows]), strict=True)
+
+    def _own_slopes(self, names: Sequence[str], places: Floats) -> list[Floats]:
         found = np.empty((len(names), self.count, len(places)))
         left = np.ones(len(places), dtype=bool)
         series = [self._series[name] for name in names]
+        places = self._inner(places)
         begin = 0
         for piece in self._motion.pieces:
             last = len(piece.wanted) - 1
@@ -139,12 +229,12 @@ class Moved:
         if left.any():
             for row, name in enumerate(names):
                 smooth = name == TIME or VARIABLES[self._series[name].variable].smooth
-                for k, slopes in enumerate(self.sampled([name])[0]):
+                for k, slopes in enumerate(self._everywhere([name])[0]):
                     found[row, k, left] = through(slopes, places[left], smooth)
         return list(found)
 
-    def sampled(self, names: Sequence[str]) -> Floats:
-        """Derivatives of series at all samples, shape (series, P, samples)."""
+    def _everywhere(self, names: Sequence[str]) -> Floats:
+        """Derivatives of series at all samples of the motion."""
         new = [name for name in names if name not in self._sampled]
         if new:
             series = [self._series[name] for name in new]
@@ -157,6 +247,9 @@ class Moved:
         """Derivatives at the wanted samples of a piece, as values are computed there."""
         if piece.samples is None:
             return self._derivatives.evaluated(piece, series, self._effects)[1]
+        if any(each.variable == REACTION for each in series):
+            message = "joint reactions have no derivative within a passage through a change point"
+            raise ComputationError(message, time=piece.crossing)
         values, slopes = self._derivatives.evaluated(piece, series, self._effects)
         _, direct = self._derivatives.evaluated(piece.direct(), series, self._effects)
         found = piece.interpolated(slopes)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -110,8 +110,16 @@ def value_of(mechanism: Mechanism, number: Number) -> float:
     return float(part)
 
 
-def effects(system: System, numbers: Sequence[Number]) -> Effects:
-    """What changes with numbers, of a system whose numbers they are.
+def ideal_number(mechanism: Mechanism, ideal: Mechanism, number: Number) -> Number | None:
+    """The same number of the mechanism without clearances; None for one of a clearance."""
+    component = mechanism.components[number.component]
+    places = (place for place, each in enumerate(ideal.components) if each is component)
+    place = next(places, None)
+    return None if place is None else replace(number, component=place)
+
+
+def effects(system: System, numbers: Sequence[Number | None]) -> Effects:
+    """What changes with numbers, of a system whose numbers they are; nothing with None.
 
     Raises
     ------
@@ -123,8 +131,9 @@ def effects(system: System, numbers: Sequence[Number]) -> Effects:
     rows = {name: row for row, name in enumerate(layout.coordinates)}
     state = np.zeros((2 * half, len(numbers)))
     fed: list[dict[Path, float]] = [{} for _ in numbers]
-    for place in sorted({number.component for number in numbers}):
-        own = {k: number for k, number in enumerate(numbers) if number.component == place}
+    there = {k: number for k, number in enumerate(numbers) if number is not None}
+    for place in sorted({number.component for number in there.values()}):
+        own = {k: number for k, number in there.items() if number.component == place}
         terms = _dual_terms(mechanism, place, own)
         for path, value in _moved(terms):
             if path in system.model.inputs.parameters:

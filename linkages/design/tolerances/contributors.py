@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.units import unit_at
-from linkages.design.tolerances.held import TURN, HeldClearance, clearances_of, holding
+from linkages.design.tolerances.held import HeldClearance, clearances_of, holding, with_room
+from linkages.reading.paths import dotted
 from linkages.spec.tolerance_zones import ToleranceZone
 
 Floats = NDArray[np.float64]
@@ -27,7 +28,7 @@ class Contributors:
     zones
         Path → zone of its numbers with a tolerance; not those of clearances.
     clearances
-        Pins that rest against their holes.
+        Journals that rest against their bearings, and blocks against the walls of their guides.
     """
 
     mechanism: Mechanism
@@ -60,7 +61,7 @@ class Contributors:
         """Path of `varied` → distribution of its number, in SI."""
         found = {path: distribution(zone) for path, zone in self.zones.items()}
         for each in self.clearances:
-            found[each.angle_path] = TURN
+            found[each.angle_path] = each.turned
             if each.zone is not None:
                 found[each.size_path] = distribution(each.zone)
         return found
@@ -82,7 +83,7 @@ class Contributors:
 
     @cached_property
     def deviations(self) -> Floats:
-        """Standard deviations; of the displacement along one direction for clearances."""
+        """Standard deviations; of the displacement along a direction for clearances."""
         zones = [zone.deviation for zone in self.zones.values()]
         return np.array([*zones, *(each.variance**0.5 for each in self.clearances)])
 
@@ -132,7 +133,7 @@ def contributors_of(mechanism: Mechanism) -> Contributors:
         If nothing does.
     """
     clearances = clearances_of(mechanism)
-    sections = [each.path for each in clearances]
+    sections = [dotted(each.path) for each in with_room(mechanism)]
     zones = {
         path: zone
         for path, zone in mechanism.tolerances.items()

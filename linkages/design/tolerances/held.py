@@ -1,26 +1,33 @@
-"""Pins that rest against their holes: clearances as short driven bars of any direction."""
+"""Journals in bearings, and blocks against a wall: clearances as short driven bars."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.clearance import Clearance
 from linkages.components.contact_clearance import ContactClearance
+from linkages.components.guide_clearance import GuideClearance
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.reading.paths import dotted
 from linkages.spec.tolerance_zones import ToleranceZone
 
+Floats = NDArray[np.float64]
+Room: TypeAlias = Clearance | ContactClearance | GuideClearance
+
 TURN = f"uniform(0.0, {2.0 * math.pi!r})"
-"""How the direction of a pin in its hole is distributed."""
+"""How the direction of a journal in its bearing is distributed."""
 
 
 @dataclass(frozen=True)
 class HeldClearance:
-    """A clearance whose pin rests against the hole in one direction during a motion.
+    """A clearance whose journal or block rests in one direction during a motion.
 
     Parameters
     ----------
@@ -30,11 +37,14 @@ class HeldClearance:
         Radial, in metres.
     zone
         Of the size, if it has a tolerance.
+    across
+        Direction across the guide of a block, in radians; None for a pin, which rests anywhere.
     """
 
     name: str
     size: float
     zone: ToleranceZone | None
+    across: float | None = None
 
     @property
     def path(self) -> str:
@@ -58,37 +68,77 @@ class HeldClearance:
 
     @property
     def variance(self) -> float:
-        """Of the displacement along one direction, in m²: half the mean square of the size."""
+        """Of the displacement along a direction that it can take, in m².
+
+        The mean square of the size for a block, and half of that for a pin.
+        """
+        share = 0.5 if self.across is None else 1.0
         if self.zone is None:
-            return 0.5 * self.size**2
-        return 0.5 * (self.zone.middle**2 + self.zone.deviation**2)
+            return share * self.size**2
+        return share * (self.zone.middle**2 + self.zone.deviation**2)
+
+    @property
+    def turned(self) -> str:
+        """How its direction is distributed: over the full circle, or to one wall or the other."""
+        if self.across is None:
+            return TURN
+        return f"either({self.across!r}, {self.across + math.pi!r})"
+
+    def felt(self, pushes: Floats) -> Floats:
+        """The part of derivatives by displacements, shape (…, 2), along what it can take."""
+        if self.across is None:
+            return pushes
+        way = np.array([math.cos(self.across), math.sin(self.across)])
+        return (pushes @ way)[..., None] * way
+
+
+def with_room(mechanism: Mechanism) -> tuple[Room, ...]:
+    """All clearances of a mechanism, of pins and of blocks."""
+    guides = (each for each in mechanism.opening if isinstance(each, GuideClearance))
+    return (*mechanism.clearances, *guides)
 
 
 def clearances_of(mechanism: Mechanism) -> tuple[HeldClearance, ...]:
-    """The clearances of pins in holes that a mechanism has."""
-    return tuple(
-        HeldClearance(each.name, each.size, mechanism.tolerances.get(dotted((*each.path, "size"))))
-        for each in mechanism.clearances
-    )
+    """The clearances that a mechanism has: of journals, and of blocks in guides that stand."""
+    found = []
+    for each in with_room(mechanism):
+        across = None
+        if isinstance(each, GuideClearance):
+            guide = mechanism.definition.value(("sliders", each.slider))
+            if guide.get("on") is not None:
+                continue  # what carries the guide turns, and the wall with it
+            body = mechanism.bodies[each.slider].guide
+            assert body is not None
+            across = body.angle.value + math.pi / 2
+        zone = mechanism.tolerances.get(dotted((*each.path, "size")))
+        found.append(HeldClearance(each.name, each.size, zone, across))
+    return tuple(found)
 
 
 def holding(mechanism: Mechanism) -> Mechanism:
     """The mechanism with a driven bar, of the size of the clearance, for every clearance."""
     definition = mechanism.ideal().definition
     content: dict[str, Any] = dict(definition.content)
-    for each in mechanism.clearances:
-        content = _with_bar(content, each)
+    held = {each.name for each in clearances_of(mechanism)}
+    for each in with_room(mechanism):
+        if each.name in held:
+            content = _with_bar(content, each)
     name = {"name": mechanism.name}
     return from_document(replace(definition, content=name | content | name))
 
 
-def _with_bar(
-    content: Mapping[str, Any], clearance: Clearance | ContactClearance
-) -> dict[str, Any]:
-    name, joint, body = clearance.name, clearance.joint, clearance.bar
-    end = f"{joint} {name}"
-    bars = dict(content["bars"])
-    bars[body] = _renamed(bars[body], joint, end)
+def _with_bar(content: Mapping[str, Any], clearance: Room) -> dict[str, Any]:
+    name, bars = clearance.name, dict(content["bars"])
+    if isinstance(clearance, GuideClearance):
+        body = clearance.slider
+        joint = content["sliders"][body]["joint"]
+        end = f"{joint} {name}"
+        sliders = {**content["sliders"], body: {**content["sliders"][body], "joint": end}}
+        content = {**content, "sliders": sliders}
+    else:
+        joint, body = clearance.joint, clearance.bar
+        end = f"{joint} {name}"
+        bars[body] = _renamed(bars[body], joint, end)
     bars[name] = {"joints": [joint, end], "length": clearance.size}
     drives = {**(content.get("drives") or {}), name: {"angle": 0.0, "speed": 0.0}}
     lists = {

@@ -123,7 +123,7 @@ def _slopes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
 
 
 def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) -> Floats:
-    """Derivatives by displacements of pins, shape (…, clearances, 2)."""
+    """Derivatives by displacements of pins and blocks, shape (…, clearances, 2)."""
     found = np.zeros((*shape, len(contributors.clearances), 2))
     for axis, angle in enumerate((0.0, np.pi / 2)):
         values: dict[str, object] = {}
@@ -133,6 +133,8 @@ def _pushes(contributors: Contributors, slopes: Slopes, shape: tuple[int, ...]) 
             turned = contributors.varied.with_values(values)
             sizes = [each.size_path for each in contributors.clearances]
             found[..., axis] = slopes(turned, sizes)
+    for k, each in enumerate(contributors.clearances):
+        found[..., k, :] = each.felt(found[..., k, :])
     return found
 
 

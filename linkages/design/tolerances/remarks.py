@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.tolerances.held import clearances_of, with_room
 from linkages.sweeps.answers import Code
 
 if TYPE_CHECKING:
@@ -38,9 +39,10 @@ def remarks(data: xr.Dataset, mechanism: Mechanism) -> list[str]:
             f"{failed} of {len(outcome)} samples have no result, which a linear analysis cannot "
             f"see: {first}"
         )
-    guides = [each.path for each in mechanism.opening if each not in mechanism.clearances]
-    if guides:
-        found.append(f"clearances of guides are left out: {len(guides)}")
+    held = {each.name for each in clearances_of(mechanism)}
+    moving = [each.name for each in with_room(mechanism) if each.name not in held]
+    if moving:
+        found.append(f"clearances in guides that move are left out: {', '.join(moving)}")
     return found
 
 

@@ -14,6 +14,7 @@ from linkages.components.mechanisms.units import unit_at, unit_written
 from linkages.errors import InputError, Problem
 from linkages.reading.paths import split
 from linkages.spec.arithmetic import NumberError, leading_number
+from linkages.spec.tolerance_zones import has_tolerance, with_nominal
 from linkages.spec.units import Unit, UnitError, unit
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,10 @@ class Range:
         In which people see it; empty for SI.
     si
         Its unit in SI.
+    text
+        What the definition has, a number or a text with a unit or a tolerance.
+    own
+        The unit of that.
     """
 
     path: str
@@ -51,6 +56,8 @@ class Range:
     upper: float
     unit: str = ""
     si: str = ""
+    text: object = None
+    own: str = ""
 
     @property
     def label(self) -> str:
@@ -66,12 +73,19 @@ class Range:
         return number / unit(self.unit).scale if self.unit else number
 
     def written(self, number: float) -> str | float:
-        """A number in SI as a definition has it, with as many digits as make it that number."""
-        if not self.unit:
+        """A number in SI as a definition has it, with as many digits as make it that number.
+
+        Its unit and its tolerance stay; where it has neither, it is written as the bounds are.
+        """
+        kept = self.text if has_tolerance(self.text) else ""
+        named = self.own if self.own or kept else self.unit
+        if not named and not kept:
             return number
-        convert, found = unit(self.unit).convert, self.of_si(number)
-        texts = (f"{found:.{digits}g}" for digits in range(12, 18))
-        return f"{next((t for t in texts if convert(float(t)) == number), repr(found))} {self.unit}"
+        convert = unit(named).convert if named else float
+        scaled = number / unit(named).scale if named else number
+        texts = (f"{scaled:.{digits}g}" for digits in range(12, 18))
+        found = next((text for text in texts if convert(float(text)) == number), repr(scaled))
+        return with_nominal(str(kept), found, named)
 
 
 @dataclass(frozen=True)
@@ -184,7 +198,9 @@ def _range(mechanism: Mechanism, path: str, bounds: Sequence[Any]) -> Range:
         raise ValueError(
             f"expected a range from a value to a larger one, found {low:g} to {high:g}"
         )
-    return Range(path, low, high, units[1] or unit_written(mechanism.definition, path), si)
+    text = mechanism.definition.value(split(path) or ())
+    own = unit_written(mechanism.definition, path)
+    return Range(path, low, high, units[1] or own, si, text, own)
 
 
 def _number(bound: Any) -> tuple[float, str]:

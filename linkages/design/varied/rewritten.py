@@ -58,7 +58,8 @@ def _exchanged(mechanism: Mechanism, values: Mapping[str, object]) -> str | None
         node = _node(root, split(name) or ())
         if node is None:
             return None
-        found.append((node.start_mark.index, node.end_mark.index, str(value)))
+        quote = node.style if node.style in ("'", '"') and isinstance(value, str) else ""
+        found.append((node.start_mark.index, node.end_mark.index, f"{quote}{value}{quote}"))
     for start, end, value in sorted(found, reverse=True):
         text = text[:start] + value + text[end:]
     return text

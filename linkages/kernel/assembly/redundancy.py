@@ -41,8 +41,8 @@ def require_consistent(system: System) -> None:
             error = _largest(system, partial.mismatch(block))
             if error > CONTRADICTION_RATE * max(1e-9, _largest(system, partial.parts(block))):
                 raise _contradiction(system, name)
-    # Grübler's formula is right for all others, unless links of special lengths make it 0 for
-    # a mechanism that moves
+    # The Chebychev–Grübler–Kutzbach criterion is right for all others, unless links of special
+    # lengths make it 0 for a mechanism that moves
     if (topology.redundant or not known) and len(known) != numerical_mobility(system.jacobian):
         raise wrong_mobility(system.mechanism, numerical_mobility(system.jacobian))
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from linkages.components.contributed.terms import Hint
 from linkages.kernel.assembly.hints import placed_joints, turning
 from linkages.kernel.assembly.modes import Assembly
+from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.graph.evaluator import evaluate
 from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.model import Model
@@ -49,6 +50,10 @@ class Settled:
         the others. Shape (sets,).
     assumed
         Blocks whose side is not given by the definition.
+    unreached
+        How far from assembly they are, shape (sets,): 0 where all blocks reach, 1 where that is not
+        told. The first block that does not reach tells, each with an equal part of what is between,
+        the last one the least: by x/(1 + x), with x how far it is beyond its reach.
     """
 
     parameters: Floats
@@ -56,6 +61,7 @@ class Settled:
     margin_scale: Floats
     sound: NDArray[np.bool_]
     assumed: tuple[int, ...]
+    unreached: Floats
 
 
 @dataclass(eq=False)
@@ -125,17 +131,23 @@ class Settling:
             Places of joints that have one.
         """
         inputs = _Inputs(np.array([time]), numbers.copy(), state.copy())
-        count = numbers.shape[1]
+        count, unreached = numbers.shape[1], np.zeros(numbers.shape[1])
         sound, assumed = np.ones(count, dtype=bool), []
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             laws = self._model.positions.laws.values()
             sound &= self._finite(
                 "laws", [n for w in laws for n in (w.value, w.rate, w.acceleration)], inputs
             )
-            for block, radicand, joints, side in self._blocks:
+            for place, (block, radicand, joints, side) in enumerate(self._blocks):
                 if radicand is None:
                     continue
-                sound &= self._values(("reach", block.index), [radicand], inputs)[0] >= 0.0
+                reach = self._values(("reach", block.index), [radicand], inputs)[0]
+                first = (reach < 0.0) & (unreached == 0.0)
+                if first.any():
+                    beyond = self._beyond(block, inputs)
+                    part = len(self._blocks) - 1 - place + beyond / (1.0 + beyond)
+                    unreached = np.where(first, part / len(self._blocks), unreached)
+                sound &= reach >= 0.0
                 row = self._places["side", block.index]
                 if side is not None:
                     inputs.p[row] = side
@@ -155,7 +167,23 @@ class Settling:
             given = [node for load in self._model.loads for node in load.given]
             sound &= self._finite("loads", given, inputs)
             scale = self._values("scales", self._model.margin_scales, inputs)
-        return Settled(inputs.p, inputs.y, scale, sound, tuple(assumed))
+        unreached[~sound & ~(unreached > 0.0)] = 1.0
+        return Settled(inputs.p, inputs.y, scale, sound, tuple(assumed), unreached)
+
+    def _beyond(self, block: Block, inputs: _Inputs) -> Floats:
+        """Length by which a block misses its reach, over that of its links."""
+        dyad = self._model.positions.dyads[block.index]
+        match dyad:
+            case TwoLinks(gap_square=gap, first_square=first, second_square=second):
+                squares = self._values(("size", block.index), [gap, first, second], inputs)
+                apart, one, other = np.sqrt(squares)
+                return np.maximum(apart - one - other, np.abs(one - other) - apart) / (one + other)
+            case LinkAndSlider() | LinkInGuide():
+                nodes = [dyad.across, dyad.margin_scale]
+                across, link = np.abs(self._values(("size", block.index), nodes, inputs))
+                return (across - link) / np.maximum(across, link)
+            case _:
+                raise AssertionError("other blocks always reach")
 
     def assembly(self, settled: Settled, index: int) -> Assembly:
         """The way in which one set of numbers is assembled."""

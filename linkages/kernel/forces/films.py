@@ -1,4 +1,4 @@
-"""A film of oil between pin and hole: the pressure in a short journal bearing.
+"""A film of oil between journal and bearing: the pressure in a short journal bearing.
 
 With the offset o of both centres, its rate o′ and the mean ω̄ of both angular speeds, the film is
 squeezed with the velocity w = o′ − ω̄ ẑ×o. In the direction n it is h = c − o·n thick. Reynolds'
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class FilmNodes(GapNodes):
-    """A film that fills the gap, so that pin and hole never touch."""
+    """A film that fills the gap, so that journal and bearing never touch."""
 
     gap: PinGap
 

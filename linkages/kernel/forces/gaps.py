@@ -78,11 +78,11 @@ class Gap(ABC):
 
 
 class PinGap(Gap):
-    """A pin in a hole.
+    """A journal in a bearing.
 
-    Both bodies touch at one point C, a radius of the pin away from its centre in the direction n_h
-    from the centre of the hole to that of the pin. Slip is the velocity of the pin's body against
-    the hole's at C, along n_h turned by +90°.
+    Both bodies touch at one point C, a radius of the journal away from its centre in the direction
+    n_h from the centre of the bearing to that of the journal. Slip is the velocity of the journal's
+    body against the bearing's at C, along n_h turned by +90°.
     """
 
     def __init__(self, model: Model, geometry: PinInHole) -> None:
@@ -144,7 +144,7 @@ class PinGap(Gap):
         return pushed + along / self.distance
 
     def slip(self, velocities: Velocities) -> Scalar:
-        """Slip of the pin in the hole."""
+        """Slip of the journal in the bearing."""
         body, other = self.turning(velocities)
         pin, hole = (other, body) if self.geometry.hole else (body, other)
         along = self.normal.turned.dot(self.offset_rate(velocities))
@@ -179,7 +179,7 @@ class PinGap(Gap):
         ]
 
     def torques(self, force: Scalar, friction: Scalar) -> Torques:  # noqa: ARG002
-        """Of the friction at C, about the centres of pin and hole."""
+        """Of the friction at C, about the centres of journal and bearing."""
         on_pin = self.radius * friction
         on_hole = -(self.radius + self.distance) * friction
         bodies = (self.other, self.geometry.body)

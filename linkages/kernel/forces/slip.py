@@ -1,4 +1,4 @@
-"""Friction of whatever slips under a normal force: pins in holes, blocks in guides."""
+"""Friction of whatever slips under a normal force: journals in bearings, blocks in guides."""
 
 from __future__ import annotations
 

@@ -150,9 +150,7 @@ def _write(
             file.add(frame)
 
 
-def _opened(
-    path: Path, form: str, stage: Stage, shown: Scenes, film: Film
-) -> GifFile | VideoFile:
+def _opened(path: Path, form: str, stage: Stage, shown: Scenes, film: Film) -> GifFile | VideoFile:
     if form == "mp4":
         return VideoFile(path, stage.size, film.fps)
     looks = np.unique(np.linspace(0, film.frames - 1, LOOKS).round().astype(int))

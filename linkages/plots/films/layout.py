@@ -95,9 +95,7 @@ class PageLayout:
                    tuple(_part((LEFT, bottom, *across), page) for bottom in low))  # fmt: skip
 
     @classmethod
-    def _without_strips(
-        cls, box: Box, insets: int, size: tuple[float, float] | None
-    ) -> PageLayout:
+    def _without_strips(cls, box: Box, insets: int, size: tuple[float, float] | None) -> PageLayout:
         if size is None or not insets:
             return cls._with_insets_beside(box, insets, size)
         found = []

@@ -15,12 +15,21 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
 from linkages.plots.films.layout import MARGIN, PageLayout, page
-from linkages.plots.films.moving import draw_moving, draw_still, framed
+from linkages.plots.films.moving import framed, parts
 from linkages.plots.films.names import Names
 from linkages.plots.films.strips import Strip
-from linkages.plots.mechanism.bodies import outlines
-from linkages.plots.mechanism.insets import ClearanceMotion, Clock, Inset, contacts, decimals, moment
+from linkages.plots.mechanism.drawing import note_gears
+from linkages.plots.mechanism.inked import Inked, points_per_unit
+from linkages.plots.mechanism.insets import (
+    ClearanceMotion,
+    Clock,
+    Inset,
+    contacts,
+    decimals,
+    moment,
+)
 from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
 from linkages.plots.mechanism.view import Box, frame, gravity_arrow, pixels
 from linkages.plots.style import BLACK, fitted, line_style, style
@@ -82,7 +91,7 @@ class Stage:
             layout, dpi = page(box, len(found), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
             self._build(self._canvas.figure, layout, box, data, film, found)
-            joints = self._moving.at(0).positions if names else ()
+            joints = self._moving.at(0).positions if names else []
             self._names = Names(self._layer, joints)
             self._strips = [
                 Strip(self._canvas.figure.add_axes(place), name, series, film)
@@ -123,12 +132,14 @@ class Stage:
         ax = figure.add_axes(layout.main)
         scale = frame(ax, box, mechanism, MARGIN)
         self._factor = scale.factor
-        self._first = self._moving.at(0).scaled(self._factor)
-        labels = Labels(ax)
-        draw_still(ax, self._first, labels)
+        first, labels = self._moving.at(0), Labels(ax)
+        still, moving = parts(first, points_per_unit(ax) * scale.factor)
+        Inked(ax, still, first.scaled(self._factor)).avoided(labels)
+        note_gears(ax, first)
         self._draw_traces(ax, data, labels)
         self._write_still(ax, film)
         self._layer = _layer_over(ax)
+        self._drawing = Inked(self._layer, moving, first.scaled(self._factor))
         width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
         near = None if film.near is None else Clock(self._time, film.near.pace, film.near.step)
         self._insets = [
@@ -178,22 +189,18 @@ class Stage:
 
     def _show(self, index: int, near: int) -> list[Artist]:
         """Everything that moves, as it is at one sample, in the order of drawing."""
-        for artist in [*self._layer.patches, *self._layer.lines]:
-            artist.remove()
         for line, path in self._runs:
             line.set_data(*path[: index + 1].T)
         pose = self._moving.at(index).scaled(self._factor)
-        draw_moving(self._layer, pose, self._first)
+        self._drawing.show(pose)
         self._clock.set_text(moment(self._time[index], self._decimals))
         for inset in self._insets:
             inset.show(near)
         for strip in self._strips:
             strip.show(self._time[index])
-        symbols = sorted(self._layer.get_children(), key=lambda artist: artist.get_zorder())
-        drawn = {*self._layer.patches, *self._layer.lines}
         return [
             *(line for line, _ in self._runs),
-            *(artist for artist in symbols if artist in drawn),
+            *self._drawing.artists,
             *self._names.shown(pose.positions),
             self._clock,
             *(artist for inset in self._insets for artist in inset.artists),

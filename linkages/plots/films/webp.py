@@ -58,7 +58,5 @@ def write_webp(path: Path, frames: Iterator[Frame], count: int, fps: float) -> N
     ends = np.round(1000.0 * np.arange(count + 1) / fps).astype(int)
     image = _Frames(frames, count)
     durations = np.diff(ends).tolist()
-    image.save(
-        path, "WEBP", save_all=True, duration=durations, loop=0, lossless=True, quality=QUALITY, kmin=count, kmax=count + 1,
-        method=METHOD,
-    )  # fmt: skip
+    how = {"lossless": True, "quality": QUALITY, "method": METHOD, "kmin": count, "kmax": count + 1}
+    image.save(path, "WEBP", save_all=True, duration=durations, loop=0, **how)

@@ -2,60 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from matplotlib.lines import Line2D
 
-from linkages.components.contributed.terms import Body
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
-from linkages.plots.mechanism import symbols
-from linkages.plots.mechanism.arrows import rotation_arrow
-from linkages.plots.mechanism.bodies import (
-    body_colour,
-    clearance_ends,
-    draw_bodies,
-    ground_direction,
-    outlines,
-    slots_of,
-)
-from linkages.plots.mechanism.gears import (
-    draw_cams,
-    draw_gears,
-    draw_racks,
-    draw_welds,
-    note_gears,
-    reach_of_gears,
-    welded,
-)
+from linkages.plots.mechanism.blocks import draw_blocks
+from linkages.plots.mechanism.dimensions import draw_centres, length_words
+from linkages.plots.mechanism.efforts import draw_drives, draw_forces
+from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
+from linkages.plots.mechanism.guides import draw_guides, draw_rods
+from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
-from linkages.plots.mechanism.loads import (
-    draw_forces,
-    draw_masses,
-    draw_springs,
-    draw_torsional,
-    load_texts,
-)
+from linkages.plots.mechanism.links import draw_clearances, draw_links
+from linkages.plots.mechanism.names import words_of
+from linkages.plots.mechanism.palette import LIGHT, MEANINGS
+from linkages.plots.mechanism.pins import draw_bearings, draw_masses, draw_pins, draw_welds
+from linkages.plots.mechanism.placing import drawable, placed, swept
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.senses import drive_sense
-from linkages.plots.mechanism.sliders import (
-    block_place,
-    draw_axial,
-    draw_guide_springs,
-    draw_sliders,
-)
+from linkages.plots.mechanism.samples import Poses, pose_at
+from linkages.plots.mechanism.shapes import Shape, Word
+from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs
+from linkages.plots.mechanism.stops import draw_stops
+from linkages.plots.mechanism.torsional import draw_torsional
 from linkages.plots.mechanism.view import Box, Positions, frame, picture
-from linkages.plots.style import BLACK, CLEARANCE, DRIVEN, LOAD, styled
+from linkages.plots.style import styled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
+INCHES = 5.0
+"""How wide a mechanism is in a picture, roughly."""
+
+LOOKS = 24
+"""Positions from which the size of a picture is told, besides the places of all joints."""
 
 
 @styled
@@ -66,28 +51,97 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
 
 
 @styled
-def start_figure(system: System) -> Figure:
-    """A mechanism at t = 0, without a motion."""
+def start_figure(system: System, *, dimensions: bool = False) -> Figure:
+    """A mechanism at t = 0, without a motion; with lengths and centres of mass if that is asked."""
+    return posed(start_pose(system), dimensions=dimensions)
+
+
+def start_pose(system: System) -> Pose:
+    """A mechanism at t = 0, in metres, without a motion."""
     places = system.places()
     positions = {name: tuple(places[name].tolist()) for name in system.topology.joints}
     variables = [name for name, body in system.mechanism.bodies.items() if body.rotates]
     nodes = [system.model.positions.angle(name) for name in variables]
     angles = dict(zip(variables, system.evaluate(nodes)[:, 0].tolist(), strict=True))
-    return posed(Pose(system.mechanism, positions, angles))
+    return Pose(system.mechanism, positions, angles)
 
 
-def posed(pose: Pose) -> Figure:
+def posed(pose: Pose, *, dimensions: bool = False) -> Figure:
     """The figure of a mechanism in a position, given in metres."""
     result, ax = picture(reach(pose))
-    draw_pose(ax, pose)
+    draw_pose(ax, pose, dimensions=dimensions)
     return result
 
 
+def rough_scale(pose: Pose) -> float:
+    """Points per metre of a picture, roughly: for shapes whose paper is not known yet."""
+    return 72.0 * INCHES / pose.extent
+
+
 def reach(pose: Pose) -> Box:
-    """The part of the plane that a drawing shows: joints, slots and pitch circles."""
-    slots = [ends for name in pose.mechanism.bodies for ends in slots_of(pose, name)]
+    """The part of the plane that a drawing shows, for a position in metres."""
     joints = np.array(list(pose.positions.values()), dtype=float).reshape(-1, 2)
-    return Box.around(np.vstack([joints, *slots, reach_of_gears(pose)]))
+    scale = rough_scale(pose)
+    return Box.around(np.vstack([joints, swept(pose, [*under(pose, scale), *over(pose, scale)])]))
+
+
+def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+    """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
+
+    Films and traces have the same frame. The data must have at least one sample.
+    """
+    places = np.asarray(data["joint_position"], dtype=float)
+    poses = Poses(data, mechanism, Box.around(places).extent or None)
+    first, scale = poses.at(0), rough_scale(poses.at(0))
+    shapes = [*under(first, scale), *over(first, scale)]
+    looks = np.unique(np.linspace(0, len(poses.places) - 1, LOOKS).round().astype(int))
+    covered = [poses.places.reshape(-1, 2)]
+    for look in looks:
+        pose = poses.at(int(look))
+        covered.append(swept(pose, [shape for shape in shapes if drawable(pose, shape)]))
+    return poses, Box.around(np.vstack(covered))
+
+
+def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
+    """The whole drawing of a mechanism as shapes, in the order of drawing.
+
+    Parameters
+    ----------
+    pose
+        A position in metres; the shapes are right for all others, too.
+    scale
+        Points per metre of the picture: how many coils and strokes of hatching symbols have.
+        Default: as if it were five inches wide.
+    """
+    scale = rough_scale(pose) if scale is None else scale
+    return [*under(pose, scale), *over(pose, scale), *words_of(pose)]
+
+
+def under(pose: Pose, scale: float) -> list[Shape]:
+    """Guides, wheels, bodies, springs between joints, blocks, bearings and pins."""
+    return [
+        *draw_guides(pose, scale),
+        *draw_rods(pose, scale),
+        *draw_gears(pose),
+        *draw_racks(pose),
+        *draw_cams(pose),
+        *draw_clearances(pose),
+        *draw_links(pose),
+        *draw_bearings(pose),
+        *draw_springs(pose, scale),
+        *draw_guide_springs(pose, scale),
+        *draw_blocks(pose, scale),
+        *draw_stops(pose),
+        *draw_welds(pose),
+        *draw_masses(pose),
+        *draw_pins(pose),
+        *draw_torsional(pose),
+    ]
+
+
+def over(pose: Pose, scale: float) -> list[Shape]:
+    """Arrows of drives and loads."""
+    return [*draw_drives(pose, scale), *draw_forces(pose, scale)]
 
 
 def draw(
@@ -112,108 +166,56 @@ def draw(
     return draw_pose(ax, Pose(mechanism, positions, angles or {}))
 
 
-def draw_pose(ax: Axes, pose: Pose) -> Axes:
+def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
     scale = frame(ax, reach(pose), pose.mechanism)
-    shown = pose.scaled(scale.factor)
-    labels = Labels(ax)
-    draw_symbols(ax, shown, labels)
-    _write(shown, labels)
+    factor = scale.factor
+    shapes = shapes_of(pose, points_per_unit(ax) * factor)
+    if dimensions:
+        shapes += [*draw_centres(pose), *length_words(pose, scale)]
+    shown, labels = pose.scaled(factor), Labels(ax)
+    Inked(ax, shapes, shown).avoided(labels)
+    note_gears(ax, pose)
+    colour_legend(ax, shapes)
+    write(labels, shapes, shown)
     return ax
 
 
-def draw_symbols(ax: Axes, shown: Pose, labels: Labels) -> None:
-    """Everything but names, in the units of the axes."""
-    draw_bodies(ax, shown)
-    for _, corners in outlines(shown):
-        labels.avoid_line(np.vstack((corners, corners[:1])))
-    draw_gears(ax, shown, labels)
-    draw_racks(ax, shown, labels)
-    draw_cams(ax, shown, labels)
-    note_gears(ax, shown)
-    draw_springs(ax, shown, labels)
-    draw_sliders(ax, shown, labels)
-    draw_welds(ax, shown, labels)
-    draw_masses(ax, shown, labels)
-    draw_bearings(ax, shown, labels)
-    draw_joints(ax, shown, labels)
-    draw_torsional(ax, shown, labels)
-    for name in shown.mechanism.prescribed:
-        _drive(ax, shown, name, labels)
-    draw_axial(ax, shown, labels)
-    draw_guide_springs(ax, shown, labels)
-    draw_forces(ax, shown, labels)
+def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
+    """Write words where there is room, one after the other."""
+    point = 1.0 / points_per_unit(labels.ax)
+    for word in shapes:
+        if isinstance(word, Word):
+            places = placed(shown, word.beside, word.direction, point)
+            size = {"fontsize": 8.0} if word.look.role == "load" or word.gap < 4.0 else {}
+            weight = "bold" if word.strong else "normal"
+            labels.beside(
+                word.text, places, word.gap, color=LIGHT[word.look.role], weight=weight, **size
+            )
 
 
-def draw_bearings(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Hatched ground under the joints that it holds."""
-    for joint, place in pose.positions.items():
-        if joint in pose.mechanism.ground and not _fixed(pose, joint):
-            labels.avoid(symbols.ground_pin(ax, place, ground_direction(pose, joint)))
+def note_gears(ax: Axes, pose: Pose) -> None:
+    """Write down the gears whose axes are not known."""
+    notes = gear_notes(pose)
+    if notes:
+        ax.text(0.01, 0.012, "\n".join(notes), transform=ax.transAxes, fontsize=8,
+                color=LIGHT["bar"], gid="note")  # fmt: skip
 
 
-def draw_joints(ax: Axes, pose: Pose, labels: Labels) -> None:
-    """Pins, clearances, and free ends."""
-    mechanism, shown = pose.mechanism, pose.positions
-    ends, feet = clearance_ends(mechanism), mechanism.feet
-    meeting = [joint for body in mechanism.bodies.values() for joint in body.points]
-    # free ends first: what turns on a pin at the same place is drawn over them
-    for joint, place in sorted(shown.items(), key=lambda item: meeting.count(item[0]) > 1):
-        if joint in ends or joint in feet or _fixed(pose, joint):
-            continue
-        if joint in ends.values():
-            labels.avoid(symbols.clearance(ax, place))
-        free_end = joint not in mechanism.ground and meeting.count(joint) < 2
-        radius, fill = (symbols.FREE_END, BLACK) if free_end else (symbols.PIN, "white")
-        labels.avoid(symbols.pin(ax, place, radius=radius, fill=fill))
-
-
-def _fixed(pose: Pose, joint: str) -> bool:
-    """Whether a weld holds the only two bodies at a joint together: no pin is there."""
-    mechanism = pose.mechanism
-    if joint not in welded(pose) or joint in clearance_ends(mechanism).values():
-        return False
-    meeting = [name for body in mechanism.bodies.values() for name in body.points]
-    return meeting.count(joint) + (joint in mechanism.ground) == 2
-
-
-def _drive(ax: Axes, pose: Pose, name: str, labels: Labels) -> None:
-    """The sense in which a drive turns its body; nothing for one that stands still."""
-    ground, shown = pose.mechanism.ground, pose.shown(name)
-    joints = sorted(shown, key=lambda joint: joint not in ground)
-    sense = drive_sense(pose.mechanism, name) if pose.mechanism.bodies[name].rotates else 0
-    if sense and len(joints) > 1:
-        pivot, tip = shown[joints[0]], shown[joints[1]]
-        labels.avoid(rotation_arrow(ax, pivot, tip, sense, DRIVEN))
-
-
-def _write(pose: Pose, labels: Labels) -> None:
-    """Names of joints and clearances, then of sliders, then of bars and plates, then loads."""
-    mechanism = pose.mechanism
-    ends = {*clearance_ends(mechanism), *mechanism.feet}
-    for joint, place in pose.positions.items():
-        if joint not in ends:
-            labels.beside_point(joint, place, symbols.PIN + 2, color=BLACK, weight="bold")
-    for body in mechanism.bodies.values():
-        places = list(pose.shown(body.name).values())
-        if places and body.guide is not None and body.kind != "offset":
-            place = block_place(pose, body.name) or places[0]
-            colour = body_colour(mechanism, body.name)
-            labels.beside_point(body.name, place, symbols.BLOCK[1] + 2, color=colour)
-    for term in mechanism.displacements:
-        if term.joint in pose.positions:
-            place = pose.positions[term.joint]
-            labels.beside_point(term.name, place, symbols.CLEARANCE_RING + 2, color=CLEARANCE)
-    for body, corners in outlines(pose):
-        if body.rotates:
-            _write_body(pose, body, corners, labels)
-    for text, place, gap in load_texts(labels.ax, pose):
-        labels.beside_point(text, place, gap, color=LOAD, fontsize=8)
-
-
-def _write_body(pose: Pose, body: Body, corners: Array, labels: Labels) -> None:
-    colour = body_colour(pose.mechanism, body.name)
-    if len(corners) > 2:
-        labels.in_polygon(body.name, corners, color=colour)
-    else:
-        labels.beside_segment(body.name, *corners, color=colour)
+def colour_legend(ax: Axes, shapes: Sequence[Shape]) -> None:
+    """Say under the axes what those colours mean that occur."""
+    roles = {shape.look.role for shape in shapes}
+    words: dict[str, list[str]] = {}  # of roles that have one colour
+    for role, meaning in MEANINGS.items():
+        if role in roles:
+            words.setdefault(LIGHT[role], []).append(meaning)
+    if not words:
+        return
+    handles = [Line2D([], [], color=colour, linewidth=2.4) for colour in words]
+    below = -0.3 / (ax.bbox.height / ax.figure.dpi)
+    ax.legend(
+        handles, [", ".join(own) for own in words.values()], loc="upper left", ncols=len(words),
+        bbox_to_anchor=(0.0, below), borderaxespad=0.0, borderpad=0.0, handlelength=1.1,
+        handletextpad=0.5, columnspacing=1.2, fontsize=8.0,
+    )  # fmt: skip
+    ax.set_xlabel(ax.get_xlabel(), loc="right")

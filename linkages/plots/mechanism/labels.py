@@ -58,6 +58,15 @@ class Labels:
                 steps = np.linspace(0, 1, int(min(length / 2, 2000)) + 2)[:, None]
                 self.avoid(start + steps * (end - start))
 
+    def beside(self, text: str, places: Array, gap: float, **font: Any) -> None:
+        """Label a point, a segment or a polygon of shape (n, 2)."""
+        if len(places) == 1:
+            self.beside_point(text, places[0], gap, **font)
+        elif len(places) == 2:
+            self.beside_segment(text, *places, **font)
+        else:
+            self.in_polygon(text, places, **font)
+
     def beside_point(self, text: str, point: ArrayLike, gap: float = 5.0, **font: Any) -> None:
         """Label a point; `gap` is the least distance in points."""
         anchors = np.repeat(np.asarray(point, dtype=float)[None, :], 16, axis=0)

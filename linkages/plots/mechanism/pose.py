@@ -86,14 +86,21 @@ class Pose:
 
     def _angle_of_joints(self, body: Body) -> float | None:
         """From the two joints that are farthest apart."""
-        own = {joint: _numbers(body.points[joint]) for joint in self.shown(body.name)}
+        apart = self.apart(body.name)
+        if apart is None:
+            return None
+        first, second, own = apart
+        return _direction(np.subtract(self.positions[second], self.positions[first])) - own
+
+    def apart(self, name: str) -> tuple[str, str, float] | None:
+        """The two joints of a body that are farthest apart, and their direction in its frame."""
+        points = self.mechanism.bodies[name].points
+        own = {joint: _numbers(points[joint]) for joint in self.shown(name)}
         apart = [(float(np.hypot(*(own[b] - own[a]))), a, b) for a, b in combinations(own, 2)]
         if not apart or max(apart)[0] == 0.0:
             return None
-        _, a, b = max(apart)
-        return _direction(np.subtract(self.positions[b], self.positions[a])) - _direction(
-            own[b] - own[a]
-        )
+        _, first, second = max(apart)
+        return first, second, _direction(own[second] - own[first])
 
     def _angle_of_others(self, name: str) -> float | None:
         """From a weld or a gear that says how a body follows others."""

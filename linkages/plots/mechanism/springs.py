@@ -1,147 +1,149 @@
-"""Symbols of springs and dampers: along a line between two points, and around a pin.
-
-Lengths are typographic points; places are in the units of the axes.
-"""
+"""Springs, dampers and cylinders of a drawing, along lines and in guides."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
-
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.path import Path
-from matplotlib.transforms import Transform
-from numpy.typing import NDArray
 
-from linkages.plots.mechanism.symbols import LAYER, Place, add_path, anchored, grid, stroked
-from linkages.plots.mechanism.view import per_point, pixels
-from linkages.plots.style import PALETTE
+from linkages.components.contributed.measures import Load
+from linkages.components.contributed.state_laws import NOTHING
+from linkages.plots.mechanism import outlining
+from linkages.plots.mechanism.efforts import force_side
+from linkages.plots.mechanism.frames import Frame, body_direction, joints, moved
+from linkages.plots.mechanism.guides import grounded, half_length, mixed, pin_of, travel_of
+from linkages.plots.mechanism.kinds import by_kind
+from linkages.plots.mechanism.outlining import CUP
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.senses import load_sense
+from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Strokes
+from linkages.plots.mechanism.stops import without_stops
 
-Array = NDArray[np.float64]
-
-COLOUR = PALETTE[2]
-WIDTH = 1.1
-COILS, AMPLITUDE = 6, 4.5
-COIL_LENGTH, CUP = (26.0, 70.0), (13.0, 4.2)  # of a zigzag; length and half width of a dashpot
-WALL, WALL_COILS = 20.0, 4  # from a block to a wall beside it, and coils of a zigzag there
-SPIRAL, TURNS, BENT = (4.6, 11.0), 2.25, 9.5
-
-
-def zigzag(ax: Axes, start: Place, end: Place, shift: float = 0.0) -> Array:
-    """A spring between two points, moved sideways by `shift`; return pixels it covers."""
-
-    def strokes(length: float) -> list[list[Place]]:
-        coiled = float(np.clip(0.7 * length, min(COIL_LENGTH[0], 0.9 * length), COIL_LENGTH[1]))
-        first = 0.5 * (length - coiled)
-        teeth = first + coiled * (np.arange(2 * COILS) + 0.5) / (2 * COILS)
-        heights = AMPLITUDE * (-1.0) ** np.arange(2 * COILS)
-        inner = [(float(x), shift + float(y)) for x, y in zip(teeth, heights, strict=True)]
-        last = first + coiled
-        begin: list[Place] = [(0.0, 0.0), (0.0, shift), (first, shift)]
-        return [[*begin, *inner, (last, shift), (length, shift), (length, 0.0)]]
-
-    return _between(ax, start, end, strokes, shift)
+SPRING, THRUST = Look("spring", 1.1), Look("cylinder", 1.1)
+BESIDE = 13.0  # points between symbols that lie side by side
+STUB = 9.0  # points from a joint to where they part
+COIL, AMPLITUDE = 8.0, 4.5  # points along and across
+COILS = (4, 14)
+WALL = 28.0  # points from the last place of a block to a wall
 
 
-def dashpot(ax: Axes, start: Place, end: Place, shift: float = 0.0) -> Array:
-    """A damper between two points, moved sideways by `shift`; return pixels it covers."""
-
-    def strokes(length: float) -> list[list[Place]]:
-        cup, half = min(CUP[0], 0.6 * length), CUP[1]
-        left, piston = 0.5 * (length - cup), 0.5 * length
-        return [
-            [(0.0, 0.0), (0.0, shift), (left, shift)],
-            _cup(left, left + cup, shift, half),
-            [(piston, shift + 0.7 * half), (piston, shift - 0.7 * half)],
-            [(piston, shift), (length, shift), (length, 0.0)],
-        ]
-
-    return _between(ax, start, end, strokes, shift)
-
-
-def _cup(bottom: float, rim: float, middle: float, half: float) -> list[Place]:
-    """The cylinder of a dashpot, open at its rim."""
-    low, high = middle - half, middle + half
-    return [(rim, high), (bottom, high), (bottom, low), (rim, low)]
+def draw_springs(pose: Pose, scale: float) -> list[Shape]:
+    """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
+    lines: dict[tuple[str, str], list[str]] = {}
+    for ends, load in by_kind(without_stops(pose.mechanism)).lines:
+        if {ends.first, ends.second} <= set(pose.positions):
+            first, second = sorted((ends.first, ends.second))
+            lines.setdefault((first, second), []).extend(_parts(load))
+    found: list[Shape] = []
+    for (first, second), parts in lines.items():
+        way = np.subtract(pose.positions[second], pose.positions[first])
+        length = scale * float(np.hypot(*way))
+        if length == 0.0:
+            continue
+        frame = Frame(pose, joints(first, second))
+        found += _abreast(frame, frame.at(first), frame.at(second), length, parts, BESIDE)
+    return found
 
 
-def _between(
-    ax: Axes, start: Place, end: Place, strokes: Callable[[float], list[list[Place]]], shift: float
-) -> Array:
-    """Draw strokes along the line from one place to another, given its length."""
-    way = np.subtract(*pixels(ax, (end, start))) / per_point(ax)
-    length = float(np.hypot(*way))
-    transform = anchored(ax, start, float(np.arctan2(way[1], way[0])))
-    path = stroked(strokes(length))
-    add_path(ax, path, transform, edge=COLOUR, width=WIDTH, layer=LAYER - 1.5)
-    x = np.linspace(0.0, length, int(min(length, 1000.0)) // 2 + 2)
-    sides = [np.column_stack((x, np.full_like(x, shift + y))) for y in (-4.0, -1.5, 1.5, 4.0)]
-    return np.asarray(transform.transform(np.vstack(sides)))
+def _parts(load: Load) -> list[str]:
+    elastic = load.elastic or (load.passive and load.energy != NOTHING)
+    thrusts = not (load.passive or load.absent)
+    moving = ["cylinder"] if thrusts else ["damper"] * load.dissipates
+    return ["spring"] * elastic + moving
 
 
-def wall_dashpot(ax: Axes, place: Place, angle: float, start: float, across: float) -> Array:
-    """A damper from a block to a wall beside its axis; return pixels it covers."""
-    transform = anchored(ax, place, angle)
-    half, cup = 0.7 * CUP[1], 0.7 * CUP[0]
-    left, piston = start + 4.0, start + 4.0 + 0.5 * cup
-    strokes: list[list[Place]] = [
-        [(start, across), (left, across)],
-        _cup(left, left + cup, across, half),
-        [(piston, across + 0.7 * half), (piston, across - 0.7 * half)],
-        [(piston, across), (start + WALL, across)],
+def _abreast(
+    frame: Frame, first: Anchor, second: Anchor, length: float, parts: list[str], beside: float
+) -> list[Shape]:
+    """Symbols side by side between two anchors that are so many points apart."""
+    stub = min(STUB, 0.16 * length)
+    start, end = moved(first, stub, 0.0), moved(second, -stub, 0.0)
+    shifts = [beside * (index - 0.5 * (len(parts) - 1)) for index in range(len(parts))]
+    found: list[Shape] = []
+    for part, shift in zip(parts, shifts, strict=True):
+        a, b = moved(start, 0.0, shift), moved(end, 0.0, shift)
+        strokes: list[tuple[Anchor, ...]] = [(first, start, a), (b, end, second)]
+        room = length - 2 * stub
+        look = SPRING
+        if part == "spring":
+            strokes.append(_zigzag(a, b, room))
+        elif part == "damper":
+            strokes += _dashpot(a, b, room)
+        else:
+            strokes += _barrel(a, b, room)
+            look = THRUST
+        found.append(Strokes(tuple(strokes), look, frame.direction))
+    return found
+
+
+def _zigzag(first: Anchor, second: Anchor, length: float) -> tuple[Anchor, ...]:
+    """Coils all along the way: they part as a spring is drawn out."""
+    coils = int(np.clip(round(length / COIL), *COILS))
+    shares = (np.arange(2 * coils) + 0.5) / (2 * coils)
+    heights = min(AMPLITUDE, 0.3 * length) * (-1.0) ** np.arange(2 * coils)
+    teeth = [
+        moved(mixed(first, second, float(share)), 0.0, float(height))
+        for share, height in zip(shares, heights, strict=True)
     ]
-    return _against_wall(ax, transform, strokes, start, across)
+    return (first, *teeth, second)
 
 
-def wall_zigzag(ax: Axes, place: Place, angle: float, start: float, across: float) -> Array:
-    """A spring from a block to a wall beside its axis; return pixels it covers."""
-    first, last = start + 2.0, start + WALL - 2.0
-    teeth = np.linspace(first, last, 2 * WALL_COILS + 1)[1:-1]
-    heights = across + 3.0 * (-1.0) ** np.arange(len(teeth))
-    inner = [(float(x), float(y)) for x, y in zip(teeth, heights, strict=True)]
-    line = [(start, across), (first, across), *inner, (last, across), (start + WALL, across)]
-    return _against_wall(ax, anchored(ax, place, angle), [line], start, across)
-
-
-def _against_wall(
-    ax: Axes, transform: Transform, strokes: list[list[Place]], start: float, across: float
-) -> Array:
-    """Draw strokes that end at a wall."""
-    wall = [(start + WALL, across - 5.0), (start + WALL, across + 5.0)]
-    path = stroked([*strokes, wall])
-    add_path(ax, path, transform, edge=COLOUR, width=WIDTH, layer=LAYER - 0.8)
-    return grid(transform, np.linspace(start, start + WALL, 9), across + np.array([-4.0, 0.0, 4.0]))
-
-
-def spiral(ax: Axes, place: Place, angle: float) -> Array:
-    """A torsional spring about a pin that ends in a direction; return pixels it covers."""
-    turn = np.linspace(-2.0 * np.pi * TURNS, 0.0, 120)
-    radius = np.linspace(*SPIRAL, 120)
-    curve = radius[:, None] * np.column_stack((np.cos(angle + turn), np.sin(angle + turn)))
-    transform = anchored(ax, place)
-    add_path(ax, Path(curve), transform, edge=COLOUR, width=WIDTH, layer=LAYER + 1.5)
-    return np.asarray(transform.transform(curve))
-
-
-def bent_dashpot(ax: Axes, place: Place, angle: float, radius: float = BENT) -> Array:
-    """A torsional damper: a dashpot bent around a pin, with its middle in a direction."""
-
-    def bent(points: list[Place]) -> list[Place]:
-        """From (angle, distance from the circle) to points of the plane."""
-        found: list[Place] = []
-        for (a, r), (b, q) in pairwise(points):
-            for share in np.linspace(0.0, 1.0, 9):
-                turn, reach = angle + a + share * (b - a), radius + r + share * (q - r)
-                found.append((float(reach * np.cos(turn)), float(reach * np.sin(turn))))
-        return found
-
-    strokes = [
-        bent([(-1.3, 0.0), (-0.5, 0.0)]),
-        bent([(0.5, 3.0), (-0.5, 3.0), (-0.5, -3.0), (0.5, -3.0)]),
-        bent([(0.0, 2.0), (0.0, -2.0)]),
-        bent([(0.0, 0.0), (1.3, 0.0)]),
+def _dashpot(first: Anchor, second: Anchor, length: float) -> list[tuple[Anchor, ...]]:
+    """A cup about the middle, and a piston in it."""
+    middle, cup, half = mixed(first, second, 0.5), min(CUP[0], 0.6 * length), CUP[1]
+    bottom = moved(middle, -0.5 * cup, 0.0)
+    return [
+        (first, bottom),
+        tuple(moved(middle, *point) for point in outlining.cup(-0.5 * cup, 0.5 * cup, 0.0, half)),
+        (moved(middle, 0.0, 0.7 * half), moved(middle, 0.0, -0.7 * half)),
+        (middle, second),
     ]
-    transform = anchored(ax, place)
-    add_path(ax, stroked(strokes), transform, edge=COLOUR, width=WIDTH, layer=LAYER + 1.5)
-    return np.asarray(transform.transform(np.vstack([np.array(stroke) for stroke in strokes])))
+
+
+def _barrel(first: Anchor, second: Anchor, length: float) -> list[tuple[Anchor, ...]]:
+    """A barrel that ends with its own length, and a rod with a piston in it."""
+    half = CUP[1]
+    bottom, rim = moved(first, 0.08 * length, 0.0), moved(first, 0.62 * length, 0.0)
+    piston = moved(second, -0.58 * length, 0.0)
+    around = [moved(rim, 0.0, half), moved(bottom, 0.0, half), moved(bottom, 0.0, -half)]
+    return [
+        (first, bottom),
+        (*around, moved(rim, 0.0, -half), moved(rim, 0.0, half)),
+        (moved(piston, 0.0, 0.8 * half), moved(piston, 0.0, -0.8 * half)),
+        (piston, second),
+    ]
+
+
+def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
+    """Springs and dampers in guides: from the block to a wall beyond its travel."""
+    of_slider: dict[str, list[str]] = {}
+    for slide, load in by_kind(without_stops(pose.mechanism)).slides:
+        found = of_slider.setdefault(slide.body, [])
+        if not load.pushes:
+            found += ["spring"] * load.elastic + ["damper"] * load.dissipates
+    shapes: list[Shape] = []
+    for name, parts in of_slider.items():
+        axis = pose.axis(name)
+        if axis is None or not parts:
+            continue
+        side, (low, high) = _damper_side(pose, name), travel_of(pose, name, axis)
+        frame = Frame(pose, body_direction(pose, name))
+        carrier = None if grounded(pose, name) else pose.mechanism.bodies[name].guide.body  # type: ignore[union-attr]
+        last = high if side > 0 else low
+        start = half_length(pose, name)
+        wall = frame.fixed(axis.at(last), carrier, (side * (start + WALL), 0.0))
+        block = moved(pin_of(pose, name), side * start, 0.0)
+        length = abs(last - axis.reach) * scale + WALL
+        first, second = (block, wall) if side > 0 else (wall, block)
+        shapes += _abreast(frame, first, second, length, parts, 10.0)
+        half = 5.0 * len(parts)
+        ends = (moved(wall, 0.0, half), moved(wall, 0.0, -half))
+        shapes.append(frame.line(ends, SPRING, name))
+    return shapes
+
+
+def _damper_side(pose: Pose, name: str) -> int:
+    """Where a damper finds room: where no bars are, unless a force stands there."""
+    slides = by_kind(without_stops(pose.mechanism)).slides
+    forces = [load for slide, load in slides if slide.body == name and load.pushes]
+    side = force_side(pose, name, -1)
+    stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]
+    return -side if side in stands else side

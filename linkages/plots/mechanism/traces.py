@@ -5,25 +5,30 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.plots.mechanism.bodies import clearance_ends, draw_bodies, outlines
+from linkages.plots.mechanism.bodies import clearance_ends
+from linkages.plots.mechanism.drawing import framed, under
+from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, frame, picture, pixels
-from linkages.plots.style import GREY, line_style, styled
+from linkages.plots.style import line_style, styled
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.3  # inches
+MARGIN = 0.4  # inches
 STILL = 1e-9  # of the picture's size: what moves less is at rest
 COUPLER, LED = 1.8, 0.9  # points
+DOT, AHEAD, HEAD = 2.6, 26.0, (7.0, 3.0)  # points: radius; from there to an arrow, and its size
 SAME = 0.01  # of the picture's size: traces no farther apart look the same
 
 
@@ -32,7 +37,7 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Traces over the run; None for data without joint positions."""
     if not pose_at(data, mechanism, 0).positions:
         return None
-    result, ax = picture(Box.around(np.asarray(data["joint_position"], dtype=float)), MARGIN)
+    result, ax = picture(framed(data, mechanism)[1], MARGIN)
     draw(ax, data, mechanism)
     return result
 
@@ -80,7 +85,9 @@ def led_joints(mechanism: Mechanism) -> set[str]:
 def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """Draw the trace of each moving joint over the mechanism at the first sample.
 
-    Coupler curves are thicker than the arcs and lines that the ground leads joints along.
+    Coupler curves are thicker than the arcs and lines that the ground leads joints along. A dot
+    says where each begins, an arrow which way it goes. Every sample is a vertex, in vector
+    graphics, too; the name of a joint is that of its path there.
 
     Parameters
     ----------
@@ -91,24 +98,44 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     mechanism
         Whose motion it is.
     """
-    box = Box.around(np.asarray(data["joint_position"], dtype=float))
-    scale = frame(ax, box, mechanism, MARGIN)
-    start = pose_at(data, mechanism, 0).scaled(scale.factor)
-    draw_bodies(ax, start, muted=True)
-    places = np.array(list(start.positions.values()))
-    ax.plot(*places.T, "o", color=GREY, markersize=3, zorder=1.6)
+    poses, box = framed(data, mechanism)
+    pose, scale = poses.at(0), frame(ax, box, mechanism, MARGIN)
+    shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)
-    for _, corners in outlines(start):
-        labels.avoid_line(corners)
-    paths = {n: path * scale.factor for n, path in moving_joints(data, mechanism).items()}
-    names, led = list(paths), led_joints(mechanism)
-    for index, path in enumerate(paths.values()):
-        width = LED if names[index] in led else COUPLER
-        ax.plot(*path.T, color=line_style(index)["color"], linewidth=width)
-        labels.avoid(pixels(ax, path[:: max(1, len(path) // 1000)]))
-    for index, (name, path) in enumerate(paths.items()):
-        if np.isfinite(path).all(axis=1).any():
-            colour = line_style(index)["color"]
-            finite = path[np.isfinite(path).all(axis=1)]
-            labels.beside_curve(name, finite, color=colour, weight="bold")
+    Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
+    names, led = moving_joints(data, mechanism), led_joints(mechanism)
+    finite: dict[str, tuple[Array, str]] = {}
+    with rc_context({"path.simplify": False}):
+        for index, (name, path) in enumerate(names.items()):
+            shown, colour = path * scale.factor, str(line_style(index)["color"])
+            width = LED if name in led else COUPLER
+            (line,) = ax.plot(*shown.T, color=colour, linewidth=width, gid=f"path-{name}")
+            line.get_path().should_simplify = False
+            known = shown[np.isfinite(shown).all(axis=1)]
+            if len(known):
+                finite[name] = known, colour
+                labels.avoid(pixels(ax, known[:: max(1, len(known) // 1000)]))
+                _beginning(ax, known, colour, labels)
+    for name, (known, colour) in finite.items():
+        labels.beside_curve(name, known, color=colour, weight="bold")
     return ax
+
+
+def _beginning(ax: Axes, path: Array, colour: str, labels: Labels) -> None:
+    """A dot where a path begins, and the head of an arrow a little further on."""
+    unit = points_per_unit(ax)
+    ax.add_artist(Circle(tuple(path[0]), DOT / unit, facecolor=colour, edgecolor="white",
+                         linewidth=0.6, zorder=2.6))  # fmt: skip
+    gone = np.append(0.0, np.hypot(*np.diff(path, axis=0).T).cumsum())
+    at = int(np.searchsorted(gone, min(AHEAD / unit, 0.5 * gone[-1])))
+    if not 0 < at < len(path) or gone[-1] * unit < 3 * DOT:
+        return
+    way = path[at] - path[at - 1]
+    size = np.hypot(*way)
+    if size == 0.0:
+        return
+    way = way / size / unit
+    across = np.array([-way[1], way[0]])
+    corners = path[at] + np.array([HEAD[0] * way, HEAD[1] * across, -HEAD[1] * across])
+    ax.add_artist(Polygon(corners, facecolor=colour, edgecolor="none", zorder=2.6))
+    labels.avoid_line(corners)

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
 MARGIN = 0.55  # inches around the outermost points, for symbols and labels
-LOWEST, HIGHEST = 2.0, 5.6  # inches
+LOWEST, HIGHEST = 2.0, 4.8  # inches
 _ARROWS = "→↗↑↖←↙↓↘"
 
 

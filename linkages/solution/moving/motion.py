@@ -221,6 +221,14 @@ class Changed:
             count=self.count + count,
         )
 
+    def joined(self, later: Changed) -> Changed:
+        """These and later ones."""
+        return Changed(
+            pieces=(*self.pieces, *later.pieces),
+            rises=np.concatenate([self.rises, later.rises]),
+            count=self.count + later.count,
+        )
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Motion:

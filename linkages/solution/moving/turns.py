@@ -93,14 +93,10 @@ def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastes
     for halving in range(_HALVINGS + 1):
         when, where, speed = ends
         span = when[1] - when[0]
-        expected = 0.5 * (speed[0] + speed[1]) * span
-        missed = where[1] - where[0] - expected
-        missed -= 2 * np.pi * np.round(missed / (2 * np.pi))
-        sure = (np.abs(missed) <= _CLOSE).all(axis=0)
-        sure &= (np.abs(speed).max(axis=0) * np.abs(span) <= _MOST_TURNED).all(axis=0)
-        sure &= fastest * np.abs(span) <= 1.01 * _GRID_ANGLE
+        change, each = turned_by(where, speed, span)
+        sure = each.all(axis=0) & (fastest * np.abs(span) <= 1.01 * _GRID_ANGLE)
         sure |= halving == _HALVINGS
-        np.add.at(total, owner[sure], (expected + missed).T[sure])
+        np.add.at(total, owner[sure], change.T[sure])
         if sure.all():
             break
         owner = np.tile(owner[~sure], 2)
@@ -116,6 +112,24 @@ def _changes(piece: Piece, times: Floats, angles: Floats, speeds: Floats, fastes
             for pair, half in zip(ends, halves, strict=True)
         ]
     return total.T
+
+
+def turned_by(angles: Floats, speeds: Floats, spans: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """How far angles turn within short times, and where no whole turn can hide in that.
+
+    Parameters
+    ----------
+    angles, speeds
+        At both ends, shape (2, …, times); angles within one turn.
+    spans
+        How long, shape (times,).
+    """
+    expected = 0.5 * (speeds[0] + speeds[1]) * spans
+    missed = angles[1] - angles[0] - expected
+    missed -= 2 * np.pi * np.round(missed / (2 * np.pi))
+    sure = np.abs(missed) <= _CLOSE
+    sure &= np.abs(speeds).max(axis=0) * np.abs(spans) <= _MOST_TURNED
+    return expected + missed, sure
 
 
 def _across(piece: Piece, first: Floats) -> Floats:

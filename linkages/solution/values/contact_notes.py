@@ -134,7 +134,7 @@ def _wide(motion: Motion, nodes: GapNodes, name: str) -> Iterator[str]:
         yield (
             f"clearance {name}: under {pressed:.3g} N the contact reaches "
             f"{math.degrees(half):.0f}° to either side; laws of contact are made for less than "
-            f"{math.degrees(WIDEST):.0f}°, and beyond that pin and hole conform (Persson 1964)"
+            f"{math.degrees(WIDEST):.0f}°, and beyond it journal and bearing conform (Persson 1964)"
         )
 
 

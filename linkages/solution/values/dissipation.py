@@ -18,7 +18,7 @@ def dissipated(motion: Motion) -> tuple[Floats, Floats]:
 
     Returns
     -------
-    Shape (samples, clearances) each; zero where pin and hole cannot part.
+    Shape (samples, clearances) each; zero where journal and bearing cannot part.
     """
     model, losses = motion.pieces[0].system.model, motion.losses
     assert losses is not None

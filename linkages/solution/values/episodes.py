@@ -1,4 +1,4 @@
-"""Times at which pins touch and leave their holes, and what lies between: impacts, or following.
+"""Times at which journals touch and leave their bearings; between are impacts, or following.
 
 A contact that lasts no longer than twice the impact of a free body at the same rate is an impact.
 """
@@ -58,7 +58,8 @@ class Episodes:
     impact
         Whether it is an impact.
     touches
-        How often the pin touched its hole; more than there are contacts here if not all were kept.
+        How often the journal touched its bearing; more than there are contacts here if not all were
+        kept.
     """
 
     name: str
@@ -92,7 +93,7 @@ def episodes(motion: Motion) -> list[Episodes]:
 def states(motion: Motion) -> NDArray[np.int8]:
     """Numbers of `STATES` at the samples, shape (samples, clearances).
 
-    Where pin and hole cannot part they follow each other.
+    Where journal and bearing cannot part they follow each other.
     """
     names = motion.pieces[0].system.mechanism.clearance_names
     found = np.full((len(motion.time), len(names)), FOLLOWING, dtype=np.int8)
@@ -120,7 +121,7 @@ def slowest_touch(motion: Motion) -> Touch | None:
 
 
 def touch_counts(motion: Motion) -> dict[str, int]:
-    """How often each pin touches its hole, a block its guide, a body its stop; by their names."""
+    """How often journals touch bearings, blocks guides, bodies stops; by their names."""
     system = motion.pieces[0].system
     contacts = zip(system.model.contacts, system.mechanism.contacts, strict=True)
     found = {about.name: _count(motion, nodes, _is_rigid(about)) for nodes, about in contacts}

@@ -8,14 +8,19 @@ as a check.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import operator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.contributed.terms import Body, Relation
+from linkages.components.contributed.terms import Body, Parameter, Relation
+from linkages.kernel.graph.scalars import Scalar
+from linkages.kernel.model import Model
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.topology.graph import pairs
@@ -47,10 +52,10 @@ def joint_reactions(motion: Motion) -> Floats:
 
 def _of_piece(piece: Piece) -> Iterator[Floats]:
     if piece.samples is not None:
-        yield _across(piece, _Statics(replace(piece, samples=None)).reactions())
+        yield _across(piece, Statics(replace(piece, samples=None)).reactions())
         return
     for start in range(0, len(piece.time), _CHUNK):
-        yield _Statics(piece.part(slice(start, start + _CHUNK))).reactions()
+        yield Statics(piece.part(slice(start, start + _CHUNK))).reactions()
 
 
 def _across(piece: Piece, reactions: Floats) -> Floats:
@@ -73,11 +78,35 @@ def _across(piece: Piece, reactions: Floats) -> Floats:
     return (regular + unbounded).transpose(2, 0, 1)
 
 
-class _Statics:
-    """The linear system of forces at some samples: three equations per body."""
+def reaction_nodes(model: Model) -> list[Scalar]:
+    """What reactions follow from: accelerations, and all loads."""
+    vectors = [*model.accelerations.joints.values()]
+    vectors += [force for load in model.acting for _, _, force in load.forces()]
+    torques = [torque for load in model.acting for _, torque in load.torques()]
+    return [*(node for v in vectors for node in (v.x, v.y)), *torques]
 
-    def __init__(self, piece: Piece) -> None:
-        self._piece = piece
+
+class Statics:
+    """The linear system of forces at some samples: three equations per body.
+
+    Parameters
+    ----------
+    piece
+        The samples.
+    evaluate
+        Nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
+    number
+        What a number of the definition is in that arithmetic.
+    """
+
+    def __init__(
+        self,
+        piece: Piece,
+        evaluate: Callable[[Sequence[Scalar]], NDArray] | None = None,
+        number: Callable[[Parameter], Any] = operator.attrgetter("value"),
+    ) -> None:
+        self._values = evaluate or partial(evaluate_nodes, piece)
+        self._number = number
         self._system = system = piece.system
         self._topology = system.topology
         self._samples = len(piece.time)
@@ -97,7 +126,8 @@ class _Statics:
         rates = [model.velocities.turning(body.name) for body in bodies]
         vectors = [node for v in (*places, *moved, *units) for node in (v.x, v.y)]
         nodes = [*vectors, *spins, *rates]
-        values = evaluate_nodes(self._piece, nodes)
+        values = self._values(nodes)
+        self._type = values.dtype
         split = 2 * np.cumsum([len(places), len(moved), len(units)])
         found = np.split(values, [*split, split[-1] + len(spins)])
         self._places, self._accelerations, self._units = (
@@ -108,10 +138,16 @@ class _Statics:
 
     def reactions(self) -> Floats:
         """Solve, and add the pairs of each joint."""
+        return self.at_joints(_solved(*self.equations()))
+
+    def equations(self) -> tuple[NDArray, NDArray]:
+        """Matrix and right-hand side, shapes (samples, 3 bodies, unknowns) and (…, 3 bodies)."""
         columns = [*self._pair_columns(), *self._guide_columns(), *self._effort_columns()]
         matrix = np.stack(columns, axis=-1) if columns else np.zeros((self._samples, 0, 0))
-        right = self._inertia() - self._applied()
-        forces = _solved(matrix, right)
+        return matrix, self._inertia() - self._applied()
+
+    def at_joints(self, forces: Floats) -> Floats:
+        """Reactions, shape (samples, joints, 2), of unknowns of shape (samples, unknowns)."""
         result = np.zeros((self._samples, len(self._joint), 2))
         for index, pair in enumerate(self._pairs):
             result[:, self._joint[pair.joint]] += forces[:, 2 * index : 2 * index + 2]
@@ -119,18 +155,18 @@ class _Statics:
 
     def _applied(self) -> Floats:
         """Forces and moments of all loads on each body."""
-        rows, piece = self._column(), self._piece
+        rows = self._column()
         for load in self._system.model.acting:
             for body, joint, force in load.forces():
                 if body is not None:
-                    self._add(rows, body, joint, evaluate_nodes(piece, [force.x, force.y]).T)
+                    self._add(rows, body, joint, self._values([force.x, force.y]).T)
             for body, torque in load.torques():
                 if body is not None:
-                    self._add_torque(rows, body, evaluate_nodes(piece, [torque])[0])
+                    self._add_torque(rows, body, self._values([torque])[0])
         return rows
 
     def _column(self) -> Floats:
-        return np.zeros((self._samples, 3 * len(self._bodies)))
+        return np.zeros((self._samples, 3 * len(self._bodies)), dtype=self._type)
 
     def _add(self, rows: Floats, body: str, joint: str, force: Floats) -> None:
         """Add a force on a body at a joint to its equations, shape (samples, 2)."""
@@ -181,7 +217,7 @@ class _Statics:
             column = self._effort(relation.body)
             slope = self._slope(relation)
             for other, ratio in relation.parts:
-                column -= ratio.value * slope * self._effort(other)
+                column -= self._number(ratio) * slope * self._effort(other)
             yield column
 
     def _slope(self, relation: Relation) -> Floats | float:
@@ -189,7 +225,7 @@ class _Statics:
         if relation.profile is None:
             return 1.0
         slope = self._system.model.positions.slope(relation.body)
-        return evaluate_nodes(self._piece, [slope]).T
+        return self._values([slope]).T
 
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""
@@ -212,26 +248,27 @@ class _Statics:
         """Mass times acceleration less weight, and rates of angular momentum."""
         rows = self._column()
         gravity = self._system.mechanism.gravity
-        g = np.array([gravity.x.value, gravity.y.value])
+        g = np.array([self._number(gravity.x), self._number(gravity.y)])
         for body in self._bodies:
             row, spin = self._row[body.name], self._spins[self._index[body.name]]
             arm, acceleration = self._centre(body)
-            force = body.mass.value * (acceleration - g)
+            force = self._number(body.mass) * (acceleration - g)
             rows[:, row : row + 2] += force
             rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-            rows[:, row + 2] += body.inertia.value * spin
+            rows[:, row + 2] += self._number(body.inertia) * spin
         for mass in self._system.mechanism.point_masses:
             carrier = self._system.mechanism.carrier(mass.joint)
             if carrier is not None:
                 acceleration = self._accelerations[self._joint[mass.joint]]
-                self._add(rows, carrier, mass.joint, mass.mass.value * (acceleration - g))
+                self._add(rows, carrier, mass.joint, self._number(mass.mass) * (acceleration - g))
         return rows
 
     def _centre(self, body: Body) -> tuple[Floats, Floats]:
         """Centre of mass relative to the first joint, and its acceleration."""
         index, first = self._index[body.name], self._first(body.name)
         origin = next(iter(body.points.values()), body.centre)
-        x, y = (c.value - o.value for c, o in zip(body.centre, origin, strict=True))
+        pairs = zip(body.centre, origin, strict=True)
+        x, y = (self._number(c) - self._number(o) for c, o in pairs)
         if body.guide is not None:
             x = y = 0.0
         unit = self._units[index]

@@ -22,7 +22,7 @@ from linkages.solution.values.series import Series, find_series, system_series
 SECTION = "slider9.velocity=0"
 
 TOUCH = "touch"
-"""Quantity of a clearance that opens: where pin and hole touch, and with direction down, part."""
+"""Quantity of a clearance that opens: journal and bearing touch; with direction down, they part."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Surface:
     level
         In SI.
     touch
-        The clearance whose pin touches its hole there; empty for other surfaces.
+        The clearance whose journal touches its bearing there; empty for other surfaces.
     """
 
     series: Series
@@ -89,7 +89,7 @@ DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
-    ``gap.touch`` is where a pin touches its hole (up) or leaves it (down).
+    ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down).
 
     Raises
     ------
@@ -155,7 +155,7 @@ def _surface(system: System, text: str, what: str, value: str = "") -> Surface:
 
 
 def _touch(system: System, name: str, what: str) -> Surface:
-    """Where the pin of a clearance touches its hole."""
+    """Where the journal of a clearance touches its bearing."""
     opening = [contact.name for contact in system.mechanism.contacts]
     if name not in opening:
         told = suggestion(name, opening) or (

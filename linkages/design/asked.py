@@ -1,0 +1,71 @@
+"""Sensitivities and fits as commands write them, in the files of their results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Unpack
+
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.design.fitting.fit import Fitted, fit
+from linkages.design.fitting.measured import Column, Measured
+from linkages.design.sensitivity.sensitivities import sensitivities
+from linkages.options.run import SimulationKeywords, SimulationOptions
+from linkages.options.signature import takes
+from linkages.spec.measures import read_measure
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@takes(SimulationOptions)
+def sensitivity_asked(
+    mechanism: Mechanism,
+    of: Sequence[str],
+    to: Sequence[str],
+    **options: Unpack[SimulationKeywords],
+) -> xr.Dataset:
+    """Sensitivities of measures, and of the series that they reduce.
+
+    Parameters
+    ----------
+    mechanism
+        As `linkages.sensitivities` takes it.
+    of, to
+        Measures, and paths or patterns of numbers.
+    options
+        As `SimulationOptions` describes them.
+    """
+    measures = list(dict.fromkeys(read_measure(text).text for text in of))
+    series = [name for text in measures for name in read_measure(text).series]
+    return sensitivities(mechanism, list(dict.fromkeys([*measures, *series])), [*to], **options)
+
+
+@takes(SimulationOptions)
+def fit_asked(
+    mechanism: Mechanism,
+    vary: Sequence[str],
+    results: xr.Dataset,
+    *,
+    starts: int = 1,
+    seed: int = 0,
+    **options: Unpack[SimulationKeywords],
+) -> Fitted:
+    """A fit to the measurements that are kept beside its results.
+
+    Parameters
+    ----------
+    mechanism, vary, starts, seed
+        As `linkages.fit` takes them.
+    results
+        Of the same fit.
+    options
+        As `SimulationOptions` describes them.
+    """
+    texts: Any = zip(results["series"].to_numpy(), results["series_units"].to_numpy(), strict=True)
+    columns = tuple(
+        Column(str(name), "", str(unit), results["measured"][k].values, results["sigma"][k].values)
+        for k, (name, unit) in enumerate(texts)
+    )
+    known = bool(results.attrs["sigma_known"])
+    measured = Measured(results["time"].to_numpy(), columns, known)
+    return fit(mechanism, measured, [*vary], starts=starts, seed=seed, **options)

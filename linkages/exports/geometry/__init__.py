@@ -1,0 +1,1 @@
+"""What geometric formats have in common: outlines of links with holes, and paths of joints."""

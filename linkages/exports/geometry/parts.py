@@ -1,0 +1,167 @@
+"""Links as parts in millimetres, and the paths of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import PLAYING
+from linkages.exports import Subject
+from linkages.exports.geometry.outlines import Outline, rectangle, rounded
+from linkages.options.option import OptionError
+from linkages.plots.mechanism.bodies import slots_of
+from linkages.plots.mechanism.links import outlines
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.samples import pose_at
+from linkages.plots.mechanism.traces import moving_joints
+
+Array = NDArray[np.float64]
+
+MILLIMETRES = 1000.0
+HOLE = 0.03
+"""Diameter of a hole over the size of the mechanism, where nobody says it."""
+
+WIDTH = 2.5
+"""Width of a link over the diameter of its holes, where nobody says it."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A link where the motion begins, in millimetres.
+
+    Parameters
+    ----------
+    name
+        Of the body.
+    outline
+        Its edge.
+    holes
+        Joint → centre of its hole, shape (2,).
+    slots
+        Edges of slots that others slide in.
+    """
+
+    name: str
+    outline: Outline
+    holes: Mapping[str, Array]
+    slots: list[Outline]
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Diameter of holes and width of links in millimetres."""
+
+    hole: float
+    width: float
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a drawing shows, in millimetres.
+
+    Parameters
+    ----------
+    parts, paths
+        Links, and joints with the places that they go through, shape (time, 2).
+    sizes
+        Of holes and links.
+    """
+
+    parts: list[Part]
+    paths: dict[str, Array]
+    sizes: Sizes
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Low and high corner of everything."""
+        corners = [part.outline.corners for part in self.parts]
+        everything = np.vstack([*corners, *self.paths.values()])
+        margin = self.sizes.width  # round ends reach beyond corners
+        return everything.min(axis=0) - margin, everything.max(axis=0) + margin
+
+
+def drawn_of(
+    subject: Subject, hole: float | None, width: float | None, *, paths: bool, links: bool
+) -> Drawn:
+    """What a drawing shows, as options of the formats say.
+
+    Raises
+    ------
+    ValueError
+        For sizes that make no sense, and if there is nothing to show.
+    """
+    pose = first_pose(subject)
+    sizes = sizes_of(pose, hole, width)
+    parts = parts_of(pose, sizes) if links else []
+    lines = paths_of(subject) if paths else {}
+    if not parts and not lines:
+        raise ValueError("nothing to export: no link and no path of a joint is asked for")
+    return Drawn(parts, lines, sizes)
+
+
+def first_pose(subject: Subject) -> Pose:
+    """Where the motion begins, in millimetres."""
+    return pose_at(subject.solution.data, subject.mechanism, 0).scaled(MILLIMETRES)
+
+
+def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
+    """Sizes in millimetres from those that are given in metres, or a default for either.
+
+    Raises
+    ------
+    OptionError
+        For holes of no positive diameter, and links that are no wider than their holes.
+    """
+    diameter = HOLE * pose.extent if hole is None else MILLIMETRES * hole
+    wide = WIDTH * diameter if width is None else MILLIMETRES * width
+    if not 0.0 < diameter < np.inf:
+        raise OptionError("hole", f"hole must be > 0 m, found {hole:g}")
+    if not diameter < wide < np.inf:
+        raise OptionError(
+            "width", f"width must be larger than the holes of {diameter:g} mm, found {wide:g} mm"
+        )
+    return Sizes(diameter, wide)
+
+
+def parts_of(pose: Pose, sizes: Sizes) -> list[Part]:
+    """All links whose places are known: bars, plates, blocks; clearances are none."""
+    bodies = {body.name: rounded(corners, 0.5 * sizes.width) for body, corners in outlines(pose)}
+    parts = []
+    for name, body in pose.mechanism.bodies.items():
+        shown = {joint: np.array(place) for joint, place in pose.shown(name).items()}
+        if body.kind in PLAYING or not shown:
+            continue
+        outline, angle = bodies.get(name), pose.angle(name)
+        if outline is None:
+            if angle is None:
+                continue
+            centre = next(iter(shown.values()))
+            outline = rectangle(centre, angle, 2.0 * sizes.width, sizes.width)
+        slots = [rounded(ends, 0.5 * sizes.hole) for ends in slots_of(pose, name)]
+        parts.append(Part(name, outline, shown, slots))
+    return parts
+
+
+def paths_of(subject: Subject) -> dict[str, Array]:
+    """Moving joint → the places it goes through, shape (time, 2), in millimetres.
+
+    Samples where the joint is not known are left out at both ends.
+
+    Raises
+    ------
+    ValueError
+        If a path has gaps.
+    """
+    found = {}
+    for name, path in moving_joints(subject.solution.data, subject.mechanism).items():
+        known = np.flatnonzero(np.isfinite(path).all(axis=1))
+        if not len(known):
+            continue
+        part = path[known[0] : known[-1] + 1]
+        if len(part) != len(known):
+            raise ValueError(f"the path of joint {name} has gaps: it cannot be one line")
+        found[name] = MILLIMETRES * part
+    return found

@@ -1,0 +1,215 @@
+"""Arrows of a drawing: drives, forces and torques, with the sizes that are written at them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from linkages.components.contributed.functions import Number
+from linkages.components.contributed.measures import BodyAxis, Coordinate, Load, Turn
+from linkages.components.contributed.sensing import named
+from linkages.plots.mechanism import outlining
+from linkages.plots.mechanism.frames import Frame, body_direction, joints
+from linkages.plots.mechanism.guides import grounded, half_length, pin_of, rod_side
+from linkages.plots.mechanism.kinds import by_kind
+from linkages.plots.mechanism.outlining import BLOCK, MASS, SMALL_BLOCK, Stroke
+from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.senses import BOTH, drive_sense, force_direction, load_sense
+from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Word
+from linkages.plots.prefixes import scale_for
+
+RADII, SPAN = (6.5, 18.0), 1.9  # of the arrow about a driven body's pin
+TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
+STRAIGHT = 23.0
+SHAFT = 1.2
+
+
+def draw_drives(pose: Pose, scale: float) -> list[Shape]:
+    """The sense in which each drive moves its body; nothing for one that stands still."""
+    mechanism = pose.mechanism
+    found: list[Shape] = []
+    for name in mechanism.prescribed:
+        sense = drive_sense(mechanism, name)
+        if not mechanism.bodies[name].rotates:
+            found += _beside_block(pose, name, sense, "driven", scale, over=True)
+            continue
+        shown = sorted(pose.shown(name), key=lambda joint: joint not in mechanism.ground)
+        if len(shown) > 1 and sense:
+            length = scale * float(
+                np.hypot(*np.subtract(pose.positions[shown[1]], pose.positions[shown[0]]))
+            )
+            radius = float(np.clip(0.55 * length, *RADII))
+            span = min(SPAN, SPAN * length / RADII[0])
+            frame = Frame(pose, joints(shown[0], shown[1]))
+            found += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
+    return found
+
+
+def _arc(
+    frame: Frame, centre: Anchor, radius: float, middle: float, span: float, sense: int, role: str,
+    name: str,
+) -> list[Shape]:  # fmt: skip
+    half = -0.5 * span if sense < 0 else 0.5 * span
+    line = outlining.arc(radius, middle - half, middle + half)
+    return _arrow(frame, centre, line, sense, role, name)
+
+
+def _arrow(
+    frame: Frame, centre: Anchor, line: Stroke, sense: int, role: str, name: str
+) -> list[Shape]:
+    """A line in points about an anchor with a head at its end, or with one at both."""
+    heads = [outlining.arrow_head(line)]
+    if sense == BOTH:
+        heads.append(outlining.arrow_head(line[::-1]))
+    shaft = [line[1 if sense == BOTH else 0 : -1]]
+    return [
+        frame.symbol(centre, shaft, Look(role, SHAFT), name=name),
+        frame.symbol(centre, heads, Look(role, 0.3, role), closed=True, name=name),
+    ]
+
+
+def draw_forces(pose: Pose, scale: float) -> list[Shape]:
+    """Arrows of forces at joints and blocks, and arcs of torques on bodies."""
+    mechanism, kinds = pose.mechanism, by_kind(pose.mechanism.loads)
+    found: list[Shape] = []
+    for (_, joint), force in kinds.joints.items():
+        frame, sense = _along(pose, force)
+        if sense and frame is not None and joint in pose.positions:
+            line = _straight(MASS + 1.0, 0.0, sense)
+            found += _arrow(frame, frame.at(joint), line, sense, "load", joint)
+    for turn, torque in kinds.turns:
+        spot = _torque_spot(pose, turn) if torque.given or torque.applied else None
+        if spot and (sense := load_sense(torque, mechanism)):
+            frame = Frame(pose, body_direction(pose, turn.body))
+            length = scale * _span(pose, turn.body)
+            radius = float(np.clip(0.3 * length, *TORQUE))
+            middle = 0.5 * np.pi
+            found += _arc(frame, spot, radius, middle, TORQUE_SPAN, sense, "load", turn.body)
+    for slide, load in kinds.slides:
+        if load.pushes:
+            found += _beside_block(pose, slide.body, load_sense(load, mechanism), "load", scale)
+    return found
+
+
+def _straight(start: float, across: float, sense: int) -> Stroke:
+    """From a start along the way in which a force points; about the middle for both ways."""
+    if sense == BOTH:
+        start = -0.5 * STRAIGHT - 3.0
+        ends = np.linspace(start, -start, 15)
+    else:
+        ends = float(np.sign(sense)) * np.linspace(start, start + STRAIGHT, 15)
+    return [(float(x), across) for x in ends]
+
+
+def _beside_block(
+    pose: Pose, name: str, sense: int, role: str, scale: float, *, over: bool = False
+) -> list[Shape]:
+    """An arrow over a block, or before or behind it: pulling or pushing."""
+    axis = pose.axis(name)
+    if axis is None or sense == 0:
+        return []
+    frame, height = Frame(pose, body_direction(pose, name)), BLOCK[1]
+    half = half_length(pose, name)
+    if not grounded(pose, name):
+        height = SMALL_BLOCK[1]
+    side = 0 if over else force_side(pose, name, sense)
+    if side and grounded(pose, name) and rod_side(pose, name, axis, scale) == side:
+        side = 0  # there is the rod of the slider
+    if side == 0:
+        line = _straight(-half if sense != BOTH else 0.0, height + 8.0, sense)
+    else:
+        far, near = half + 2.0 + STRAIGHT, half + 2.0
+        first, last = (near, far) if side == sense else (far, near)
+        line = [(float(side * x), 0.0) for x in np.linspace(first, last, 15)]
+    return _arrow(frame, pin_of(pose, name), line, sense, role, name)
+
+
+def force_side(pose: Pose, name: str, sense: int) -> int:
+    """On which side of a slider, along its axis, an arrow of a force stands: where no bars are.
+
+    There it pulls at the block, or pushes it, as its sense wants. 0 for a force of both senses,
+    whose arrow stands over the block.
+    """
+    if sense == BOTH:
+        return 0
+    angle, shown = pose.angle(name), pose.shown(name)
+    along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
+    ways = [
+        float(np.subtract(other, shown[joint]) @ along)
+        for joint in shown
+        for body in pose.mechanism.bodies
+        if body != name and joint in pose.shown(body)
+        for other in pose.shown(body).values()
+    ]
+    balance = sum(ways)
+    if abs(balance) < 1e-6 * pose.extent:
+        return sense
+    return -1 if balance > 0.0 else 1
+
+
+def load_words(pose: Pose) -> list[Word]:
+    """What is written at loads: their sizes, or the symbols of what varies."""
+    kinds, look = by_kind(pose.mechanism.loads), Look("load")
+    found = []
+    for (_, joint), force in kinds.joints.items():
+        frame, sense = _along(pose, force)
+        size = _size([load for _, load in force])
+        if joint in pose.positions and size and sense and frame is not None:
+            out = STRAIGHT if sense == BOTH else sense * (STRAIGHT + MASS)
+            tip = frame.at(joint, (float(out), 0.0))
+            found.append(Word(size, (tip,), look, 4.0, frame.direction, joint))
+    for slide, axial in kinds.slides:
+        size, sense = _size([axial]), load_sense(axial, pose.mechanism)
+        if axial.pushes and size and sense and pose.axis(slide.body) is not None:
+            side = force_side(pose, slide.body, sense)
+            frame = Frame(pose, body_direction(pose, slide.body))
+            pin = pin_of(pose, slide.body)
+            end = Anchor(pin.joints, points=(side * (STRAIGHT + 8.0), 0.0))
+            gap = 4.0 if side else 16.0
+            found.append(Word(size, (end,), look, gap, frame.direction, slide.body))
+    for turn, torque in kinds.turns:
+        spot, size = _torque_spot(pose, turn), _size([torque])
+        if (torque.given or torque.applied) and spot and size:
+            found.append(Word(size, (spot,), look, TORQUE[1] + 3.0, name=turn.body))
+    return found
+
+
+def _along(
+    pose: Pose, force: Sequence[tuple[Coordinate | BodyAxis, Load]]
+) -> tuple[Frame | None, int]:
+    """Direction of a force in the plane and its sense, 0 where its body is not shown."""
+    angle, sense = force_direction(force, pose.mechanism)
+    measure = force[0][0]
+    body = measure.body if isinstance(measure, BodyAxis) else None
+    if body is not None and pose.angle(body) is None:
+        return None, 0
+    return Frame(pose, body_direction(pose, body, angle)), sense
+
+
+def _size(loads: list[Load]) -> str:
+    """The magnitude of loads that are one arrow, or the symbol of what varies; empty for none."""
+    turning = loads[0].twists
+    numbers = [load.law.parameter.value for load in loads if isinstance(load.law, Number)]
+    if len(numbers) < len(loads):
+        found = dict.fromkeys(name for load in loads for name in named(load.law))
+        return f"{'M' if turning else 'F'}({', '.join(found)})"
+    size = float(np.hypot.reduce(numbers)) if len(numbers) > 1 else abs(numbers[0])
+    return scale_for(size, "N·m" if turning else "N").text(size) if size else ""
+
+
+def _torque_spot(pose: Pose, turn: Turn) -> Anchor | None:
+    """The joint between two bodies, or the middle of one that the ground turns."""
+    shown = list(pose.shown(turn.body))
+    if not shown:
+        return None
+    if turn.reference is None:
+        return Anchor(tuple((joint, 1.0 / len(shown)) for joint in shown))
+    others = pose.shown(turn.reference)
+    return Anchor(((next((joint for joint in shown if joint in others), shown[0]), 1.0),))
+
+
+def _span(pose: Pose, body: str) -> float:
+    """How far the joints of a body are apart."""
+    places = np.array(list(pose.shown(body).values()))
+    return float(np.hypot(*np.ptp(places, axis=0)))

@@ -1,0 +1,138 @@
+"""Guides of sliders on the ground: rails along their travel, or rods in bushings."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.plots.mechanism import outlining
+from linkages.plots.mechanism.bodies import body_role
+from linkages.plots.mechanism.frames import Frame, body_direction, mixed, moved
+from linkages.plots.mechanism.links import CASING, THICKNESS
+from linkages.plots.mechanism.outlining import BLOCK, SMALL_BLOCK
+from linkages.plots.mechanism.pose import Pose, SliderAxis
+from linkages.plots.mechanism.shapes import Anchor, Direction, Look, Shape, Strokes
+
+Array = NDArray[np.float64]
+
+AXIS_LINE = (9.0, 2.0, 1.5, 2.0)
+RAIL = BLOCK[1] + 1.2  # points from the axis
+BUSHING, APART = (9.0, 3.2), 30.0  # half length and half height; from the last place of the block
+ASIDE = 0.12
+"""Of the picture: how far the ground lies beside an axis that has rails on the other side only."""
+
+
+def travel_of(pose: Pose, name: str, axis: SliderAxis) -> tuple[float, float]:
+    """Least and largest displacement in the units of the pose, the present one among them."""
+    low, high = (pose.unit * value for value in pose.travel.get(name, (np.nan, np.nan)))
+    return float(np.fmin(low, axis.reach)), float(np.fmax(high, axis.reach))
+
+
+def grounded(pose: Pose, name: str) -> bool:
+    """Whether a slider moves along an axis on the ground."""
+    guide = pose.mechanism.bodies[name].guide
+    return guide is not None and guide.body is None
+
+
+def pin_of(pose: Pose, name: str) -> Anchor:
+    """Where the block of a slider is."""
+    return Anchor(((next(iter(pose.mechanism.bodies[name].points)), 1.0),))
+
+
+def half_length(pose: Pose, name: str) -> float:
+    """Of the block of a slider, in points."""
+    return BLOCK[0] if grounded(pose, name) else SMALL_BLOCK[0]
+
+
+def draw_guides(pose: Pose, scale: float) -> list[Shape]:
+    """What guides sliders on the ground: it stands still. `scale` is in points per metre."""
+    found: list[Shape] = []
+    for name in pose.mechanism.bodies:
+        axis = pose.axis(name) if grounded(pose, name) else None
+        if axis is None:
+            continue
+        frame, (low, high) = Frame(pose, Direction(axis.angle)), travel_of(pose, name, axis)
+        first, last = (frame.fixed(axis.at(reach), None) for reach in (low, high))
+        line = Look("guide", 0.7, dashes=AXIS_LINE)
+        beyond = 2 * BLOCK[0] + 20.0
+        ends = moved(first, -beyond, 0.0), moved(last, beyond, 0.0)
+        found.append(frame.line(ends, line, name))
+        side = rod_side(pose, name, axis, scale)
+        if side:
+            centre = moved(last if side > 0 else first, side * APART, 0.0)
+            found.append(_bushing(frame, centre, name))
+        else:
+            found.append(_rails(pose, frame, axis, (first, last), (high - low) * scale, name))
+    return found
+
+
+def _bushing(frame: Frame, centre: Anchor, name: str) -> Strokes:
+    upper = outlining.hatching(-BUSHING[0], BUSHING[0], -BUSHING[1])
+    strokes = [*upper, *outlining.mirrored(upper)]
+    return frame.symbol(centre, strokes, Look("ink"), name=name)
+
+
+def _rails(
+    pose: Pose, frame: Frame, axis: SliderAxis, ends: tuple[Anchor, Anchor], length: float,
+    name: str,
+) -> Strokes:  # fmt: skip
+    """Two lines along all of the travel, one of them hatched; that one alone beside a linkage."""
+    along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    places = [pose.positions[j] for j in pose.mechanism.ground if j in pose.positions]
+    across = [float(np.subtract(place, axis.origin) @ (-along[1], along[0])) for place in places]
+    aside = float(np.mean(across or [0.0])) / pose.extent
+    solid = 1.0 if aside < -ASIDE else -1.0
+    left, right = moved(ends[0], -2 * BLOCK[0], 0.0), moved(ends[1], 2 * BLOCK[0], 0.0)
+    strokes = [(moved(left, 0.0, solid * RAIL), moved(right, 0.0, solid * RAIL))]
+    if abs(aside) <= ASIDE:
+        strokes.append((moved(left, 0.0, -solid * RAIL), moved(right, 0.0, -solid * RAIL)))
+    count = max(2, int((length + 4 * BLOCK[0]) / 3.4))
+    for share in (np.arange(count) + 0.9) / count:
+        foot = mixed(left, right, float(share))
+        begin = moved(foot, 0.0, solid * RAIL)
+        strokes.append((begin, moved(begin, -3.2, solid * 3.6)))
+    return Strokes(tuple(strokes), Look("ink"), frame.direction, name=name)
+
+
+def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:
+    """Where a slider on the ground is a rod in a bushing, instead of a block between rails.
+
+    That is one that carries another slider's axis, and one whose rails would cross the ground: 1
+    for a bushing beyond its largest displacement, -1 for one beyond the least, 0 for rails.
+    """
+    guides = (b.guide for b in pose.mechanism.bodies.values() if b.kind == "slider")
+    carries = any(guide is not None and guide.body == name for guide in guides)
+    along = np.array([np.cos(axis.angle), np.sin(axis.angle)])
+    turning = {joint for body in pose.mechanism.bodies.values() for joint in body.points}
+    ways = [
+        np.subtract(pose.positions[joint], axis.origin)
+        for joint in pose.mechanism.ground
+        if joint in pose.positions and joint in turning
+    ]
+    low, high = travel_of(pose, name, axis)
+    beside, room = (RAIL + 6.0) / scale, (2 * BLOCK[0] + 4.0) / scale
+    reaches = [float(way @ along) for way in ways]
+    crossed = [
+        reach
+        for way, reach in zip(ways, reaches, strict=True)
+        if abs(way @ (-along[1], along[0])) < beside and low - room < reach < high + room
+    ]
+    if not carries and (not crossed or high == low):
+        return 0
+    return -1 if float(np.mean(reaches or [0.0])) > 0.5 * (low + high) + 1e-9 * pose.extent else 1
+
+
+def draw_rods(pose: Pose, scale: float) -> list[Shape]:
+    """Sliders on the ground that are rods in a bushing: they pass behind cranks."""
+    found: list[Shape] = []
+    for name in pose.mechanism.bodies:
+        axis = pose.axis(name) if grounded(pose, name) else None
+        side = rod_side(pose, name, axis, scale) if axis is not None else 0
+        if axis is not None and side:
+            (low, high), pin = travel_of(pose, name, axis), pin_of(pose, name)
+            beyond = APART + BUSHING[0] + 5.0
+            end = Anchor(pin.joints, (side * (high - low), 0.0), (side * beyond, 0.0))
+            look = Look(body_role(pose.mechanism, name), THICKNESS, casing=CASING)
+            frame = Frame(pose, body_direction(pose, name))
+            found.append(frame.line((pin, end), look, name))
+    return found

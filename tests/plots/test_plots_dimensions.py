@@ -1,0 +1,52 @@
+"""Lengths and centres of mass in drawings, against the numbers of the definition."""
+
+import numpy as np
+import pytest
+from drawn_shapes import SCALE
+
+import linkages
+from linkages.kernel.system import System
+from linkages.plots.mechanism.dimensions import CENTRE, draw_centres, length_words
+from linkages.plots.mechanism.drawing import reach, start_figure, start_pose
+from linkages.plots.mechanism.placing import placed
+from linkages.plots.mechanism.shapes import Disc
+
+
+@pytest.fixture(scope="module")
+def system():
+    return System(linkages.load("four-bar"))
+
+
+def test_lengths_are_those_of_the_file(system):
+    pose = start_pose(system)
+    words = {}
+    for word in length_words(pose, reach(pose).scale):
+        words.setdefault(word.name, []).append(word.text)
+    assert words["crank"] == ["40 mm"]
+    assert words["rocker"] == ["80 mm"]
+    assert sorted(words["coupler"])[0] == "120 mm"
+    assert len(words["coupler"]) == 3
+
+
+def test_centres_of_mass_are_where_the_bodies_have_them(system):
+    pose = start_pose(system)
+    found = {s.name: s for s in draw_centres(pose) if isinstance(s, Disc)}
+    for name, body in system.mechanism.bodies.items():
+        x, y = (number.value for number in body.centre)
+        angle = pose.angle(name)
+        joint, (u, v) = next(iter(body.points.items()))
+        own = np.array([x - u.value, y - v.value])
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        expected = np.array(pose.positions[joint]) + turn @ own
+        disc = found[name]
+        (place,) = placed(pose, [disc.centre], disc.direction, 1 / SCALE)
+        assert place == pytest.approx(expected, abs=1e-15)
+        assert disc.points == CENTRE
+
+
+def test_they_are_drawn_if_they_are_asked_for(system):
+    plain, full = (
+        {text.get_text() for text in start_figure(system, dimensions=asked).axes[0].texts}
+        for asked in (False, True)
+    )
+    assert {"40 mm", "80 mm", "120 mm"} <= full - plain

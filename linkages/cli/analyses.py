@@ -6,7 +6,7 @@ What they do is `run` of the module of their name in `linkages.cli.verbs`.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -139,13 +139,17 @@ def animate(
     ] = 0.0,
     duration: Annotated[
         float | None,
-        typer.Option(parser=SECONDS, metavar="<time>", help="How much to show; default: the rest."),
+        typer.Option(
+            parser=SECONDS,
+            metavar="<time>",
+            help="How much of the motion to show; default: what can be seen.",
+        ),
     ] = None,
     slow: Annotated[
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: 1, or what makes the film last from 4 to 12 s."
+            "default: what shows the fastest swing."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -153,7 +157,15 @@ def animate(
         str | None,
         typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
     ] = None,
-    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
+    dpi: Annotated[
+        float | None,
+        typer.Option(help="Pixels per inch; default: texts and symbols grow with the size."),
+    ] = None,
+    names: Annotated[bool, typer.Option("--names", help="Write names beside joints.")] = False,
+    plot: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
+    ] = None,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 

@@ -94,6 +94,7 @@ class Moving(StrEnum):
     """Formats of moving pictures."""
 
     GIF = "gif"
+    WEBP = "webp"
     MP4 = "mp4"
 
 

@@ -56,6 +56,8 @@ from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
 from linkages.registering import unregister as unregister
+from linkages.reports.report import save_report as save_report
+from linkages.reports.tables import save_table as save_table
 from linkages.solution.functions.propagator import Propagator as Propagator
 from linkages.solution.functions.rhs import Equations as Equations
 from linkages.solution.functions.rhs import compile as compile  # noqa: A004

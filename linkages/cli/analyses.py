@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Drawing, Moving, Processor, Start
+from linkages.cli.options import Drawing, Moving, Page, Processor, Start, Table
 from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
@@ -72,6 +72,11 @@ def simulate(
         ),
     ] = None,
     measure: Measures = None,
+    units: Annotated[
+        str | None, typer.Option(help="Units of the table instead of SI, e.g. 'mm,deg,rpm'.")
+    ] = None,
+    table: Annotated[Table, typer.Option(help="xlsx: a spreadsheet.")] = Table.CSV,
+    report: Annotated[Page | None, typer.Option(help="Write a report of one page as well.")] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 

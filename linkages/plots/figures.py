@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
@@ -14,7 +15,7 @@ from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit, phase
 from linkages.plots.motion.polar import POLAR, polar_figure
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
-from linkages.plots.style import style
+from linkages.plots.style import fitted, style
 from linkages.reading.replacing import replaced
 from linkages.solution.solution import Solution
 from linkages.solution.values.requests import available
@@ -101,6 +102,11 @@ FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
 }
 """Figure → outputs that it shows over time, of those that are not called like it."""
 
+LINE, MARGIN = 0.21, 0.1
+"""Height of a remark above a figure, and what is left free beside it, in inches."""
+
+REMARK = "#5A5A5A"
+
 # Dates and versions would make files of the same figure differ.
 _METADATA: dict[str, dict[str, str | None]] = {
     "png": {"Software": None},
@@ -116,6 +122,7 @@ def save_figures(
     format: str = "png",  # noqa: A002
     names: Iterable[str] | None = None,
     dense: xr.Dataset | None = None,
+    remark: str = "",
 ) -> list[Path]:
     """Write the figures that the data allow, each whole or not at all.
 
@@ -133,6 +140,8 @@ def save_figures(
         Of `FIGURES`; `OF_ALL` if not given.
     dense
         Data for curves over time, if others than `data`.
+    remark
+        As `write_figure` takes it.
 
     Returns
     -------
@@ -152,7 +161,7 @@ def save_figures(
         chosen = data if dense is None or name in PICTURES else dense
         figure = FIGURES[name](chosen, mechanism)
         if figure is not None:
-            written.append(write_figure(figure, folder / f"{name}.{format}"))
+            written.append(write_figure(figure, folder / f"{name}.{format}", remark))
     return written
 
 
@@ -162,7 +171,7 @@ def _check(what: str, found: list[str], known: Iterable[str]) -> None:
         raise ValueError(f"unknown {what} {unknown[0]!r}; expected one of: {', '.join(known)}")
 
 
-def write_figure(figure: Figure, path: Path) -> Path:
+def write_figure(figure: Figure, path: Path, remark: str = "") -> Path:
     """Write one figure; a file of that name is replaced only when the new one is complete.
 
     Parameters
@@ -171,10 +180,25 @@ def write_figure(figure: Figure, path: Path) -> Path:
         What to write.
     path
         Ends in ``.png``, ``.pdf`` or ``.svg``.
+    remark
+        A line above the figure, such as in what the mechanism differs from its file; the picture
+        becomes higher by it.
     """
     kind = path.suffix.lstrip(".")
     # A tenth more bytes than the best compression, in a third of its time.
     options: dict[str, Any] = {"pil_kwargs": {"compress_level": 3}} if kind == "png" else {}
     with replaced(path) as temporary, style():
+        if remark:
+            options["bbox_inches"] = _under(figure, remark)
         figure.savefig(temporary, format=kind, metadata=_METADATA[kind], **options)
     return path
+
+
+def _under(figure: Figure, remark: str) -> Bbox:
+    """Write a line above a figure, and return the box of both in inches."""
+    width, height = figure.get_size_inches()
+    left = min((ax.get_position().x0 for ax in figure.axes), default=0.0)
+    room = width * (1.0 - left) - MARGIN
+    place = (left, 1.0 + MARGIN / 2.0 / height)
+    figure.text(*place, fitted(remark, room, 8.0), fontsize=8, color=REMARK)
+    return Bbox.from_bounds(0.0, 0.0, width, height + LINE)

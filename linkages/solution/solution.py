@@ -150,7 +150,7 @@ class Solution:
         from linkages.solution.origin import origin_of
 
         notes = json.dumps(self.notes, ensure_ascii=False)
-        origin = {**origin_of(self.mechanism, self.options), "notes": notes}
+        origin = {"verb": "simulate", **origin_of(self.mechanism, self.options), "notes": notes}
         paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
         times = {name: data["time"].to_numpy() for name, data in self.events.items()}
         return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths

@@ -1,6 +1,7 @@
 """Figures of sections, sweeps, exponents, spectra, maps and contact show what the data say."""
 
 import re
+from html import unescape
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from linkages.chaos.sections.contact import contact_check, lost_spans
 from linkages.chaos.series.rotation import Kind
 from linkages.chaos.series.spectrum import power_spectrum
+from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
 from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
 from linkages.plots.motion.free_axes import free_coordinates, show_degrees
@@ -426,17 +428,19 @@ TABLE = ("Heading <1>", ["what", "found"], [["a & b", "<3>"]])
 def test_page_needs_no_other_file_and_has_all_figures():
     found = report()
     figures = chaos_figures(found)
-    text = chaos_page(found, [TABLE], figures)
+    text = chaos_page(found, [TABLE], figures, load("pendulum"))
     assert list(figures) == ["chaos_section", "chaos_exponents", "chaos_spectrum", "chaos_contact"]
-    assert text.count('src="data:image/png;base64,iVBOR') == len(figures)
+    assert text.count('src="data:image/png;base64,iVBOR') == len(figures) + 1  # and the drawing
     assert not re.search(r"""(src|href|url\()\s*=?\s*["']?(https?:|//|\.|/)""", text)
     assert "<script" not in text
+    assert "What the tests mean" in text
+    assert load("pendulum").to_yaml() in unescape(text)
 
 
 def test_everything_from_the_file_is_escaped():
     evil = '<script>alert("x")</script> & $title ${reasons}'
     found = report(evil, source=evil, reasons=(evil,), notes=(evil,), verdict="undecided")
-    text = chaos_page(found, [(evil, [evil], [[evil]])], {})
+    text = chaos_page(found, [(evil, [evil], [[evil]])], {}, load("pendulum"))
     assert "<script" not in text
     assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 8
 

@@ -189,7 +189,7 @@ def test_memory_of_a_driven_motion_does_not_grow_with_its_length():
     assert peak(1000) < 4 * peak(10)
 
 
-ORIGIN = ("definition", "options", "arguments", "version", "notes")
+ORIGIN = ("verb", "version", "libraries", "options", "arguments", "changes", "definition", "notes")
 
 
 def test_netcdf_round_trip(everything, tmp_path):

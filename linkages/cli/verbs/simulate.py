@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.simulated import as_far_as_possible, how_far
-from linkages.cli.terminal import number, print_notes, table
-from linkages.errors import ComputationError
+from linkages.cli.terminal import number, print_notes
+from linkages.cli.terminal import table as printed_table
+from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
@@ -51,7 +53,13 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 
 
 def run(
-    request: Request, outputs: str | None, verify: bool | None, measure: Sequence[str] | None
+    request: Request,
+    outputs: str | None,
+    verify: bool | None,
+    measure: Sequence[str] | None,
+    units: str | None,
+    table: str,
+    report: str | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
@@ -75,7 +83,14 @@ def run(
     notes = [*solution.notes, *_warnings(solution)]
     complete = failure is None
     with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
-        solution.save(place.folder)
+        written = solution.save(place.folder)
+        if units is not None or table != "csv":
+            written[1].unlink()
+            _save_table(solution, place.folder / f"simulate.{table}", units)
+        if report is not None:
+            from linkages.reports.report import save_report
+
+            save_report(solution, place.folder / f"report.{report}")
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures
 
@@ -83,13 +98,14 @@ def run(
             save_figures(
                 solution.data, solution.mechanism, place.folder, request.format, drawn,
                 dense_data(solution, drawn),
+                remark=request.differences,
             )  # fmt: skip
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)
         if measured:
             cells = [[row["measure"], row["value"], row["units"]] for row in measured]
-            screen.print(table("Measures", ["measure", "value", "unit"], cells))
+            screen.print(printed_table("Measures", ["measure", "value", "unit"], cells))
         print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
 
     content = {
@@ -104,6 +120,15 @@ def run(
         "notes": notes,
     }
     return request.report(content, place.files, show, failure=failure)
+
+
+def _save_table(solution: Solution, path: Path, units: str | None) -> None:
+    from linkages.reports.tables import save_table
+
+    try:
+        save_table(solution, path, units or ())
+    except (ValueError, ImportError) as error:
+        raise InputError("--table", [Problem(message=str(error))]) from None
 
 
 def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
@@ -230,7 +255,7 @@ def _print(
     ]  # fmt: skip
     columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
     if cells:
-        screen.print(table("Least and largest values", columns, cells))
+        screen.print(printed_table("Least and largest values", columns, cells))
     for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
         screen.print(line, markup=False, soft_wrap=True)
     if solution.settings.run.method == AUTO and solution.motion.reason:

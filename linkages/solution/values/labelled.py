@@ -35,7 +35,7 @@ def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float6
     }
     for dim in dims:
         coordinates[dim] = (dim, np.array(labels(system.model, dim), dtype=object))
-    attrs = {"name": system.mechanism.name, "source": system.mechanism.source}
+    attrs = {"name": system.mechanism.name, "source": system.mechanism.file_name}
     if system.topology.free:
         attrs["free"] = " ".join(system.topology.free)
     return xr.Dataset(variables, coordinates, attrs)

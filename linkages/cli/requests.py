@@ -231,9 +231,9 @@ class Request:
         The exit code.
         """
         if self.json:
-            found = {"changes": list(self.mechanism.changes), **content}
-            more = {"moved": self.notes} if self.notes else {}
-            print_json({**found, **more, "files": [str(path) for path in files]})
+            more = {"changes": list(self.mechanism.changes), "moved": self.notes}
+            said = {name: texts for name, texts in more.items() if texts}
+            print_json({**content, **said, "files": [str(path) for path in files]})
         else:
             screen = console()
             if self.mechanism.changes:

@@ -354,7 +354,7 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert "mixed" in result.out
     assert "100 periods: the motion is settled from there on" in result.out
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
-    assert page.count("data:image/png;base64,") == 3
+    assert page.count("data:image/png;base64,") == 4  # the drawing, and three figures
     assert '<span class="verdict">chaotic</span>' in page
     content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
     assert content["verdict"] == "chaotic"

@@ -6,7 +6,7 @@ What they do is `run` of the module of their name in `linkages.cli.verbs`.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 

@@ -27,7 +27,6 @@ from linkages import interrupts
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import LinkagesError
 from linkages.reading.replacing import prefix, remove_leftovers, replaced
-from linkages.reading.wording import listed
 from linkages.solution.origin import DEFINITION, origin_of
 from linkages.stamps import stamp
 
@@ -173,7 +172,7 @@ def _separate(verb: str, folder: Path, origin: Mapping[str, str]) -> list[str]:
                 (folder / name).replace(aside / name)
             record.replace(aside / RECORDS / record.name)
             notes.append(
-                f"moved {listed(list(own), 'and')} of {record.stem} to {aside}: "
+                f"moved {len(own)} file{'s' * (len(own) > 1)} of {record.stem} to {aside}: "
                 "computed from another definition"
             )
     return notes

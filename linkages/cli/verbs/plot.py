@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from inspect import signature
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ from linkages.kernel.system import System
 from linkages.options.option import OptionError
 from linkages.solution.opened import ENDING
 from linkages.solution.opened import open as opened
+from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution
 from linkages.solution.values.series import TIME, find_series, system_series, with_sizes
 
@@ -125,8 +127,8 @@ def _asked(
             if saved.analysis != "simulate":
                 message = f"expected results of simulate, found those of {saved.analysis}"
                 raise InputError(file, [Problem(message=message)])
-            arguments = {**saved.arguments}
-            arguments.pop("events", None)
+            known = signature(simulate).parameters.keys() - {"events", "outputs"}
+            arguments = {n: value for n, value in saved.arguments.items() if n in known}
         for place in places:
             values: dict[str, object] = {}
             for axis, index in zip(axes, place, strict=True):

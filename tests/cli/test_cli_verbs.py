@@ -270,7 +270,7 @@ def test_markup_in_a_name_is_text(cli, tmp_path):
     assert cli("check", "m.yaml").out.splitlines()[0] == title
     result = cli("simulate", "m.yaml", "--no-figures", *SHORT)
     assert (result.code, result.err) == (0, "")
-    assert result.out.startswith(f"{title}: ")
+    assert result.out.splitlines()[1].startswith(f"{title}: ")
 
 
 # equations
@@ -376,7 +376,9 @@ def test_json_is_one_object_and_nothing_else(cli, tmp_path):
 def test_table_of_maxima(cli):
     """Like the paper's: quantities with element, value, unit and time."""
     text = plain(cli("simulate", "slider-crank", "--no-figures", *SHORT).out)
-    assert text.startswith("Slider-crank: 21 samples to t = 0.02 s, all coordinates driven")
+    assert text.splitlines()[1].startswith(
+        "Slider-crank: 21 samples to t = 0.02 s, all coordinates driven"
+    )
     for words in ("driving torque", "displacement", "velocity", "acceleration", "piston", "at t"):
         assert words in text
     assert "2 files in results/slider-crank" in text

@@ -52,6 +52,7 @@ def test_json_and_options(cli):
         "slow": pytest.approx(100.0),
         "seconds": 1.0,
         "notes": [],
+        "changes": ["bars.rod.length=0.2"],
         "files": ["film/animation.gif"],
     }
     with Image.open("film/animation.gif") as image:

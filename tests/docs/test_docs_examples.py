@@ -69,10 +69,12 @@ def test_every_output_stands_on_its_page():
 
 
 def test_every_figure_stands_on_the_page_of_outputs():
-    from linkages.plots.figures import FIGURES
+    from linkages.plots.figures import FIGURES, OF_ALL, WITHOUT_SLIDERS
 
     text = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
-    assert [name for name in FIGURES if f"`{name}.png`" not in text] == []
+    polar = [name for name in FIGURES if name.endswith("_polar")]
+    named = [*OF_ALL, *WITHOUT_SLIDERS, *polar]
+    assert [name for name in named if f"`{name}.png`" not in text] == []
 
 
 @pytest.mark.parametrize("page", sorted((ROOT / "docs" / "components").glob("*.md")), ids=str)

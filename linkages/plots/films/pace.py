@@ -10,7 +10,7 @@ import numpy as np
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.films.film import Film
-from linkages.solution.resolved import resolved, turning_points
+from linkages.solution.resolved import turning_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +48,7 @@ def fastest(solution: Solution, film: Film) -> Pace | None:
     names = [
         name for name, found in VARIABLES.items() if found.coordinate and name in solution.data
     ]
-    data = resolved(solution, names)
+    data = solution.dense(names)
     first, last = sorted((film.start, film.start + film.frames * film.step))
     shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))
     moved = {*solution.system.topology.free, *solution.system.topology.driven}

@@ -29,7 +29,7 @@ from linkages.plots.style import styled
 DEFINITIONS = Path(__file__).with_suffix(".yaml")
 WIDTH = 3.0  # inches
 LOWEST, HIGHEST = 1.2, 2.6
-MARGIN = 0.55
+MARGIN = 0.6
 TRACED = {"simulation"}
 """Pages whose pictures have paths."""
 SIZED = {"bar"}

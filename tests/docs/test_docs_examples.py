@@ -86,6 +86,18 @@ def test_component_page_is_in_the_list(page):
     assert page.stem == "index" or page.stem in contents or {":glob:", "*"} <= set(contents)
 
 
+def test_every_page_on_a_component_has_a_picture():
+    static = ROOT / "docs" / "_static"
+    for page in sorted((ROOT / "docs" / "components").glob("*.md")):
+        if page.stem == "index":
+            continue
+        pictures = re.findall(r"!\[.*?\]\(../_static/(.*?)\)", page.read_text(encoding="utf-8"))
+        own = static / f"component-{page.stem}.svg"
+        assert own.name in pictures if own.is_file() else pictures, f"{page.name} has no picture"
+    sizes = {file.name: file.stat().st_size for file in static.glob("component-*.svg")}
+    assert {name: size for name, size in sizes.items() if size > 25_000} == {}
+
+
 # the page that is another file of the repository
 @pytest.mark.parametrize("page", [page for page in PAGES if page != "docs/contributing.md"])
 def test_page_reads_where_directives_are_unknown(page):

@@ -243,6 +243,35 @@ def plate() -> Figure:
 
 
 @styled
+def guide() -> Figure:
+    """A block with play in its guide."""
+    figure, (ax,) = panels(1, 5.0, 2.3)
+    wall, tilt, centre = 0.95, 8.0, (0.15, 0.14)
+    for side in (1, -1):
+        ax.plot((-2.1, 2.1), (side * wall, side * wall), color=BLACK, lw=1.2)
+        for x in np.linspace(-2.1, 2.0, 32):
+            ax.plot((x, x - 0.1), (side * wall, side * (wall + 0.1)), color=BLACK, lw=0.6)
+    cosine, sine = np.cos(np.radians(tilt)), np.sin(np.radians(tilt))
+    corners = np.array([(-0.9, 0.5), (0.9, 0.5), (0.9, -0.5), (-0.9, -0.5)])
+    corners = corners @ [[cosine, sine], [-sine, cosine]] + centre
+    ax.add_patch(Polygon(corners, facecolor=PALE, edgecolor=BLACK, linewidth=1))
+    axis(ax, (-2.1, 0.0), 0, 4.3)
+    note(ax, (2.2, 0.0), "axis", (0, 6), GREY)
+    places = {1: corners[0], 2: corners[1], 3: corners[3], 4: corners[2]}
+    for number, place in places.items():
+        side = -1 if place[0] < 0 else 1
+        ax.plot(*place, "o", color=CLEARANCE, markersize=3.5, zorder=5)
+        note(ax, tuple(place), f"corner{number}", (side * 6, 0), CLEARANCE)
+    vector(ax, (centre[0], 0.0), centre, "e", FREE, (-9, 0))
+    pin(ax, centre)
+    ax.plot(*zip(centre, along(centre, tilt, 1.7), strict=True), ":", color=FREE, lw=1)
+    ax.plot(*zip(centre, along(centre, 0, 1.7), strict=True), ":", color=FREE, lw=1)
+    angle(ax, centre, 1.45, 0, tilt, "φ")
+    ax.set(xlim=(-2.3, 2.5), ylim=(-1.1, 1.1))
+    return figure
+
+
+@styled
 def signs() -> Figure:
     """Angles, torques and forces as files and results count them."""
     figure, (turned, forces) = panels(2, 3.4, 2.5)
@@ -301,7 +330,7 @@ def order() -> Figure:
 
 def main() -> None:
     """Write all diagrams."""
-    for diagram in (dyads, order, clearance, slider, plate, signs):
+    for diagram in (dyads, order, clearance, slider, plate, guide, signs):
         write_figure(diagram(), STATIC / f"diagram-{diagram.__name__}.svg")
 
 

@@ -148,8 +148,8 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     left.set_ylim(0, 1.35 * seconds.max() / unit)
     left.set_xlim(0, time[-1])
     left.set_xlabel("time [s]")
-    left.set_ylabel("closure residual [1e-16 m]")
-    left.set_title("Largest in every second")
+    left.set_ylabel("closure residual [10⁻¹⁶ m]")
+    left.set_title("Maximum per 1-s window")
     digit = 2.0**-53 / unit  # residuals are whole numbers of halves of it
     edges = digit * (np.arange(round(residual.max() / unit / digit) + 2) - 0.5)
     right.hist(
@@ -160,9 +160,9 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
         edgecolor="white",
         linewidth=0.5,
     )
-    right.set_xlabel("closure residual [1e-16 m]")
+    right.set_xlabel("closure residual [10⁻¹⁶ m]")
     right.set_ylabel("samples [%]")
-    right.set_title("How often")
+    right.set_title("Relative frequency")
     right.yaxis.set_major_locator(MaxNLocator(6))
     return figure
 

@@ -13,7 +13,7 @@ import linkages
 from linkages.plots.films.pace import too_fast
 
 PATH = Path(__file__).resolve().parent / "_static" / "ninebar.gif"
-MOST_BYTES = 400_000
+MOST_BYTES = 600_000
 
 
 def main() -> None:
@@ -23,7 +23,7 @@ def main() -> None:
         linkages.load("ninebar"), end=0.15, samples=3001, outputs=[*outputs, "clearance_force"]
     )
     # the clearance swings 90 times a second: 22 frames for each
-    film = linkages.animate(solution, PATH, start=0.1, duration=0.05, slow=100, fps=20)
+    film = linkages.animate(solution, PATH, start=0.1, duration=0.05, slow=100, fps=20, dpi=80)
     if note := too_fast(solution, film):
         raise SystemExit(note)
     size = PATH.stat().st_size

@@ -56,6 +56,8 @@ from linkages.plots import charts as charts
 from linkages.plots.films.animation import animate as animate
 from linkages.registering import register as register
 from linkages.registering import unregister as unregister
+from linkages.reports.report import save_report as save_report
+from linkages.reports.tables import save_table as save_table
 from linkages.solution.functions.propagator import Propagator as Propagator
 from linkages.solution.functions.rhs import Equations as Equations
 from linkages.solution.functions.rhs import compile as compile  # noqa: A004
@@ -66,6 +68,7 @@ from linkages.solution.simulate import simulate as simulate
 from linkages.solution.solution import IncompleteError as IncompleteError
 from linkages.solution.solution import Solution as Solution
 from linkages.sweeps.sweep import sweep as sweep
+from linkages.viewer.view import view as view
 
 __version__: str
 

@@ -60,7 +60,7 @@ class Elementary:
     operator
         How all languages write it; None for a call by its name.
     python, c
-        How one language alone writes it.
+        How one language alone writes it; JavaScript writes expressions as C does.
     llvm
         LLVM's instruction or intrinsic function (without the type in its name); others are written
         in `linkages.kernel.code.functions`, or come from the C library.

@@ -16,6 +16,8 @@ from reproduction.steps import StepError
 
 PAPER, OURS = PALETTE[1], PALETTE[0]
 
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
 
 @styled
 def maxima_figure(quantiles: np.ndarray, own: np.ndarray) -> Figure:
@@ -74,7 +76,7 @@ def steps_figure(found: Mapping[str, Sequence[StepError]]) -> Figure:
     for digit in (1, 3):
         level = 0.5 * 10.0**-digit
         ax.axhline(level, color=BLACK, linewidth=0.8, linestyle=(0, (1.2, 1.2)))
-        words = f"digit {digit} wrong above"
+        words = f"relative error 5·10{str(-digit - 1).translate(RAISED)}"
         ax.annotate(words, (1.05, level), (0, 2), textcoords="offset points", fontsize=8)
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))

@@ -10,12 +10,12 @@ from typing import Annotated
 
 import typer
 
-from linkages.cli.options import Drawing, Moving, Processor, Start
+from linkages.cli.options import Drawing, Moving, Page, Processor, Start, Table
 from linkages.cli.verb import computes, reading
 from linkages.options.exponents import ExponentOptions, MapOptions, VerdictOptions
 from linkages.options.run import RunOptions, SimulationOptions
 from linkages.options.sections import BifurcationOptions, SectionOptions
-from linkages.spec.dimensions import LENGTH
+from linkages.spec.dimensions import DURATION, LENGTH
 from linkages.spec.quantities import Bound, Quantity
 
 RANGE = "PATH=FIRST:LAST:COUNT"
@@ -46,6 +46,7 @@ Scheduler = Annotated[
 ]
 
 SIZE = reading(Quantity(LENGTH, Bound.POSITIVE))
+SECONDS = reading(Quantity(DURATION))
 
 Measures = Annotated[
     list[str] | None,
@@ -71,6 +72,11 @@ def simulate(
         ),
     ] = None,
     measure: Measures = None,
+    units: Annotated[
+        str | None, typer.Option(help="Units of the table instead of SI, e.g. 'mm,deg,rpm'.")
+    ] = None,
+    table: Annotated[Table, typer.Option(help="xlsx: a spreadsheet.")] = Table.CSV,
+    report: Annotated[Page | None, typer.Option(help="Write a report of one page as well.")] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 
@@ -103,7 +109,7 @@ def equations(
 @computes(SimulationOptions, without=("figures", "form"))
 def export(
     to: Annotated[
-        str, typer.Option("--to", metavar="FORMAT", help="svg, dxf, or another one that is found.")
+        str, typer.Option("--to", metavar="FORMAT", help="c, python, javascript, mjcf, svg, dxf.")
     ],
     hole: Annotated[
         float | None,
@@ -127,15 +133,23 @@ def animate(
     form: Annotated[
         Moving, typer.Option("--format", help="MP4 needs the program ffmpeg.")
     ] = Moving.GIF,
-    start: Annotated[float, typer.Option(help="Time in s of the first frame.")] = 0.0,
+    start: Annotated[
+        float,
+        typer.Option(parser=SECONDS, metavar="<time>", help="Time of the first frame."),
+    ] = 0.0,
     duration: Annotated[
-        float | None, typer.Option(help="How much of the motion to show, in s; default: the rest.")
+        float | None,
+        typer.Option(
+            parser=SECONDS,
+            metavar="<time>",
+            help="How much of the motion to show; default: what can be seen.",
+        ),
     ] = None,
     slow: Annotated[
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: 1, or what makes the film last from 4 to 12 s."
+            "default: what shows the fastest swing."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -143,26 +157,83 @@ def animate(
         str | None,
         typer.Option(metavar="WIDTHxHEIGHT", help="In pixels; default: as the mechanism needs."),
     ] = None,
-    dpi: Annotated[float, typer.Option(help="Pixels per inch: size of texts and symbols.")] = 80.0,
+    dpi: Annotated[
+        float | None,
+        typer.Option(help="Pixels per inch; default: texts and symbols grow with the size."),
+    ] = None,
+    names: Annotated[bool, typer.Option("--names", help="Write names beside joints.")] = False,
+    plot: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
+    ] = None,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+
+
+@computes(SimulationOptions, without=("figures",))
+def view(
+    outputs: Annotated[
+        str | None,
+        typer.Option(
+            help="Comma-separated variables to show, or 'all'; default: kinematics, efforts, "
+            "reactions, loads."
+        ),
+    ] = None,
+    browser: Annotated[
+        bool, typer.Option("--open", help="Open the page in the browser, too.")
+    ] = False,
+) -> None:
+    """Write one HTML page that shows the motion and computes it again for other numbers."""
 
 
 @computes(SimulationOptions)
 def phase(
     x: Annotated[
-        str, typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
+        list[str], typer.Option(metavar="NAME", help="What to draw to the right, e.g. 'r1.angle'.")
     ],
     y: Annotated[
-        str, typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'.")
+        list[str],
+        typer.Option(metavar="NAME", help="What to draw upwards, e.g. 'slider9.velocity'."),
     ],
     wrap: Annotated[bool, typer.Option(help="Take angles within one turn.")] = True,
-    skip: Annotated[float, typer.Option(help="Time in s that is left out at the start.")] = 0.0,
+    skip: Annotated[
+        float, typer.Option(parser=SECONDS, metavar="<time>", help="Left out at the start.")
+    ] = 0.0,
     samples: Annotated[
         int | None, typer.Option(help="Points of the curve; default: simulate.samples, or 10001.")
     ] = None,
 ) -> None:
     """Draw any output of the motion against another one."""
+
+
+@computes(SimulationOptions)
+def plot(
+    others: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[FILE]...", help="Others to draw with it; or results, run.nc."),
+    ] = None,
+    y: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="What to draw, e.g. 'rocker.angle'; repeatable."),
+    ] = None,
+    against: Annotated[
+        str, typer.Option(metavar="NAME", help="What to draw it over, e.g. 'crank.angle'.")
+    ] = "time",
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATH=A,B,…", help="A motion for each value, or PATH=FIRST:LAST:N."),
+    ] = None,
+    difference: Annotated[
+        bool, typer.Option("--difference", help="Draw what the others differ in from the first.")
+    ] = False,
+    polar: Annotated[
+        bool, typer.Option("--polar", help="Draw the tips of vectors, e.g. 'M.reaction'.")
+    ] = False,
+    wrap: Annotated[
+        bool, typer.Option("--wrap", help="Take angles to the right within one turn.")
+    ] = False,
+) -> None:
+    """Draw any outputs of one motion or several over each other, over time or a coordinate."""
 
 
 @computes(SectionOptions)
@@ -327,6 +398,6 @@ def bench(
 
 
 COMMANDS = (
-    simulate, check, equations, export, animate, phase, poincare, lyapunov, bifurcation, map_,
-    sweep, sensitivity, tolerance, chaos, bench,
+    simulate, check, equations, export, view, animate, plot, phase, poincare, lyapunov, bifurcation,
+    map_, sweep, sensitivity, tolerance, chaos, bench,
 )  # fmt: skip

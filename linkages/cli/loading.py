@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from linkages.components.mechanisms.definition import load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
+from linkages.reading.locate import shipped
 from linkages.reading.overrides import parse_assignment
+from linkages.stamps import FORMATS, stamped
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
@@ -25,6 +28,52 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
         For anything wrong in the file or the assignments.
     """
     return load(file, set=overrides("--set", assignments))
+
+
+INTEGRATION = ("method", "rtol", "atol", "step", "change_points")
+"""Options that files of results say for every command."""
+
+_OF_PLACES = ("store", "to", "out")
+"""Options that name files and folders, which are of one machine."""
+
+
+def results_in(file: str) -> str:
+    """Of a folder of results, the file to compute from: that of `simulate`, or the only one."""
+    folder = Path(file)
+    if not folder.is_dir() or file in shipped():
+        return file
+    found = sorted(folder.glob("*.nc"))
+    wanted = [path for path in found if path.stem == "simulate"] or found
+    return str(wanted[0]) if len(wanted) == 1 else file
+
+
+def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, Any]:
+    """What a file of results was computed with, as far as a command takes it over.
+
+    Parameters
+    ----------
+    file
+        As on the command line; a definition file says nothing.
+    verb
+        The command.
+    assigned
+        Paths of ``--set``: what they say takes the place of what the file was computed with.
+    """
+    path = Path(file)
+    origin = stamped(path) if path.suffix.lower() in FORMATS and path.is_file() else None
+    if origin is None:
+        return {}
+    found = json.loads(origin.get("arguments", "{}"))
+    if isinstance(outputs := found.get("outputs"), list):  # those that were computed
+        found["outputs"] = None if "command" in origin else ",".join(outputs)
+    same = origin.get("verb", verb) == verb
+    return {
+        name: value
+        for name, value in found.items()
+        if (same or name in INTEGRATION)
+        and name not in _OF_PLACES
+        and not {"simulate", f"simulate.{name}"} & set(assigned)
+    }
 
 
 def overrides(option: str, assignments: Sequence[str]) -> dict[str, object]:

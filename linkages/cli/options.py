@@ -67,6 +67,20 @@ class Picture(StrEnum):
 Format = Annotated[Picture, typer.Option("--format", help="Of figures; svg and pdf are vectors.")]
 
 
+class Table(StrEnum):
+    """Formats of tables."""
+
+    CSV = "csv"
+    XLSX = "xlsx"
+
+
+class Page(StrEnum):
+    """Formats of reports."""
+
+    HTML = "html"
+    PDF = "pdf"
+
+
 class Template(StrEnum):
     """What a new file begins with."""
 
@@ -80,6 +94,7 @@ class Moving(StrEnum):
     """Formats of moving pictures."""
 
     GIF = "gif"
+    WEBP = "webp"
     MP4 = "mp4"
 
 

@@ -1,9 +1,10 @@
 """Files of one run of a verb: written aside, then put in their place together.
 
-A folder of results has, of every verb, the files of its last run and nothing else of it. What an
-interrupted run leaves goes into the folder ``unfinished`` in it, so that it never takes the place
-of something whole. Records in ``.linkages`` say which run the files are of; nothing that has no
-record, or was changed since, is removed.
+A folder of results has, of every verb, the files of its last run and nothing else of it, all of
+one definition: files of other verbs that were computed from another one are moved to ``earlier``.
+What an interrupted run leaves goes into ``unfinished``, so that it never takes the place of
+something whole. Records in ``.linkages`` say which run the files are of; nothing that has no
+record, or was changed since, is removed or moved.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+import re
 import shlex
 import shutil
 import sys
@@ -25,13 +27,21 @@ from linkages import interrupts
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import LinkagesError
 from linkages.reading.replacing import prefix, remove_leftovers, replaced
-from linkages.solution.files import stamp
-from linkages.solution.origin import origin_of
+from linkages.solution.origin import DEFINITION, origin_of
+from linkages.stamps import stamp
 
 LOGGER = logging.getLogger(__name__)
 
 RECORDS = ".linkages"
 UNFINISHED = "unfinished"
+EARLIER = "earlier"
+
+DEFINITIONS = (".yaml", ".yml")
+"""Endings of files that results may be computed from: they stay where they are."""
+
+
+_LOCAL = re.compile(r"(?<![^=])(/|~|[A-Za-z]:[\\/]).*")
+"""An absolute path, alone or after an equals sign."""
 
 
 class EndedError(LinkagesError):
@@ -40,10 +50,14 @@ class EndedError(LinkagesError):
 
 @dataclass
 class Published:
-    """Where files of a run are to be written, and once they are: where they are, in their order."""
+    """Where files of a run are to be written, and once they are: where they are, in their order.
+
+    `notes` say what became of others.
+    """
 
     folder: Path
     files: list[Path] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 @contextmanager
@@ -65,9 +79,9 @@ def published(
     folder
         Of results.
     mechanism, options
-        What was computed, and how; NetCDF files say so.
+        What was computed, and how; files say so as far as they can (`linkages.stamps`).
     complete
-        Whether the run came to its end; NetCDF files say so.
+        Whether the run came to its end; files say so, too.
     interrupted
         Whether somebody ended it: its files go into ``folder/unfinished`` then. A motion that stops
         is not interrupted: the same command would stop it again.
@@ -83,7 +97,12 @@ def published(
     staging = Path(tempfile.mkdtemp(dir=folder / RECORDS, prefix=prefix()))
     run = Published(staging)
     whole = "yes" if complete and not interrupted else "no"
-    origin = {"command": _command(), **origin_of(mechanism, options), "complete": whole}
+    origin = {
+        "command": _command(),
+        "verb": verb,
+        **origin_of(mechanism, options),
+        "complete": whole,
+    }
     try:
         try:
             yield run
@@ -102,6 +121,7 @@ def published(
             run.files = _put(verb, staging, folder / UNFINISHED if interrupted else folder, origin)
             if not interrupted:
                 _clear(verb, folder / UNFINISHED)
+                run.notes = _separate(verb, folder, origin) if run.files else []
     finally:
         shutil.rmtree(staging, ignore_errors=True)
         for path in made:
@@ -116,21 +136,46 @@ def _put(verb: str, staging: Path, folder: Path, origin: Mapping[str, str]) -> l
     if not new:
         return []
     for path in new:
-        if path.suffix == ".nc":
-            stamp(path, origin)
+        stamp(path, origin)
     (folder / RECORDS).mkdir(parents=True, exist_ok=True)
     record = folder / RECORDS / f"{verb}.json"
     files = {path.name: _fingerprint(path) for path in new}
     stale = {name: mark for name, mark in _own(record).items() if name not in files}
     # both, in case that the process is killed in between
-    _write(record, verb, origin, files | stale)
+    _write(record, origin, files | stale)
     _remove(folder, stale)
     placed = [path.replace(folder / path.name) for path in new]
     for path in placed:
         LOGGER.info("wrote %s", path)
     if stale:
-        _write(record, verb, origin, files)
+        _write(record, origin, files)
     return placed
+
+
+def _separate(verb: str, folder: Path, origin: Mapping[str, str]) -> list[str]:
+    """Move files of other verbs that were computed from another definition; says which."""
+    notes = []
+    for record in sorted((folder / RECORDS).glob("*.json")):
+        content = _read(record)
+        if record.stem == verb or content.get(DEFINITION) in (None, origin[DEFINITION]):
+            continue
+        own = {
+            name: mark
+            for name, mark in _own(record).items()
+            if Path(name).suffix not in DEFINITIONS and _unchanged(folder, name, mark)
+        }
+        if own:
+            aside = folder / EARLIER
+            _remove(aside, _own(aside / RECORDS / record.name))
+            (aside / RECORDS).mkdir(parents=True, exist_ok=True)
+            for name in own:
+                (folder / name).replace(aside / name)
+            record.replace(aside / RECORDS / record.name)
+            notes.append(
+                f"moved {len(own)} file{'s' * (len(own) > 1)} of {record.stem} to {aside}: "
+                "computed from another definition"
+            )
+    return notes
 
 
 def _clear(verb: str, folder: Path) -> None:
@@ -145,23 +190,34 @@ def _clear(verb: str, folder: Path) -> None:
 
 def _own(record: Path) -> dict[str, str]:
     """Name → fingerprint of the files of the last run; none if it left no record."""
+    files = _read(record).get("files")
+    return {str(n): str(mark) for n, mark in files.items()} if isinstance(files, dict) else {}
+
+
+def _read(record: Path) -> dict[str, Any]:
+    """What a record says; nothing if it is none."""
     try:
         content = json.loads(record.read_text(encoding="utf-8"))
-        return {str(name): str(mark) for name, mark in content["files"].items()}
-    except (OSError, ValueError, LookupError, AttributeError, TypeError):
+    except (OSError, ValueError):
         return {}
+    return content if isinstance(content, dict) else {}
 
 
 def _remove(folder: Path, files: Mapping[str, str]) -> None:
     """Remove files, unless somebody has changed them."""
     for name, mark in files.items():
-        path = folder / name
-        if path.parent == folder and path.is_file() and _fingerprint(path) == mark:
-            path.unlink()
+        if _unchanged(folder, name, mark):
+            (folder / name).unlink()
 
 
-def _write(record: Path, verb: str, origin: Mapping[str, str], files: Mapping[str, str]) -> None:
-    content = {"verb": verb, **origin, "options": json.loads(origin["options"]), "files": files}
+def _unchanged(folder: Path, name: str, mark: str) -> bool:
+    """Whether a file of a folder is there as it was written."""
+    path = folder / name
+    return path.parent == folder and path.is_file() and _fingerprint(path) == mark
+
+
+def _write(record: Path, origin: Mapping[str, str], files: Mapping[str, str]) -> None:
+    content = {**origin, "options": json.loads(origin["options"]), "files": files}
     with replaced(record) as temporary:
         temporary.write_text(
             json.dumps(content, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
@@ -174,4 +230,9 @@ def _fingerprint(path: Path) -> str:
 
 
 def _command() -> str:
-    return f"python -m linkages {shlex.join(sys.argv[1:])}"
+    """What was typed; of absolute paths, their names: folders are of one machine."""
+    return f"python -m linkages {shlex.join(_LOCAL.sub(_name, word) for word in sys.argv[1:])}"
+
+
+def _name(found: re.Match[str]) -> str:
+    return Path(found[0]).name or "."

@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import asdict, dataclass, field
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,11 +15,19 @@ import numpy as np
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.loading import each_read, mechanism_from, overrides, require_folder
+from linkages.cli.loading import (
+    arguments_in,
+    each_read,
+    mechanism_from,
+    overrides,
+    require_folder,
+    results_in,
+)
 from linkages.cli.published import EndedError, Published, published
-from linkages.cli.terminal import console, print_json, progress
+from linkages.cli.terminal import console, print_json, print_notes, progress
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
+from linkages.options.given import options_in
 from linkages.options.option import OptionError
 from linkages.options.run import RunOptions
 from linkages.reading.overrides import NEXT
@@ -58,6 +66,8 @@ class Request:
         arguments of the public function that answers the command.
     own
         What else is given.
+    notes
+        What became of files of other runs, once those of this one are in their place.
     """
 
     verb: str
@@ -70,6 +80,23 @@ class Request:
     kind: type[RunOptions] | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
     own: Mapping[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def again(self) -> Request:
+        """The same with what a file of results was computed with, unless something else is said.
+
+        A folder of results stands for the file in it, and is where those of this command go. The
+        options of the command that wrote it are taken over, and by all others those that say
+        how motions are integrated.
+        """
+        file = results_in(self.file)
+        out = Path(self.file) if self.out is None and file != self.file else self.out
+        assigned = [text.partition("=")[0] for text in self.assignments]
+        said = arguments_in(file, self.verb, assigned)
+        known = {option.name for option in options_in(self.kind)} if self.kind else set()
+        given = {name: value for name, value in said.items() if name in known} | dict(self.given)
+        own = {n: said.get(n) if value is None else value for n, value in self.own.items()}
+        return replace(self, file=file, out=out, given=given, own=own)
 
     @property
     def folder(self) -> Path:
@@ -88,6 +115,11 @@ class Request:
         found = mechanism_from(self.file, self.assignments)
         require_folder(self.folder)
         return found
+
+    @property
+    def differences(self) -> str:
+        """In what the mechanism differs from its file, in words; empty if in nothing."""
+        return ", ".join(text.replace("=", " = ", 1) for text in self.mechanism.changes)
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -129,35 +161,47 @@ class Request:
         files = self.write(kept.items(), complete=False, interrupted=interrupted)
         return "\nup to there: " + " and ".join(str(path) for path in files)
 
+    @contextmanager
     def publishing(
         self,
         options: Mapping[str, Any] | None = None,
         *,
+        name: str = "",
         complete: bool = True,
         interrupted: bool = False,
-    ) -> AbstractContextManager[Published]:
+    ) -> Iterator[Published]:
         """Where to write the files of the run, see `published`; it is not always as was asked."""
         # what commands say of options themselves, such as a start both ways, is what was asked
         own = {name: value for name, value in self.own.items() if value is not None}
         how = {**self.own, **(self.asked if options is None else options), **own}
         state = {"complete": complete, "interrupted": interrupted}
-        return published(self.verb, self.folder, self.mechanism, how, **state)
+        with published(name or self.verb, self.folder, self.mechanism, how, **state) as place:
+            yield place
+        self.notes.extend(place.notes)
 
     def write(
-        self, files: Iterable[File], options: Mapping[str, Any] | None = None, **state: bool
+        self,
+        files: Iterable[File],
+        options: Mapping[str, Any] | None = None,
+        *,
+        name: str = "",
+        **state: bool,
     ) -> list[Path]:
         """Write the files of the run, one as soon as it is made; returns where they are.
+
+        Files of a command that draws something else each time are not those of its last run: their
+        `name` tells them apart.
 
         Parameters
         ----------
         files
             Names, and what the files hold: their endings follow from that.
-        options, state
+        options, name, state
             As `publishing` takes them.
         """
-        with self.publishing(options, **state) as place:
-            for name, content in files:
-                _write(place.folder / name, content, self.format)
+        with self.publishing(options, name=name, **state) as place:
+            for file, content in files:
+                _write(place.folder / file, content, self.format, self.differences)
         return place.files
 
     def report(
@@ -187,10 +231,16 @@ class Request:
         The exit code.
         """
         if self.json:
-            print_json({**content, "files": [str(path) for path in files]})
+            more = {"changes": list(self.mechanism.changes), "moved": self.notes}
+            said = {name: texts for name, texts in more.items() if texts}
+            print_json({**content, **said, "files": [str(path) for path in files]})
         else:
             screen = console()
+            if self.mechanism.changes:
+                whole = f"with {self.differences}"
+                screen.print(whole, markup=False, soft_wrap=True)
             show(screen)
+            print_notes(self.notes, screen)
             if files and listed:
                 screen.print(f"{len(files)} files in {files[0].parent}", markup=False)
             if failure is not None:
@@ -198,8 +248,8 @@ class Request:
         return 0 if failure is None else 1
 
 
-def _write(path: Path, content: Written, picture: str) -> None:
-    """Write a file, with the ending that its content has."""
+def _write(path: Path, content: Written, picture: str, remark: str) -> None:
+    """Write a file, with the ending that its content has; figures with a remark."""
     import xarray as xr
 
     from linkages.solution.files import save_netcdf
@@ -214,7 +264,7 @@ def _write(path: Path, content: Written, picture: str) -> None:
     elif content is not None:
         from linkages.plots.figures import write_figure
 
-        write_figure(content, path.with_name(f"{path.name}.{picture}"))
+        write_figure(content, path.with_name(f"{path.name}.{picture}"), remark)
 
 
 def _write_table(path: Path, columns: Mapping[Any, Any]) -> None:

@@ -74,7 +74,7 @@ class Cam(ListedComponent):
 
     def problems(self) -> tuple[tuple[Path, str], ...]:
         """Enough increasing angles, a lift for each, and a base circle that the follower meets."""
-        found = list(self._faults())
+        found = list(self._faults() or self._overflow())
         reach = (self.base_radius or math.inf) + self.roller_radius
         if abs(self.eccentricity) >= reach:
             message = f"expected less than base and roller radius together, {reach:g} m"
@@ -94,9 +94,14 @@ class Cam(ListedComponent):
         if self._closed and self.lifts[0] != self.lifts[-1]:
             ends = f"{self.lifts[0]:g} and {self.lifts[-1]:g}"
             return ((lifts, f"expected equal lifts a whole turn apart, found {ends}"),)
-        if not all(map(math.isfinite, extremes(self.table, self.angles[0], self.angles[-1]))):
-            return ((lifts, "expected smaller lifts, or angles that are further apart"),)
         return ()
+
+    def _overflow(self) -> tuple[tuple[Path, str], ...]:
+        """Polynomials without finite values."""
+        if all(map(math.isfinite, extremes(self.table, self.angles[0], self.angles[-1]))):
+            return ()
+        message = "expected smaller lifts, or angles that are further apart"
+        return (((*self.path, "lifts"), message),)
 
     @property
     def table(self) -> Table:

@@ -20,6 +20,7 @@ from linkages.reading.wording import suggestion
 if TYPE_CHECKING:
     from linkages.components.mechanisms.mechanism import Mechanism
     from linkages.kernel.system import System
+    from linkages.options.run import SimulationOptions
     from linkages.solution.solution import Solution
 
 GROUP = "linkages.exports"
@@ -55,6 +56,14 @@ class Subject:
         from linkages.kernel.system import System
 
         return System(self.mechanism)
+
+    @cached_property
+    def simulation(self) -> SimulationOptions:
+        """How the motion is computed if nothing else is said."""
+        from linkages.options.run import SimulationOptions
+        from linkages.solution.options import options_of
+
+        return options_of(SimulationOptions, self.mechanism, self.options)
 
     @cached_property
     def solution(self) -> Solution:

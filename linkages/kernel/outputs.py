@@ -54,8 +54,10 @@ class Variable:
     magnitude
         Whether it is a vector whose magnitude has a largest value worth a row.
     smooth
-        Whether polynomials through samples say what is between them: not for what may jump, and for
-        residuals, which are noise.
+        Whether polynomials through samples say what is between them: not for what may jump, and not
+        for noise.
+    noise
+        Whether it is round-off, so that nothing is to be looked for between samples.
     unbounded
         Whether it may grow without bound towards a change point, or have a kink or a jump there, so
         that it cannot be interpolated.
@@ -85,6 +87,7 @@ class Variable:
     rate: str = ""
     magnitude: bool = False
     smooth: bool = True
+    noise: bool = False
     unbounded: bool = False
     reciprocal: bool = False
     reduced: Callable[[Floats], Floats] | None = None
@@ -148,6 +151,9 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return tuple(end.name for end in ends if end.twists == (dim == "torsional_stop"))
     if dim == "contact":
         return tuple(contact.name for contact in model.walls.contacts)
+    if dim == "touch":
+        mechanism = model.mechanism
+        return (*(c.name for c in mechanism.contacts), *(end.name for end in mechanism.ends))
     if dim == "clearance":
         return model.mechanism.clearance_names
     kinds = {

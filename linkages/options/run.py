@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any, Literal, Self, TypedDict, cast
 
 from linkages.spec.quantities import Duration, Instant, Name, PositiveInteger, Tolerance
@@ -84,9 +84,9 @@ class RunOptions:
         shared = fields(cast(type[RunOptions], kind))
         return cls(**{field.name: getattr(run, field.name) for field in shared} | own)
 
-    def after(self, steps: int) -> Self:
-        """The same with the steps that are left after so many; one at least."""
-        return replace(self, max_steps=max(1, self.most_steps - steps))
+    def left(self, steps: int) -> int:
+        """Steps that are left after so many; one at least."""
+        return max(1, self.most_steps - steps)
 
 
 DEFAULTS = RunOptions()

@@ -8,8 +8,6 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.kernel.outputs import Variable, labels
 
-_COMPARED = "against the ideal mechanism"
-
 
 def _of_bodies(dim: str, field: str) -> Callable[[Model], list[Scalar]]:
     return lambda model: [getattr(model, field).moving(name) for name in labels(model, dim)]
@@ -39,7 +37,7 @@ OUTPUTS = {
     "slider_position": Variable(
         ("slider",),
         "m",
-        "displacement",
+        "position",
         lambda m: [m.positions.displacement(name) for name in labels(m, "slider")],
         default=True, coordinate=True, rate="slider_velocity",
     ),
@@ -51,15 +49,15 @@ OUTPUTS = {
         ("slider",), "m/s^2", "acceleration", _of_bodies("slider", "accelerations"), default=True
     ),
     "slider_position_error": Variable(
-        ("slider",), "m", f"displacement error {_COMPARED}", None,
+        ("slider",), "m", "position error", None,
         default=True, compared="slider_position",
     ),
     "slider_velocity_error": Variable(
-        ("slider",), "m/s", f"velocity error {_COMPARED}", None,
+        ("slider",), "m/s", "velocity error", None,
         default=True, compared="slider_velocity",
     ),
     "slider_acceleration_error": Variable(
-        ("slider",), "m/s^2", f"acceleration error {_COMPARED}", None,
+        ("slider",), "m/s^2", "acceleration error", None,
         default=True, compared="slider_acceleration",
     ),
 }  # fmt: skip

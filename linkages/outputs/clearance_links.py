@@ -57,7 +57,7 @@ OUTPUTS = {
         default=True,
     ),
     "clearance_force": Variable(
-        ("clearance",), "N", "force along the clearance link", _clearance_forces,
+        ("clearance",), "N", "clearance force", _clearance_forces,
         default=True, unbounded=True,
     ),
 }  # fmt: skip

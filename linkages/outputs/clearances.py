@@ -114,15 +114,15 @@ OUTPUTS = {
         smooth=False, flags=("free", "impact", "following"),
     ),
     "offset_position": Variable(
-        ("offset",), "m", "offset along an axis", _offsets("positions"),
+        ("offset",), "m", "offset", _offsets("positions"),
         coordinate=True, rate="offset_rate",
     ),
-    "offset_rate": Variable(("offset",), "m/s", "rate of an offset", _offsets("velocities")),
+    "offset_rate": Variable(("offset",), "m/s", "offset rate", _offsets("velocities")),
     "tilt_angle": Variable(
-        ("tilt",), "rad", "angle of a block in its guide", _tilts("positions"),
+        ("tilt",), "rad", "tilt angle", _tilts("positions"),
         coordinate=True, rate="tilt_speed",
     ),
     "tilt_speed": Variable(
-        ("tilt",), "rad/s", "angular speed of a block in its guide", _tilts("velocities"),
+        ("tilt",), "rad/s", "tilt speed", _tilts("velocities"),
     ),
 }  # fmt: skip

@@ -47,6 +47,6 @@ def _largest(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 OUTPUTS = {
     "closure_residual": Variable(
         (), "m", "largest residual of the closure equations", _closure,
-        default=True, smooth=False, reduced=_largest,
+        default=True, smooth=False, noise=True, reduced=_largest,
     ),
 }  # fmt: skip

@@ -39,6 +39,7 @@ OUTPUTS = {
     "drive_power": Variable((), "W", "power of all drives", _drive_power),
     "load_power": Variable((), "W", "power of all loads", _load_power),
     "energy_residual": Variable(
-        (), "J", "energy gained beyond the work of drives and loads", None, smooth=False
+        (), "J", "energy gained beyond the work of drives and loads", None,
+        smooth=False, noise=True,
     ),
 }  # fmt: skip

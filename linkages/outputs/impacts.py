@@ -1,4 +1,4 @@
-"""Rigid contacts: what ends of ways exert, and energy that impacts have lost."""
+"""What ends of ways exert, energy that impacts have lost, and how often contacts close."""
 
 from __future__ import annotations
 
@@ -25,4 +25,5 @@ OUTPUTS = {
     "impact_loss": Variable(
         ("contact",), "J", "energy that rigid impacts have lost", None, smooth=False
     ),
+    "touches": Variable(("touch",), "1", "touches since the start", None, smooth=False),
 }  # fmt: skip

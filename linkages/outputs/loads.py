@@ -15,11 +15,11 @@ def _of_loads(dim: str) -> Callable[[Model], list[Scalar]]:
 
 OUTPUTS = {
     "load_force": Variable(
-        ("force",), "N", "force of a load", _of_loads("force"),
+        ("force",), "N", "load force", _of_loads("force"),
         default=True, smooth=False, unbounded=True,
     ),
     "load_torque": Variable(
-        ("torque",), "N m", "torque of a load", _of_loads("torque"),
+        ("torque",), "N m", "load torque", _of_loads("torque"),
         default=True, smooth=False, unbounded=True,
     ),
     "spring_force": Variable(("spring",), "N", "force of a spring or damper", _of_loads("spring")),

@@ -43,9 +43,9 @@ def _moments(model: Model) -> list[Scalar]:
 
 OUTPUTS = {
     "shaking_force": Variable(
-        ("frame", "axis"), "N", "shaking force on the ground", _forces, magnitude=True
+        ("frame", "axis"), "N", "shaking force", _forces, magnitude=True
     ),
     "shaking_moment": Variable(
-        ("frame",), "N m", "shaking moment on the ground about the origin", _moments
+        ("frame",), "N m", "shaking moment about the origin", _moments
     ),
 }  # fmt: skip

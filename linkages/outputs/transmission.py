@@ -48,17 +48,17 @@ OUTPUTS = {
     "mechanical_advantage": Variable(
         ("drive", "bar"),
         "1",
-        "torque that a bar delivers per torque of a drive",
+        "mechanical advantage",
         _advantages("bar"),
-        ("m", "torque that a bar delivers per force of a drive"),
+        ("m", "mechanical advantage"),
         reciprocal=True,
     ),
     "slider_mechanical_advantage": Variable(
         ("drive", "slider"),
         "1/m",
-        "force that a slider delivers per torque of a drive",
+        "mechanical advantage",
         _advantages("slider"),
-        ("1", "force that a slider delivers per force of a drive"),
+        ("1", "mechanical advantage"),
         reciprocal=True,
     ),
 }  # fmt: skip

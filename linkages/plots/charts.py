@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from matplotlib.axes import Axes
 
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots.chaos import bifurcations, sections
 from linkages.plots.chaos import exponents as exponent_histories
 from linkages.plots.chaos import maps as chaos_maps
@@ -21,12 +22,16 @@ from linkages.plots.mechanism import traces as joint_traces
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import picture
 from linkages.plots.motion import clearance_orbit as orbits
-from linkages.plots.motion import phase, time_figures
+from linkages.plots.motion import overlay, phase, time_figures
+from linkages.plots.motion import polar as polar_diagrams
+from linkages.plots.motion.compared import compared
+from linkages.plots.motion.compared import vectors as compared_vectors
 from linkages.plots.motion.free_axes import Free, free_coordinates
+from linkages.plots.motion.told_apart import told_apart
 from linkages.plots.style import panels, styled
-from linkages.solution.resolved import resolved
 from linkages.solution.solution import Solution
-from linkages.solution.values.series import data_series, find_series
+from linkages.solution.values.requests import available
+from linkages.solution.values.series import data_series, find_series, with_sizes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +39,9 @@ if TYPE_CHECKING:
     Source = Solution | xr.Dataset
 
 __all__ = [
+    "bar_acceleration",
+    "bar_angle",
+    "bar_speed",
     "bifurcation",
     "clearance_force",
     "clearance_orbit",
@@ -42,20 +50,37 @@ __all__ = [
     "drive_force",
     "exponents",
     "indicator_map",
+    "joint_acceleration",
+    "joint_reaction",
+    "joint_velocity",
+    "kinetic_energy",
     "load_force",
     "load_torque",
+    "mechanical_advantage",
     "mechanism",
+    "over_time",
     "pair",
     "phase_diagram",
+    "plot",
+    "polar",
+    "potential_energy",
+    "pressure_angle",
     "rotation_map",
     "section",
+    "shaking_force",
+    "shaking_moment",
     "slider_acceleration",
     "slider_acceleration_error",
+    "slider_mechanical_advantage",
     "slider_position",
     "slider_position_error",
     "slider_velocity",
     "slider_velocity_error",
+    "spring_force",
+    "torsional_spring_torque",
     "traces",
+    "transmission_angle",
+    "vectors",
 ]
 
 SINGLE = 3.6  # inches: height of a picture that stands alone
@@ -127,11 +152,14 @@ def _chart(variable: str, what: str) -> Chart:
     return chart
 
 
-slider_position = _chart("slider_position", "Displacements of the sliders")
+bar_angle = _chart("bar_angle", "Angles of the bars")
+bar_speed = _chart("bar_speed", "Angular speeds of the bars")
+bar_acceleration = _chart("bar_acceleration", "Angular accelerations of the bars")
+slider_position = _chart("slider_position", "Positions of the sliders")
 slider_velocity = _chart("slider_velocity", "Velocities of the sliders")
 slider_acceleration = _chart("slider_acceleration", "Accelerations of the sliders")
 slider_position_error = _chart(
-    "slider_position_error", "What clearances change of the sliders' displacements,"
+    "slider_position_error", "What clearances change of the sliders' positions,"
 )
 slider_velocity_error = _chart(
     "slider_velocity_error", "What clearances change of the sliders' velocities,"
@@ -139,9 +167,75 @@ slider_velocity_error = _chart(
 slider_acceleration_error = _chart(
     "slider_acceleration_error", "What clearances change of the sliders' accelerations,"
 )
+joint_velocity = _chart("joint_velocity", "Speeds of the joints")
+joint_acceleration = _chart("joint_acceleration", "Sizes of the joints' accelerations")
+joint_reaction = _chart("joint_reaction", "Resultant reactions of the joints")
+transmission_angle = _chart("transmission_angle", "Transmission angles of the dyads")
+pressure_angle = _chart("pressure_angle", "Pressure angles of the cams")
+mechanical_advantage = _chart("mechanical_advantage", "Mechanical advantages of the bars")
+slider_mechanical_advantage = _chart(
+    "slider_mechanical_advantage", "Mechanical advantages of the sliders"
+)
+shaking_force = _chart("shaking_force", "Size of the shaking force")
+shaking_moment = _chart("shaking_moment", "Shaking moment")
+kinetic_energy = _chart("kinetic_energy", "Kinetic energy")
+potential_energy = _chart("potential_energy", "Potential energy")
 clearance_force = _chart("clearance_force", "Forces in the clearances")
 load_force = _chart("load_force", "Forces of all loads")
 load_torque = _chart("load_torque", "Torques of all loads")
+spring_force = _chart("spring_force", "Forces of springs and dampers")
+torsional_spring_torque = _chart(
+    "torsional_spring_torque", "Torques of torsional springs and dampers"
+)
+
+
+@styled
+def over_time(source: Source, variable: str, ax: Axes | None = None) -> Axes:
+    """Any output over time, a line for each element; of vectors their sizes.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data. Of a solution what is not among its outputs is computed, but for
+        those that follow from a whole motion.
+    variable
+        Name of the output. A series that swings faster than lines can show gets an envelope, and
+        in a figure of its own a panel with a few swings.
+    ax
+        Where to draw; axes of a new figure if not given: those of its first panel.
+
+    Raises
+    ------
+    ValueError
+        For data without it.
+    """
+    return _over_time(source, variable, ax)
+
+
+@styled
+def polar(source: Source, variable: str, name: str | None = None, ax: Axes | None = None) -> Axes:
+    """The tip of a vector, such as the reaction of a joint: of the element named, or the first.
+
+    Parameters
+    ----------
+    source
+        A solution, or its data.
+    variable
+        ``"joint_reaction"``, ``"shaking_force"`` or another output with components x and y.
+    name
+        The joint; ``"ground"`` of the shaking force.
+    ax
+        Where to draw; axes of a new figure if not given.
+    """
+    data = _resolved(source, [variable])
+    _require(data, variable)
+    if "axis" not in data[variable].dims:
+        raise ValueError(f"{variable} has no direction; expected an output with components x and y")
+    known = dict.fromkeys(polar_diagrams.vectors(data, variable))
+    chosen = _chosen(name, known, f"element of {variable}")
+    if ax is None:
+        return polar_diagrams.polar_page(data, variable, [chosen]).axes[0]
+    return polar_diagrams.draw_polar(ax, data, variable, chosen)
 
 
 @styled
@@ -153,7 +247,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
     ValueError
         For data without offsets, or an unknown clearance.
     """
-    data = _resolved(source, "clearance_offset", orbits.SHOWN)
+    data = _resolved(source, orbits.SHOWN)
     chosen = _chosen(name, dict.fromkeys(orbits.opening(data)), "clearance whose contact may open")
     ax = ax or panels(1, 1, SINGLE, orbits.ABOVE)[1][0]
     return orbits.draw_orbit(ax, data.sel(clearance=chosen), chosen)
@@ -162,7 +256,7 @@ def clearance_orbit(source: Source, name: str | None = None, ax: Axes | None = N
 @styled
 def clearance_state(source: Source, ax: Axes | None = None) -> Axes:
     """Free flight, impacts and following contact over time, where contact may open."""
-    data = _resolved(source, "clearance_offset", orbits.SHOWN)
+    data = _resolved(source, orbits.SHOWN)
     _require(data, "clearance_state")
     if ax is None:
         ax = orbits.state_page(data)
@@ -181,7 +275,7 @@ def drive_force(solution: Solution, ax: Axes | None = None) -> Axes:
 
 def _of_drives(solution: Solution, variable: str, ax: Axes | None) -> Axes:
     _require(solution.data, "drive_effort")
-    data = _resolved(solution, "drive_effort")
+    data = _resolved(solution, ["drive_effort"])
     chosen = time_figures.efforts(data, solution.mechanism, variable)
     return _over_time(chosen, variable, ax)
 
@@ -211,10 +305,62 @@ def pair(source: Source, x: str, y: str, ax: Axes | None = None, *, wrap: bool =
         Whether angles are taken within half a turn either way.
     """
     data = _data(source)
-    known = data_series(data)
+    known = with_sizes(data_series(data))
     across, up = find_series(known, x), find_series(known, y)
     _require(data, across.variable)
     return phase.draw_pair(ax or panels(1, 1, SINGLE)[1][0], data, across, up, wrap)
+
+
+@styled
+def plot(
+    sources: Source | Sequence[Source] | Mapping[str, Source],
+    y: str | Sequence[str],
+    against: str = "time",
+    ax: Axes | None = None,
+    *,
+    difference: bool = False,
+    wrap: bool = False,
+) -> Axes:
+    """Any series of one motion or of several, over time or over any other series.
+
+    Parameters
+    ----------
+    sources
+        Solutions or their data, several of them by what tells them apart. Those of a list are
+        called by what their definitions differ in.
+    y
+        What to draw: names such as ``"rocker.angle"``, ``"P.velocity"`` for the magnitude of a
+        vector, ``"P.x velocity"``, ``"kinetic_energy"``.
+    against
+        What to draw it over, such as ``"crank.angle"``.
+    ax
+        Where to draw series of one unit; axes of a new figure if not given, with a panel for each
+        unit, of which those of the first are returned.
+    difference
+        Whether to draw what the others differ in from the first motion.
+    wrap
+        Whether angles to the right are taken within half a turn either way.
+
+    Raises
+    ------
+    ValueError
+        For unknown names and for what cannot be compared.
+    """
+    found = compared(_called(sources), _listed(y), against, difference=difference)
+    if ax is None:
+        return overlay.figure(found, wrap=wrap).axes[0]
+    return overlay.draw(ax, found, wrap=wrap)
+
+
+@styled
+def vectors(
+    sources: Source | Sequence[Source] | Mapping[str, Source], name: str, ax: Axes | None = None
+) -> Axes:
+    """A vector of one motion or of several in a polar diagram, such as ``"M.reaction"``."""
+    (found,) = compared_vectors(_called(sources), [name])
+    if ax is None:
+        return overlay.polar_figure([found]).axes[0]
+    return overlay.draw_vectors(ax, found)
 
 
 @styled
@@ -280,18 +426,39 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
 
 @styled
 def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
-    data = _resolved(source, variable)
+    data = _resolved(source, [variable])
     _require(data, variable)
+    heading = str(data.attrs.get("name", ""))
     if ax is None:
-        ax = time_figures.page(data, variable)
-    return time_figures.draw(ax, data, variable, str(data.attrs.get("name", "")))
+        return time_figures.draw_page(data, variable, heading)
+    return time_figures.draw(ax, data, variable, heading)
 
 
-def _resolved(source: Source, variable: str, also: Sequence[str] = ()) -> xr.Dataset:
-    """Data of a variable; of a solution with samples that show every swing."""
-    if not isinstance(source, Solution) or variable not in source.data:
+def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:
+    """Data of some variables; of a solution at samples that show every swing."""
+    if not isinstance(source, Solution):
         return _data(source)
-    return resolved(source, [variable], also)
+    has = {*map(str, source.data.data_vars)}
+    has |= {name for name in available(source.system) if not VARIABLES[name].whole}
+    return source.dense([name for name in variables if name in has])
+
+
+def _called(
+    sources: Source | Sequence[Source] | Mapping[str, Source],
+) -> Mapping[str, Source]:
+    """What tells sources apart → each of them."""
+    given: Any = sources
+    if isinstance(sources, Solution) or hasattr(sources, "data_vars"):
+        return {str(_data(given).attrs.get("name", "")): given}
+    if isinstance(sources, Mapping):
+        return dict(given)
+    several = list(given)
+    mechanisms = [one.mechanism if isinstance(one, Solution) else None for one in several]
+    return dict(zip(told_apart(mechanisms), several, strict=True))
+
+
+def _listed(names: str | Sequence[str]) -> list[str]:
+    return [names] if isinstance(names, str) else list(names)
 
 
 def _data(source: Source) -> xr.Dataset:

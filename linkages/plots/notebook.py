@@ -15,6 +15,7 @@ from linkages.kernel.system import System
 from linkages.plots.mechanism import drawing
 from linkages.plots.style import style
 from linkages.solution.solution import Solution
+from linkages.topology.topology import Topology
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -46,19 +47,32 @@ def mechanism_html(mechanism: Mechanism) -> str:
     except InputError as error:
         parts.append(f"<pre>{escape(str(error))}</pre>")
     else:
-        topology = system.topology
-        moved = [
-            f"{word} {', '.join(names)}"
-            for word, names in (("driven", topology.driven), ("free", topology.free))
-            if names
-        ]
-        parts += [
-            _svg(drawing.start_figure(system)),
-            f"<p>mobility {topology.mobility}: {escape('; '.join(moved))}; "
-            f"{len(topology.dependent)} dependent coordinates in "
-            f"{len(topology.solved_blocks)} blocks</p>",
-        ]
+        parts += [_svg(drawing.start_figure(system)), _mobility(system.topology)]
     return "\n".join([*parts, table(["section", "entries", "names"], rows)])
+
+
+def topology_html(topology: Topology) -> str:
+    """Mobility and coordinates, and the blocks in the order in which they are solved."""
+    rows = [
+        [str(place), block.title, ", ".join(block.unknowns)]
+        for place, block in enumerate(topology.solved_blocks, start=1)
+    ]
+    name = escape(topology.mechanism.name)
+    parts = [f"<h4>{name}: topology</h4>", _mobility(topology)]
+    return "\n".join([*parts, table(["", "block", "coordinates"], rows)] if rows else parts)
+
+
+def _mobility(topology: Topology) -> str:
+    moved = [
+        f"{word} {', '.join(names)}"
+        for word, names in (("driven", topology.driven), ("free", topology.free))
+        if names
+    ]
+    return (
+        f"<p>mobility {topology.mobility}: {escape('; '.join(moved))}; "
+        f"{len(topology.dependent)} dependent coordinates in "
+        f"{len(topology.solved_blocks)} blocks</p>"
+    )
 
 
 def solution_html(solution: Solution) -> str:

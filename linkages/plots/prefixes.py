@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+DEGREES = 180.0 / np.pi
+
 _SYMBOLS = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f"}
 # Which powers of ten are customary: nobody writes kilometres or kiloradians here.
 _CUSTOMARY = {
@@ -35,8 +37,11 @@ class Scale:
 
     def text(self, value: float) -> str:
         """An SI value as shown, with four significant digits and its units."""
-        shown = f"{value * self.factor:.4g}".replace("-", "−")
-        return f"{shown} {self.units}".rstrip()
+        shown = f"{value * self.factor:.4g}"
+        if "e+0" in shown:
+            shown = f"{float(shown):.0f}"  # as ticks have it
+        space = "" if self.units == "°" else " "
+        return f"{shown.replace('-', '−')}{space}{self.units}".rstrip()
 
 
 def scale_of(values: ArrayLike, units: str) -> Scale:
@@ -51,6 +56,11 @@ def scale_of(values: ArrayLike, units: str) -> Scale:
         first unit; units that are unknown get none.
     """
     return scale_for(largest_magnitude(values), units)
+
+
+def axis_scale(values: ArrayLike, units: str) -> Scale:
+    """The scale of an axis: like `scale_of`, but angles are shown in degrees."""
+    return Scale(DEGREES, "°") if units == "rad" else scale_of(values, units)
 
 
 def scale_for(peak: float, units: str) -> Scale:

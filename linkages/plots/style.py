@@ -8,16 +8,26 @@ from functools import cache, wraps
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Okabe & Ito (2008), without their yellow, which is too light for a line on white.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-# Five line styles against seven colours: 35 different lines, told apart in black and white too.
+# Okabe & Ito (2008), without their yellow, which is too light for a line on white; two more.
+PALETTE = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+    "#000000",
+    "#7A4B9A",
+    "#8C6D31",
+)
+# Five line styles against nine colours: 45 different lines, told apart in black and white too.
 DASHES: tuple[Any, ...] = (
     "-",
     (0, (5, 1.6)),
@@ -117,8 +127,8 @@ def legend_above(heading: str) -> dict[str, Any]:
     }
 
 
-def patches_above(ax: Axes, patches: Mapping[str, Patch], heading: str, columns: int) -> None:
-    """A legend of patches, each under its text."""
+def patches_above(ax: Axes, patches: Mapping[str, Artist], heading: str, columns: int) -> None:
+    """A legend of patches or dots, each under its text."""
     look = legend_above(heading) | {"handlelength": 1.0}
     ax.legend(list(patches.values()), list(patches), **look, ncols=columns)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
@@ -13,10 +14,11 @@ from linkages.plots.style import TOP, legend_above, line_style, panels, styled
 
 HEIGHT, LEGEND = 3.4, 0.5
 MARKERS = "osD^vP*X"
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def draw(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
-    """Draw a line per method; a method is better the further it lies to the lower right.
+    """Draw a line per method; a method is better the further it lies to the lower left.
 
     Parameters
     ----------
@@ -38,13 +40,10 @@ def draw(ax: Axes, points: Sequence[Point], heading: str = "") -> Axes:
             label=method,
             **line_style(index),
         )
-    ax.invert_xaxis()
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_major_formatter(
-            lambda value, _: (
-                "1" if value == 1 else f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
-            )
+            lambda value, _: f"10{str(round(math.log10(value))).translate(RAISED)}"
         )
         axis.set_minor_formatter(NullFormatter())
     ax.set_xlabel("error at the end [rad or m]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -13,11 +14,10 @@ from linkages.reading.decoding import decode
 from linkages.reading.nodes import plain
 from linkages.reading.paths import Path, dotted, value_at
 from linkages.reading.wording import shown
+from linkages.stamps import FORMATS, stamped
 
 LOGGER = logging.getLogger(__name__)
 MAX_BYTES = 10_000_000
-HDF5 = b"\x89HDF\r\n\x1a\n"
-"""Begins files of results (NetCDF 4)."""
 _EXPECTED = "expected a mapping with keys such as joints, bars, drives"
 
 
@@ -37,6 +37,8 @@ class Document:
         For each path whose value is not the file's, the assignment it comes from.
     folder
         Where the file stands, and others that it names; None for a text that is no file.
+    changed
+        Of a definition that stands in results: `changes` of the one that they were computed from.
     """
 
     source: str
@@ -44,6 +46,15 @@ class Document:
     positions: Mapping[Path, tuple[int, int]]
     overridden: Mapping[Path, str] = field(default_factory=dict)
     folder: FilePath | None = field(default=None, compare=False)
+    changed: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """Assignments that make this out of its file, each once."""
+        own = dict.fromkeys(self.overridden.values())
+        again = {text.partition("=")[0] for text in own}
+        kept = (text for text in self.changed if text.partition("=")[0] not in again)
+        return (*kept, *own)
 
     def value(self, path: Path) -> Any:
         """Return what stands at a path, or None where nothing does."""
@@ -92,24 +103,24 @@ def read(path: FilePath) -> Document:
         raise InputError(source, [Problem(message=reason)]) from error
     except ValueError as error:
         raise InputError(source, [Problem(message=f"not a file name: {error}")]) from error
-    if data.startswith(HDF5):
-        return parse(_recorded(path), source)
+    if recorded := _recorded(path):
+        changed = tuple(json.loads(recorded.get("changes", "[]")))
+        return replace(parse(recorded["definition"], source), changed=changed)
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 10**6} MB; expected the definition of a mechanism"
         raise InputError(source, [Problem(message=message)])
     return replace(parse(data, source), folder=path.parent)
 
 
-def _recorded(path: FilePath) -> str:
-    """The definition that results were computed from."""
-    import h5py
-
-    with h5py.File(path, "r") as file:
-        text = file.attrs.get("definition")
-    if not isinstance(text, str):
-        message = "has no definition in it; expected a YAML file, or results that linkages wrote"
-        raise InputError(str(path), [Problem(message=message)])
-    return text
+def _recorded(path: FilePath) -> dict[str, str] | None:
+    """What results were computed from; None for a definition file."""
+    found = stamped(path)
+    if found is not None and "definition" in found:
+        return found
+    if path.suffix.lower() not in FORMATS or path.suffix.lower() == ".json":
+        return None
+    message = "has no definition in it; expected a YAML file, or results that linkages wrote"
+    raise InputError(str(path), [Problem(message=message)])
 
 
 def parse(text: str | bytes, source: str) -> Document:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable
 
 _LONGEST_SHOWN = 60
@@ -59,3 +60,21 @@ def listed(words: Iterable[str], last: str = "or") -> str:
     if len(items) < 2:
         return "".join(items)
     return f"{', '.join(items[:-1])} {last} {items[-1]}"
+
+
+def to_error(value: float, error: float) -> tuple[str, str]:
+    """A number and its error with as many digits as two digits of the error tell.
+
+    ``0.00343939, 0.0059`` becomes ``0.0034`` and ``0.0059``.
+    """
+    if not (math.isfinite(value) and math.isfinite(error)) or error <= 0:
+        return f"{value:.6g}", f"{error:.2g}"
+    place = math.floor(math.log10(error)) - 1
+    if -_MOST_DECIMALS <= place <= 2:
+        decimals = max(0, -place)
+        return f"{round(value, -place) + 0.0:.{decimals}f}", f"{round(error, -place):.{decimals}f}"
+    digits = math.floor(math.log10(abs(value))) - place if value else 0
+    return f"{value:.{max(0, digits)}e}", f"{error:.1e}"
+
+
+_MOST_DECIMALS = 8

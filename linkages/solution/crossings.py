@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.solution.solution import labelled
+from linkages.solution.values.labelled import labelled
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
 

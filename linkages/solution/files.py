@@ -67,17 +67,6 @@ def netcdf_bytes(data: xr.Dataset) -> memoryview:
     return memory.getbuffer()
 
 
-def stamp(path: Path, attributes: Mapping[str, str]) -> None:
-    """Write more attributes into a NetCDF file."""
-    import h5netcdf
-
-    memory = io.BytesIO(path.read_bytes())
-    with h5netcdf.File(memory, "a") as file:
-        file.attrs.update(attributes)
-    with replaced(path) as temporary:
-        temporary.write_bytes(memory.getbuffer())
-
-
 def _write_table(data: xr.Dataset, path: Path) -> None:
     """One column per series, headed ``variable[element] (units)``; all digits."""
     heads = ["time (s)"]

@@ -162,7 +162,7 @@ def open(path: str | Path) -> Opened:  # noqa: A001
         definition=attributes["definition"],
         options=json.loads(attributes["options"]),
         arguments=json.loads(attributes.get("arguments", "{}")),
-        analysis=attributes.get("analysis", file.stem),
+        analysis=attributes.get("analysis", attributes.get("verb", file.stem)),
         version=attributes.get("version", ""),
         command=attributes.get("command", ""),
         notes=tuple(json.loads(attributes.get("notes", "[]"))),

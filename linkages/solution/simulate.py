@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Unpack
 
@@ -24,20 +24,25 @@ from linkages.solution.moving.starting import State, asked_for, own_times, start
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
-from linkages.solution.solution import IncompleteError, Solution, labelled
+from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.values.contact_notes import contact_notes
 from linkages.solution.values.dissipation import dissipated
-from linkages.solution.values.episodes import states
+from linkages.solution.values.episodes import states, touches_so_far
 from linkages.solution.values.impacts import energy_of_impacts, losses_of_impacts
+from linkages.solution.values.labelled import labelled
 from linkages.solution.values.requests import (
     DISSIPATION,
     LOSS,
     REACTION,
     STATE,
+    TOUCHES,
     requested,
 )
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
+
+LEAST_INERTIA = 1e-14
+"""Least eigenvalue of J_ij, scaled to ones on its diagonal, of which some inertia is left."""
 
 LATE = "interrupted after the motion was computed, before all of its outputs were"
 
@@ -143,6 +148,27 @@ def simulate(
     return solution
 
 
+def have_inertia(systems: Sequence[System]) -> NDArray[np.bool_]:
+    """Which systems of one structure `require_inertia` certainly lets pass, shape (systems,)."""
+    first = systems[0]
+    size = len(first.topology.free)
+    nodes = [node for row in first.model.mass_matrix for node in row]
+    if not size or first.model.evaluator(nodes).switched:
+        return np.zeros(len(systems), dtype=bool)
+    numbers = np.array([system.parameters for system in systems]).T
+    states = np.array([system.state for system in systems]).T
+    times = np.array([system.time for system in systems])
+    matrices = np.zeros((len(systems), size, size))
+    rows, columns = np.tril_indices(size)
+    with np.errstate(all="ignore"):
+        matrices[:, rows, columns] = first.evaluate(nodes, times, states, further={"p": numbers}).T
+        sizes = np.sqrt(np.diagonal(matrices, axis1=1, axis2=2))
+        scaled = matrices / sizes[:, None, :] / sizes[:, :, None]
+    finite = np.asarray(np.isfinite(scaled).all(axis=(1, 2)))
+    least = np.linalg.eigvalsh(np.where(finite[:, None, None], scaled, np.eye(size)))[:, 0]
+    return np.asarray(finite & (least > 10.0 * LEAST_INERTIA))
+
+
 def require_inertia(system: System) -> None:
     """A free coordinate whose motion moves no mass has no equation of motion.
 
@@ -166,7 +192,7 @@ def require_inertia(system: System) -> None:
         sizes = np.sqrt(diagonal)
         scaled = matrix / sizes / sizes[:, None]
         values, vectors = np.linalg.eigh(scaled, UPLO="L")
-        if values[0] < 1e-14:
+        if values[0] < LEAST_INERTIA:
             idle = [name for name, part in zip(free, vectors[:, 0], strict=True) if abs(part) > 0.1]
     if idle:
         message = f"no mass moves with {' and '.join(idle)} at t = 0; expected a mass or an inertia"
@@ -201,6 +227,8 @@ def _add_derived(
     if LOSS in names:
         across, along = losses_of_impacts(motion)
         values[LOSS] = across + along
+    if TOUCHES in names:
+        values[TOUCHES] = touches_so_far(motion)
     if settings.losses:
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
     if REACTION in names:

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
-from linkages.kernel.outputs import VARIABLES, labels
 from linkages.kernel.system import System
 from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.moving.switching import passes
-from linkages.solution.values.peaks import even, largest
+from linkages.solution.values.labelled import labelled
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from linkages.solution.measuring.dense import Dense
     from linkages.solution.moving.horizon import Horizon
 
 
@@ -66,8 +63,8 @@ class Solution:
         return f"Solution({self.mechanism.name!r}, {self.summary})"
 
     def _repr_html_(self) -> str:
-        """What notebooks show: how it was computed, largest values, notes."""
-        return str(import_module("linkages.plots.notebook").solution_html(self))  # stands above
+        """What notebooks show: the motion to play with, how it was computed, largest values."""
+        return str(import_module("linkages.viewer.notebook").solution_html(self))  # stands above
 
     @property
     def summary(self) -> str:
@@ -84,22 +81,52 @@ class Solution:
 
     @cached_property
     def maxima(self) -> list[dict[str, Any]]:
-        """Largest absolute values with their times, like the paper's table.
+        """Largest and least values with their times, like the paper's table.
 
-        They are located between samples, by interpolation; at samples those of residuals, which are
-        noise, and of loads, which may jump.
+        They are those of the motion, whatever its samples are: located between them where it is
+        smooth, or may jump. Residuals, which are noise, are taken at samples.
 
         Returns
         -------
         A row per series, of velocities, accelerations and reactions of joints per magnitude:
-        ``variable, element, value, time, units, long_name``, and ``missed``: by what part of it
-        the motion may exceed it, where samples do not resolve the peak.
+        ``variable, element, value, time``: the largest absolute value, signed, and its time;
+        ``least, least_time, greatest, greatest_time``; ``units, long_name``; and ``missed``: by
+        what part the motion may exceed `value`. It is 0 but for motions that are too long to be
+        looked at so closely.
         """
-        return [
-            row
-            for name in self.data.data_vars
-            for row in _maxima(self.data[name], _least_scale(self.data, str(name)))
-        ]
+        from linkages.solution.measuring.extremes import extreme_rows
+
+        names = map(str, self.data.data_vars)
+        return [dict(row) for name in names for row in extreme_rows(self.closely, name)]
+
+    @cached_property
+    def closely(self) -> Dense:
+        """The motion at samples that show all it does, computed when it is first asked for."""
+        from linkages.solution.measuring.dense import Dense
+
+        return Dense.of(self.system, self.settings, self.motion, self.data)
+
+    def dense(self, names: Iterable[str]) -> xr.Dataset:
+        """Outputs at samples that show all that the motion does, whatever its own samples are.
+
+        Parameters
+        ----------
+        names
+            Of outputs; those that follow from a whole motion must be among those of the solution.
+
+        Returns
+        -------
+        Like `data`; where series are farthest from zero is in ``attrs["farthest"]``: name of the
+        element → value and time.
+        """
+        from linkages.solution.measuring.extremes import extreme_rows
+
+        values = {name: self.closely.values(name) for name in names}
+        found = labelled(self.system, self.closely.motion, values)
+        for name in values:
+            rows = extreme_rows(self.closely, name)
+            found[name].attrs["farthest"] = {r["element"]: (r["value"], r["time"]) for r in rows}
+        return found.assign_attrs(self.data.attrs)
 
     @cached_property
     def horizon(self) -> Horizon | None:
@@ -123,7 +150,7 @@ class Solution:
         from linkages.solution.origin import origin_of
 
         notes = json.dumps(self.notes, ensure_ascii=False)
-        origin = {**origin_of(self.mechanism, self.options), "notes": notes}
+        origin = {"verb": "simulate", **origin_of(self.mechanism, self.options), "notes": notes}
         paths = save_dataset(self.data.assign_attrs(origin), Path(folder), "simulate")
         times = {name: data["time"].to_numpy() for name, data in self.events.items()}
         return [*paths, save_events(times, Path(folder) / "events.csv")] if times else paths
@@ -156,78 +183,3 @@ class IncompleteError(ComputationError):
         motion = solution.motion
         super().__init__(str(motion.failure), time=motion.stop_time)
         self.solution = solution
-
-
-def labelled(system: System, motion: Motion, values: dict[str, NDArray[np.float64]]) -> xr.Dataset:
-    """Put arrays into a dataset with coordinates, units and names."""
-    import xarray as xr
-
-    variables = {}
-    dims: dict[str, None] = {}
-    for name, array in values.items():
-        entry = VARIABLES[name]
-        dims |= dict.fromkeys(entry.dims)
-        units, long_name = entry.described(system.model)
-        attrs: dict[str, Any] = {"units": units, "long_name": long_name}
-        if entry.flags:
-            attrs["flag_values"] = np.arange(len(entry.flags), dtype=np.int8)
-            attrs["flag_meanings"] = " ".join(entry.flags)
-        variables[name] = (("time", *entry.dims), array, attrs)
-    coordinates: dict[str, Any] = {
-        "time": ("time", motion.time, {"units": "s", "long_name": "time"})
-    }
-    for dim in dims:
-        coordinates[dim] = (dim, np.array(labels(system.model, dim), dtype=object))
-    attrs = {"name": system.mechanism.name, "source": system.mechanism.source}
-    if system.topology.free:
-        attrs["free"] = " ".join(system.topology.free)
-    return xr.Dataset(variables, coordinates, attrs)
-
-
-def _least_scale(data: xr.Dataset, name: str) -> float:
-    """Size below which accelerations are small: that of speeds over the time between samples.
-
-    A steady motion has accelerations that are round-off alone.
-    """
-    speeds = {VARIABLES[str(other)].rate: str(other) for other in data.data_vars}
-    speed = speeds.get(VARIABLES[name].compared or name)
-    if data.sizes["time"] < 2 or speed not in {found.rate for found in VARIABLES.values()}:
-        return 0.0
-    spacing = abs(float(data["time"][1] - data["time"][0]))
-    return float(np.nanmax(np.abs(data[speed].to_numpy()), initial=0.0)) / spacing
-
-
-def _maxima(array: xr.DataArray, least: float = 0.0) -> list[dict[str, Any]]:
-    """A row for each series; of some vectors, for their magnitudes.
-
-    `least` is a size of which small parts are round-off.
-    """
-    if not array.sizes["time"] or VARIABLES[str(array.name)].flags:
-        return []
-    values, dims = array.to_numpy(), array.dims[1:]
-    variable = VARIABLES[str(array.name)]
-    if variable.magnitude:
-        values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
-    if len(dims) > 1:
-        return []
-    table = values.reshape(array.sizes["time"], -1)
-    names = [str(n) for n in array[dims[0]].to_numpy()] if dims else [""]
-    time = array["time"].to_numpy()
-    finite = np.abs(table[np.isfinite(table)])
-    smooth = variable.smooth and even(time)
-    scale = max(least, float(finite.max(initial=0.0))) if smooth else np.inf
-    rows = []
-    for element, series in zip(names, table.T, strict=True):
-        peak = largest(series, scale)
-        rows.append(
-            {
-                "variable": str(array.name),
-                "element": element,
-                "value": peak.value,
-                "time": float(np.interp(peak.time, np.arange(len(time)), time)),
-                "units": array.attrs["units"],
-                "long_name": array.attrs["long_name"],
-                "missed": peak.missed,
-            }
-        )
-    return rows

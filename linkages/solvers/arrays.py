@@ -1,10 +1,12 @@
-"""Tableau, flow and job as the addresses and sizes that the compiled loops take."""
+"""Tableau, flows and jobs as the addresses and sizes that the compiled loops take."""
 
 from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,7 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.flow import Flow
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room
 from linkages.solvers.printed.shape import are_printed, is_printed
 from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
@@ -25,6 +27,7 @@ from linkages.solvers.steps.views import (
     PLAIN,
     RTOL,
     SAMPLE,
+    SEVERAL,
     WORD,
     Control,
     Events,
@@ -42,15 +45,23 @@ WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
 class Memory:
     """Makes arrays and keeps them alive while compiled code holds their addresses.
 
+    Parameters
+    ----------
+    count
+        Number of motions that are set up together. What is the same for all of them has one
+        address; of what is not there is an array of addresses, one for each motion, which stands
+        where a single motion has an integer.
+
     Attributes
     ----------
     copies
-        Addresses at which what a motion holds is needed beside its kernel, and how much of it.
+        Addresses at which what motions hold is needed beside their kernels, and how much of it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, count: int = 1) -> None:
+        self.count = count
         self.arrays: list[NDArray] = []
-        self.copies: list[tuple[int, int]] = []
+        self.copies: list[tuple[Any, int]] = []
         self.codes: list[object] = []
 
     def floats(self, values: object) -> int:
@@ -60,6 +71,33 @@ class Memory:
     def integers(self, values: object) -> int:
         """Address of numbers as int64."""
         return self._keep(np.ascontiguousarray(values, dtype=np.int64))
+
+    def rows(self, array: NDArray) -> Any:
+        """Addresses of the rows of an array of 8-byte entries, one for each motion."""
+        array = np.ascontiguousarray(array)
+        first = self._keep(array)
+        return first if self.count == 1 else first + array.strides[0] * np.arange(self.count)
+
+    def zeros(self, *shape: int) -> Any:
+        """Addresses of as many zeros for each motion."""
+        return self.rows(np.zeros((self.count, *shape)))
+
+    def each(self, arrays: Sequence[NDArray]) -> Any:
+        """Addresses of arrays, one for each motion, where they are."""
+        return self.own([self._keep(array) for array in arrays])
+
+    def own(self, numbers: Sequence[int]) -> Any:
+        """Integers, one for each motion."""
+        return numbers[0] if self.count == 1 else np.array(numbers, dtype=np.int64)
+
+    def words(self, entries: Sequence[Any]) -> Any:
+        """Addresses of rows of integers, of which any may differ from motion to motion."""
+        if self.count == 1:
+            return self.integers(entries)
+        table = np.empty((self.count, len(entries)), dtype=np.int64)
+        for column, entry in enumerate(entries):
+            table[:, column] = entry
+        return self.rows(table)
 
     def keep(self, code: object) -> None:
         """Keep functions alive as well."""
@@ -73,12 +111,14 @@ class Memory:
         return address
 
 
-def pace(job: Job) -> NDArray[np.float64]:
-    """How a motion goes on, before it has begun; see `views`."""
-    found = np.zeros(PACE)
-    found[T], found[END], found[RTOL], found[ACTIVE] = job.start, job.end, job.rtol, 1.0
-    found[SAMPLE] = job.times[0]
-    found[ALWAYS], found[PLAIN] = is_watched(job), is_plain(job)
+def pace(jobs: Sequence[Job]) -> NDArray[np.float64]:
+    """How motions go on, before they have begun, shape (motions, `PACE`); see `views`."""
+    found = np.zeros((len(jobs), PACE))
+    begin = [(job.start, job.end, job.rtol, job.times[0]) for job in jobs]
+    found[:, [T, END, RTOL, SAMPLE]] = begin
+    found[:, ACTIVE] = 1.0
+    found[:, ALWAYS] = [is_watched(job) for job in jobs]
+    found[:, PLAIN] = [is_plain(job) for job in jobs]
     return found
 
 
@@ -95,29 +135,34 @@ def is_plain(job: Job) -> bool:
 
 def system(
     memory: Memory,
-    job: Job,
+    room: Room,
     rows: NDArray[np.float64],
     pace: NDArray[np.float64],
     code: MachineCode,
     record: Record,
     events: Events | None = None,
 ) -> SystemView:
-    """Addresses and numbers of a job's flow and its record, with room for what its clock writes."""
-    flow = job.flow
+    """Addresses and numbers of the flows of jobs, with room for what their clocks write.
+
+    Workspaces have shape (motions, rows, width).
+    """
+    jobs, first = room.jobs, room.jobs[0]
+    flow, parameters = first.flow, memory.each([job.parameters for job in jobs])
     memory.keep(code)
-    # what is held stands behind the parameters proper
-    parameters = memory.floats(job.parameters)
+    least = np.array([job.flow.least_margin for job in jobs])
+    scale = np.array([job.flow.margin_scale for job in jobs])
     frame = {
         "clock": flow.clock,
         "rates": flow.rates,
         "parameters": parameters,
-        "held": parameters + WORD * (len(job.parameters) - flow.held),
-        "timed": memory.floats(np.zeros(flow.timed_size)),
-        "rows": memory.floats(rows),
-        "pace": memory.floats(pace),
-        "atol": memory.floats(job.atol),
-        "scale": memory.floats(flow.margin_scale),
-        "smallest": memory.floats(flow.smallest_margins),
+        # what is held stands behind the parameters proper
+        "held": parameters + WORD * (len(first.parameters) - flow.held),
+        "timed": memory.zeros(flow.timed_size),
+        "rows": memory.rows(rows),
+        "pace": memory.rows(pace),
+        "atol": memory.rows(np.array([job.atol for job in jobs])),
+        "scale": memory.rows(scale),
+        "smallest": memory.rows(least * scale),
         "turns": record.final_turns,
         "functions": 0 if events is None else events.functions,
         "values": 0 if events is None else events.values,
@@ -128,8 +173,9 @@ def system(
         "sampled_turns": record.turns,
         "accelerations": record.acceleration,
         "angles": record.angles,
-        "ahead": memory.floats(np.zeros(flow.counted)),
+        "ahead": memory.zeros(flow.counted),
         "sampled": record.sampled,
+        **dict.fromkeys(SEVERAL, 0),
     }
     return SystemView(
         clock=flow.clock,
@@ -144,27 +190,28 @@ def system(
         first_carried=flow.first_carried,
         carried=flow.carried,
         counted=flow.counted,
-        backward=int(job.end < job.start),
+        backward=memory.own([job.end < job.start for job in jobs]),
         holding=flow.held,
         held=frame["held"],
         rows=frame["rows"],
-        width=rows.shape[1],
-        frame=memory.integers([frame[name] for name in FRAME]),
+        width=rows.shape[-1],
+        frame=memory.words([frame[name] for name in FRAME]),
         pace=frame["pace"],
         attempt=code.address("attempt"),
         further=code.address("further"),
         interpolate=code.address("interpolate"),
         first=code.address("first"),
+        sample=code.address("sample"),
     )
 
 
-def control(memory: Memory, job: Job, code: MachineCode) -> Control:
+def control(memory: Memory, room: Room, code: MachineCode) -> Control:
     """What an adaptive loop needs beside the rest."""
     return Control(
         advance=code.address("advance"),
         start=code.address("begin"),
-        atol=memory.floats(job.atol),
-        budget=job.max_steps,
+        atol=memory.rows(np.array([job.atol for job in room.jobs])),
+        budget=memory.own([job.max_steps for job in room.jobs]),
     )
 
 
@@ -173,11 +220,12 @@ def workspace_width(flow: Flow) -> int:
     return 2 * flow.coordinates + flow.written
 
 
-def workspace(tableau: Tableau, flow: Flow, state: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rows as described in `views.System`, with a state in row 0."""
-    rows = np.zeros((len(tableau.extended_c) + 1, workspace_width(flow)))
-    rows[0, : len(state)] = state
-    return rows
+def workspace(rows: int, jobs: Sequence[Job]) -> NDArray[np.float64]:
+    """Rows as described in `views.SystemView`, for each job, with its state in row 0."""
+    flow = jobs[0].flow
+    found = np.zeros((len(jobs), rows, workspace_width(flow)))
+    found[:, 0, : 2 * flow.coordinates] = [job.state for job in jobs]
+    return found
 
 
 def table(memory: Memory, tableau: Tableau, flow: Flow) -> TableView:
@@ -217,58 +265,64 @@ def nodes(memory: Memory, method: Collocation, flow: Flow, first: int) -> Nodes:
         b=memory.floats(method.b),
         bA=memory.floats(method.b @ method.A),
         ahead=memory.floats(method.ahead),
-        timed=memory.floats(np.zeros((s, flow.timed_size))),
+        timed=memory.zeros(s, flow.timed_size),
         timed_size=flow.timed_size,
-        kept=memory.floats(np.zeros(max(n, s))),
-        changes=memory.floats(np.zeros(2)),
-        carry=memory.floats(np.zeros(2 * n)),
-        next_carry=memory.floats(np.zeros(2 * n)),
-        held=memory.floats(np.zeros(2 * n)),
+        kept=memory.zeros(max(n, s)),
+        changes=memory.zeros(2),
+        carry=memory.zeros(2 * n),
+        next_carry=memory.zeros(2 * n),
+        held=memory.zeros(2 * n),
     )
 
 
-def record(memory: Memory, job: Job) -> Record:
-    """Where the results of a job go; its arrays are contiguous and are written in place."""
+def record(memory: Memory, room: Room) -> Record:
+    """Where the results of jobs go."""
+    jobs, own = room.jobs, {name: memory.rows(array) for name, array in room.arrays.items()}
+    samples = len(jobs[0].times)
+    times = np.empty((len(jobs), samples + 1))
+    times[:, :-1] = [job.times for job in jobs]
     # printed code reads the time of the next sample behind the last one, too
-    never = math.copysign(math.inf, job.end - job.start)
+    times[:, -1] = [math.copysign(math.inf, job.end - job.start) for job in jobs]
     return Record(
-        samples=len(job.times),
-        time=memory.floats(np.append(job.times, never)),
-        state=memory.floats(job.states),
-        turns=memory.integers(job.turns),
-        acceleration=memory.floats(job.accelerations),
-        final_turns=memory.integers(job.final_turns),
-        angles=memory.floats(job.final_angles),
-        ahead=memory.floats(np.zeros(job.flow.counted)),
-        sampled=memory.floats(job.angles),
-        sampled_held=memory.floats(job.held),
-        counters=memory.integers(job.counters),
-        control=memory.floats(job.control),
+        samples=samples,
+        time=memory.rows(times),
+        state=own["states"],
+        turns=own["turns"],
+        acceleration=own["accelerations"],
+        final_turns=own["final_turns"],
+        angles=own["final_angles"],
+        ahead=memory.zeros(jobs[0].flow.counted),
+        sampled=own["angles"],
+        sampled_held=own["held"],
+        counters=own["counters"],
+        control=own["control"],
         observer=0,
         observed=0,
     )
 
 
-def observed(memory: Memory, job: Job, system: SystemView, record: Record) -> Record:
-    """A record with what renormalises the tangents of a job, if it has any."""
-    if job.tangents is None:
+def observed(memory: Memory, room: Room, system: SystemView, record: Record) -> Record:
+    """A record with what renormalises the tangents of jobs, if they have any."""
+    first = room.jobs[0]
+    if first.tangents is None:
         return record
-    own = job.flow.switching
+    own, plans = first.flow.switching, [job.tangents for job in room.jobs]
+    size, columns = first.tangents.size, first.tangents.columns
     tangents = Tangents(
-        size=job.tangents.size,
-        placed=job.tangents.placed,
-        columns=job.tangents.columns,
-        every=job.tangents.every,
-        offset=job.tangents.offset,
-        orthogonal=int(job.tangents.orthogonal),
+        size=size,
+        placed=first.tangents.placed,
+        columns=columns,
+        every=memory.own([plan.every for plan in plans if plan]),
+        offset=memory.own([plan.offset for plan in plans if plan]),
+        orthogonal=int(first.tangents.orthogonal),
         loses=int(own is not None and own.closes),
-        seen=memory.integers(np.zeros(1)),
-        lengths=memory.floats(job.lengths),
-        grown=memory.floats(job.grown),
-        copy=memory.floats(np.zeros(2 * job.tangents.columns * job.tangents.size)),
-        tolerances=memory.floats([job.rtol, job.atol[-1]]),
+        seen=memory.zeros(1),
+        lengths=memory.rows(room.arrays["lengths"]),
+        grown=memory.rows(room.arrays["grown"]),
+        copy=memory.zeros(2 * columns * size),
+        tolerances=memory.rows(np.array([(job.rtol, job.atol[-1]) for job in room.jobs])),
         memories=0 if own is None else len(own.owners),
         moved=system.held + (0 if own is None else WORD * (len(own.names) + len(own.owners))),
     )
-    context = memory.integers([*system, *record, *tangents])
+    context = memory.words([*system, *record, *tangents])
     return record._replace(observer=WATCH_TANGENTS.address, observed=context)

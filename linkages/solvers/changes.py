@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,9 +94,9 @@ class ChangeLog:
         for name, array in arrays.items():
             object.__setattr__(self, name, array)
 
-    @property
+    @cached_property
     def changes(self) -> Changes:
-        """What was found; copies, for most of the room is not used."""
+        """What was found in the end; copies, for most of the room is not used."""
         rows = slice(0, min(int(self.noted[0]), len(self.time)))
         return Changes(
             time=self.time[rows].copy(),

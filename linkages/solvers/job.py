@@ -1,10 +1,11 @@
-"""One integration: what is asked for, and the arrays that its loop fills."""
+"""One integration: what is asked for, and where its results are."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,15 @@ from linkages.solvers.printed.shape import Shape
 from linkages.solvers.renormalisation import Renormalisation
 from linkages.solvers.trajectory import Trajectory
 
+NOTHING_YET = (0, 0, 0, 0, -1, -1)
+"""Samples, steps, rejected steps, evaluations, block, switch: see `steps.views`."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Job:
-    """Arguments of an integration after their validation, and its results as they come in.
+    """Arguments of an integration after their validation.
+
+    Its results are arrays of a `Room`, its own one unless it has been given one with others.
 
     Parameters
     ----------
@@ -62,7 +68,10 @@ class Job:
     tangents: Renormalisation | None = None
     holds: NDArray[np.float64] | None = None
 
+    room: Room = field(init=False)
+    row: int = field(init=False)
     log: EventLog = field(init=False)
+    changes: ChangeLog = field(init=False)
     states: NDArray[np.float64] = field(init=False)
     turns: NDArray[np.int64] = field(init=False)
     accelerations: NDArray[np.float64] = field(init=False)
@@ -73,32 +82,22 @@ class Job:
     grown: NDArray[np.float64] = field(init=False)
     held: NDArray[np.float64] = field(init=False)
     parameters: NDArray[np.float64] = field(init=False)
-    changes: ChangeLog = field(init=False)
     counters: NDArray[np.int64] = field(init=False)
     control: NDArray[np.float64] = field(init=False)
 
-    def __post_init__(self) -> None:
-        m, n, d = len(self.times), self.flow.coordinates, self.flow.counted
-        arrays: dict[str, NDArray] = {
-            "states": np.zeros((m, 2 * n)),
-            "turns": np.zeros((m, n), dtype=np.int64),
-            "accelerations": np.zeros((m, n)),
-            "final_turns": np.zeros(n, dtype=np.int64),
-            "angles": np.zeros((m, d)),
-            "final_angles": np.zeros(d) if self.begun is None else self.begun.copy(),
-            "lengths": np.zeros(self._renormalised(m)),
-            "grown": np.zeros(0) if self.tangents is None else self.tangents.grown.copy(),
-            "held": np.zeros((m, self.flow.held)),
-            "parameters": self.holding(self.flow),
-            # Samples, steps, rejected steps, evaluations, block, switch: see `views`.
-            "counters": np.array([0, 0, 0, 0, -1, -1], dtype=np.int64),
-            # Time reached, and whether to stop.
-            "control": np.array([self.start, 0.0]),
-        }
-        object.__setattr__(self, "log", EventLog(self.events, self.flow))
-        object.__setattr__(self, "changes", ChangeLog(self.flow))
-        for name, array in arrays.items():
-            object.__setattr__(self, name, array)
+    def __getattr__(self, name: str) -> Any:
+        """What a room has for it; a job that has been given none makes its own."""
+        if name not in self.__dataclass_fields__:
+            raise AttributeError(name)
+        Room([self])
+        return vars(self)[name]
+
+    @property
+    def sizes(self) -> tuple[Hashable, ...]:
+        """Equal for jobs that may share a room, if their functions are the same."""
+        own, samples = self.tangents, len(self.times)
+        grows = own and (own.columns, own.size, own.placed, own.orthogonal, own.count(samples))
+        return (samples, grows, *(event.capacity for event in self.events))
 
     def holding(self, kernel: Flow | Companion) -> NDArray[np.float64]:
         """The parameters of a kernel with the modes and memories at the start; shared without."""
@@ -109,7 +108,7 @@ class Job:
         found[len(found) - kernel.held :] = self.holds[: kernel.held]
         return found
 
-    def _renormalised(self, samples: int) -> tuple[int, int]:
+    def renormalised(self, samples: int) -> tuple[int, int]:
         """How often, and how many tangents."""
         tangents = self.tangents
         return (tangents.count(samples), tangents.columns) if tangents else (0, 0)
@@ -153,7 +152,7 @@ class Job:
             angles=self.angles[:samples],
             final_angles=self.final_angles,
             crossings=self.log.crossings,
-            lengths=self.lengths[: self._renormalised(samples)[0]],
+            lengths=self.lengths[: self.renormalised(samples)[0]],
             grown=self.grown,
             held=self.held[:samples],
             final_held=self.parameters[len(self.parameters) - self.flow.held :].copy(),
@@ -162,3 +161,65 @@ class Job:
             method=choice.name,
             reason=choice.reason,
         )
+
+
+class Room:
+    """Arrays that loops fill for jobs of the same functions and equal sizes.
+
+    Attributes
+    ----------
+    jobs
+        Each has its row of the arrays.
+    arrays
+        By the names of attributes of a `Job`; the first axis is that of the jobs.
+    """
+
+    def __init__(self, jobs: Sequence[Job]) -> None:
+        first = jobs[0]
+        flow, count, m = first.flow, len(jobs), len(first.times)
+        n, d = flow.coordinates, flow.counted
+        self.jobs = jobs
+        self.arrays: dict[str, NDArray] = {
+            "states": np.zeros((count, m, 2 * n)),
+            "turns": np.zeros((count, m, n), dtype=np.int64),
+            "accelerations": np.zeros((count, m, n)),
+            "final_turns": np.zeros((count, n), dtype=np.int64),
+            "angles": np.zeros((count, m, d)),
+            "final_angles": _stacked((job.begun for job in jobs), (count, d)),
+            "lengths": np.zeros((count, *first.renormalised(m))),
+            "grown": _stacked(
+                (None if job.tangents is None else job.tangents.grown for job in jobs),
+                (count, first.renormalised(m)[1]),
+            ),
+            "held": np.zeros((count, m, flow.held)),
+            "counters": np.tile(np.array(NOTHING_YET, dtype=np.int64), (count, 1)),
+            # time reached, and whether to stop
+            "control": np.array([(job.start, 0.0) for job in jobs]),
+        }
+        log, changes = EventLog((), flow), ChangeLog(flow)
+        for row, (job, *own) in enumerate(zip(self.jobs, *self.arrays.values(), strict=True)):
+            vars(job).update(zip(self.arrays, own, strict=True))
+            met = EventLog(job.events, flow) if job.events else log
+            seen = ChangeLog(flow) if flow.switches else changes
+            numbers = job.holding(job.flow)
+            vars(job).update(room=self, row=row, log=met, changes=seen, parameters=numbers)
+
+
+def give_rooms(jobs: Sequence[Job]) -> None:
+    """Give jobs of the same functions what they need to be carried out."""
+    equal: dict[tuple[Hashable, ...], list[Job]] = {}
+    for job in jobs:
+        equal.setdefault(job.sizes, []).append(job)
+    for own in equal.values():
+        Room(own)
+
+
+def _stacked(
+    rows: Iterable[NDArray[np.float64] | None], shape: tuple[int, int]
+) -> NDArray[np.float64]:
+    """What jobs begin with; zeros where they do not say."""
+    found = np.zeros(shape)
+    for row, own in zip(found, rows, strict=True):
+        if own is not None:
+            row[:] = own
+    return found

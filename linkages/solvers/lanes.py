@@ -9,16 +9,16 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.kernel.code.machine import has_wide_registers
 from linkages.solvers import arrays
 from linkages.solvers.accelerated import accelerator
 from linkages.solvers.events import Event
 from linkages.solvers.integration import IntegrationRequest
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, give_rooms
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
     Method,
-    PreparedMotion,
     RungeKutta,
 )
 from linkages.solvers.outcome import Outcome
@@ -27,6 +27,7 @@ from linkages.solvers.steps.loaded import Loaded
 from linkages.solvers.steps.views import (
     ALONE,
     FRAME,
+    OF_SAMPLING,
     PACE,
     REJECTED,
     SINGLE,
@@ -43,15 +44,20 @@ LOGGER = logging.getLogger(__name__)
 LANES = 8
 """Motions side by side: two registers of 256 bits, or one of 512. No bit depends on it."""
 
+MORE_LANES = 16
+"""The same where registers have 512 bits, the motions are many, and no tangents go along: more
+instructions are under way at a time, which gains a tenth. With tangents registers run short."""
+
 LINE = 64
 """Bytes; arrays of lanes begin at multiples of it."""
 
 ADVANCE_LANES = Loaded("linkages.solvers.loops.lanes", "advance_lanes")
+SAMPLE_LANES = Loaded("linkages.solvers.loops.lanes", "sample_lanes")
 
 
 def integrate_many(
     requests: Sequence[IntegrationRequest],
-    lanes: int = LANES,
+    lanes: int | None = None,
     watch: Callable[[float], None] | None = None,
 ) -> list[Trajectory]:
     """Integrate what is asked for; each trajectory is equal, in all bits, to that of it alone.
@@ -61,7 +67,8 @@ def integrate_many(
     requests
         From `linkages.solvers.integration.request`.
     lanes
-        Number of motions side by side, of those with the same functions.
+        Number of motions side by side, of those with the same functions; what suits them, if not
+        given.
     watch
         Called about 20 times a second with the fraction of the motions that have ended.
 
@@ -73,7 +80,7 @@ def integrate_many(
     """
     groups: dict[tuple[object, ...], list[int]] = {}
     for index, asked in enumerate(requests):
-        alone = () if _is_wide(asked.method, asked.job) and lanes > 1 else (index,)
+        alone = () if _is_wide(asked.method, asked.job) and lanes != 1 else (index,)
         key = (
             asked.method.name,
             asked.job.flow.clock,
@@ -94,7 +101,8 @@ def integrate_many(
         if card is not None and isinstance(method, RungeKutta) and card.takes(method, jobs):
             found, interrupted = card.run(method, jobs, look)
         else:
-            found, interrupted = _run(method, jobs, lanes, look)
+            give_rooms(jobs)
+            found, interrupted = _run(method, jobs, lanes or _suitable(jobs), look)
         ended += len(group)
         for index, outcome in zip(group, found, strict=True):
             outcomes[index] = outcome
@@ -109,6 +117,12 @@ def _is_wide(method: Method, job: Job) -> TypeGuard[RungeKutta]:
     return isinstance(method, RungeKutta) and job.step is None and bool(job.flow.wide) and events
 
 
+def _suitable(jobs: Sequence[Job]) -> int:
+    """Number of lanes for jobs of the same functions."""
+    many = len(jobs) >= MORE_LANES * LANES
+    return MORE_LANES if many and jobs[0].tangents is None and has_wide_registers() else LANES
+
+
 def _run(
     method: Method, jobs: Sequence[Job], lanes: int, look: Callable[[float], None]
 ) -> tuple[list[Outcome], bool]:
@@ -120,26 +134,24 @@ def _run(
         job = jobs[0]
         result, interrupted = supervise(method.prepare(job), job.stop, lambda: look(job.fraction))
         return [Outcome.INTERRUPTED if interrupted else Outcome(result)], interrupted
-    memory, motions = arrays.Memory(), [method.motion(job) for job in jobs]
+    memory = arrays.Memory()
+    motions = {room: method.motions(room) for room in dict.fromkeys(job.room for job in jobs)}
     outcomes = np.full(len(jobs), Outcome.INTERRUPTED, dtype=np.int64)
     control = np.zeros(3)
-    view = _lanes(memory, method, jobs, motions, lanes)._replace(
-        outcomes=memory.integers(outcomes), control=memory.floats(control)
-    )
+    contexts = [motions[job.room].contexts[job.row] for job in jobs]
+    view = _lanes(memory, method, jobs, contexts, lanes, outcomes, control)
 
     def stop() -> None:
         control[1] = 1.0
 
-    spent, interrupted = supervise(
-        lambda: ADVANCE_LANES(memory.integers(view)), stop, lambda: look(control[0])
-    )
+    spent, interrupted = supervise(lambda: ADVANCE_LANES(view), stop, lambda: look(control[0]))
     made = sum(int(job.counters[STEPS] + job.counters[REJECTED]) for job in jobs)
     LOGGER.info(
         "%d motions in %d lanes: %d steps tried, %.3f of the lanes in use, %d steps alone",
         len(jobs), lanes, made, made / max(1, spent), control[ALONE],
     )  # fmt: skip
-    for job, motion in zip(jobs, motions, strict=True):
-        np.copyto(job.state, motion.rows[0, : len(job.state)])
+    for job in jobs:
+        np.copyto(job.state, motions[job.room].rows[job.row, 0, : len(job.state)])
     return [Outcome(int(outcome)) for outcome in outcomes], interrupted
 
 
@@ -147,10 +159,12 @@ def _lanes(
     memory: arrays.Memory,
     method: RungeKutta,
     jobs: Sequence[Job],
-    motions: Sequence[PreparedMotion],
+    contexts: Sequence[int],
     lanes: int,
-) -> Lanes:
-    """Room for motions side by side, and what steps in it."""
+    outcomes: NDArray[np.int64],
+    control: NDArray[np.float64],
+) -> int:
+    """Address of `Lanes`: room for motions side by side, and what steps in it."""
     flow, tableau = jobs[0].flow, method.tableau
     shape = jobs[0].shape
     assert flow.wide is not None
@@ -161,7 +175,7 @@ def _lanes(
     sizes = {
         "parameters": len(jobs[0].parameters),
         "timed": flow.timed_size,
-        "rows": (tableau.stages + 1) * shape.width,
+        "rows": (len(tableau.extended_c) + 1) * shape.width,
         "pace": PACE,
         "atol": 2 * shape.n,
         "scale": shape.blocks,
@@ -177,8 +191,12 @@ def _lanes(
     held = frame["parameters"] + WORD * lanes * (sizes["parameters"] - flow.held)
     functions = [_function(memory, event, lanes) for event in jobs[0].events[: shape.events]]
     frame["functions"] = memory.integers([places for places, _ in functions])
-    places = {"clock": wide.clock, "rates": wide.rates, "held": held, **frame}
-    return Lanes(
+    context = np.zeros(len(Lanes._fields), dtype=np.int64)
+    places = {
+        "clock": wide.clock, "rates": wide.rates, "held": held, **frame,
+        "sampler": SAMPLE_LANES.address, "lanes": memory.integers(context),
+    }  # fmt: skip
+    found = Lanes(
         lanes=lanes,
         frame=memory.integers([places[name] for name in FRAME]),
         **{name: frame[name] for name in Lanes._fields if name in frame},
@@ -186,14 +204,19 @@ def _lanes(
         events=shape.events,
         function_sizes=memory.integers([size for _, size in functions]),
         advance=code.address("advance"),
+        further=code.address("further"),
+        between=code.address("between"),
+        sampling=memory.integers(np.zeros(OF_SAMPLING * lanes)),
         begin=BEGIN_MOTION.address,
         conclude=CONCLUDE_STEP.address,
-        motions=memory.integers([motion.context for motion in motions]),
+        motions=memory.integers(contexts),
         number=len(jobs),
-        outcomes=0,
+        outcomes=memory.integers(outcomes),
         places=memory.integers(np.full(lanes, -1)),
-        control=0,
+        control=memory.floats(control),
     )
+    context[:] = found
+    return places["lanes"]
 
 
 def _function(memory: arrays.Memory, event: Event, lanes: int) -> tuple[list[int], int]:

@@ -10,15 +10,17 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room, give_rooms
 from linkages.solvers.methods.method import (
     BEGIN_MOTION,
     CONCLUDE_STEP,
     PreparedMotion,
+    PreparedMotions,
     RungeKutta,
 )
 from linkages.solvers.outcome import Outcome
@@ -91,11 +93,20 @@ class Launches:
     def _fill(self) -> None:
         """Begin motions in all free slots."""
         while self._free and not self.control[STOP]:
-            index = next(self._waiting, None)
-            if index is None:
+            entering = [*islice(self._waiting, len(self._free))]
+            if not entering:
                 return
+            self._enter(entering)
+
+    def _enter(self, entering: Sequence[int]) -> None:
+        """Begin some motions, for which there are slots."""
+        give_rooms([self._jobs[index] for index in entering])
+        motions: dict[Room, PreparedMotions] = {}
+        for index in entering:
             job = self._jobs[index]
-            motion = self._method.motion(job)
+            if job.room not in motions:
+                motions[job.room] = self._method.motions(job.room)
+            motion = motions[job.room].of(job)
             outcome = BEGIN_MOTION(motion.context)
             slot = self._free.pop()
             self._running[slot] = index, motion

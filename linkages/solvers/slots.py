@@ -63,7 +63,7 @@ class DeviceSteps:
             method.tableau, shape, flow.routines(), method.memory, device.architecture
         )
         kernel = device.load(text, "advance_lanes")
-        return cls(kernel, shape, len(job.parameters), flow)
+        return cls(kernel, shape, len(flow.parameters), flow)
 
     @cached_property
     def code(self) -> MachineCode:
@@ -137,7 +137,7 @@ class Slots:
 
     def enter(self, slot: int, method: RungeKutta, job: Job, motion: PreparedMotion) -> None:
         """Put a motion that has begun into a slot."""
-        frame, block, column = motion.words[0].frame, *divmod(slot, WIDTH)
+        frame, block, column = motion.frame, *divmod(slot, WIDTH)
         self._steps.code.function("enter")(*self._own, frame, slot)
         self.held["budget"].view(np.int64)[block, 0, column] = job.max_steps
         self._frames[slot], self._contexts[slot] = frame, motion.context

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,20 +29,28 @@ from linkages.solution.measuring.measure import (
     needed_outputs,
     single,
 )
-from linkages.solution.measuring.reduced import reduced
+from linkages.solution.measuring.reduced import Source, reduced
+from linkages.solution.measuring.together import Together, goes_together
 from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.many import march_many
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
-from linkages.solution.simulate import require_inertia, simulate
+from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.solution.values.series import TIME, Series
 from linkages.spec.measures import Measure
 from linkages.spec.units import UnitError
 from linkages.sweeps.answers import Answer, Code, Field, OverTimeError, Question
 from linkages.sweeps.driven import serves, undisturbed
 from linkages.sweeps.points import Points
-from linkages.sweeps.pointwise import SIDE_BY_SIDE, answered, evaluations, first_system, stop_code
+from linkages.sweeps.pointwise import (
+    SIDE_BY_SIDE,
+    answered,
+    attempted,
+    evaluations,
+    first_system,
+    stop_code,
+)
 from linkages.sweeps.running import stopping
 
 if TYPE_CHECKING:
@@ -202,15 +210,23 @@ class MeasureQuestion(Question):
         places = [k for k, good in zip(columns, sound, strict=True) if good]
         if not places:
             return {}
+        return dict(zip(places, self._measured(motions, [0] * len(places)), strict=True))
+
+    def _measured(self, source: Source, costs: Sequence[int]) -> Iterator[Answer]:
+        """Answers of all motions of a source, and how many evaluations each took."""
         reference = self._reference
-        values = {name: reduced(each, motions, reference) for name, each in self.measures.items()}
-        found = {}
-        for row, place in enumerate(places):
+        values = {name: reduced(each, source, reference) for name, each in self.measures.items()}
+        for row, cost in enumerate(costs):
             numbers = {name: float(each.values[row]) for name, each in values.items()}
             missing = [name for name, number in numbers.items() if number != number]
-            divided = [name for name in missing if values[name].divided[row]]
-            found[place] = _answer(self.measures, numbers, missing, divided)
-        return found
+            reasons = [
+                f"measure {self.measures[name].text!r} "
+                + ("divides by zero" if values[name].divided[row] else "has no finite value")
+                for name in missing
+            ]
+            code = Code.UNDEFINED if reasons else Code.COMPUTED
+            sound = {name: number for name, number in numbers.items() if name not in missing}
+            yield Answer(sound, code, "; ".join(reasons), None, cost)
 
     @cached_property
     def _whole(self) -> list[str]:
@@ -252,11 +268,14 @@ class MeasureQuestion(Question):
         for place in range(len(along)):
 
             def keep(system: System, place: int = place) -> Answer:
-                require_inertia(system)
                 systems[place] = system
                 return Answer()
 
             found[place] = answered(along, place, keep)
+        for place in self._doubtful(systems):
+            found[place] = attempted(partial(_with_inertia, systems[place]))
+            if found[place].code != Code.COMPUTED:
+                del systems[place]
         waiting = {self._factor: systems}
         while waiting:
             factor, group = waiting.popitem()
@@ -264,6 +283,7 @@ class MeasureQuestion(Question):
             marches = [March(one, self._run, counting=self._counting) for one in group.values()]
             with np.errstate(over="ignore", invalid="ignore"):
                 motions = march_many(marches, times, watch=self._watch())
+            moved: dict[int, tuple[System, Motion]] = {}
             for (place, system), motion in zip(group.items(), motions, strict=True):
                 if isinstance(motion, LinkagesError):
                     found[place] = Answer.of(motion, stop_code(motion))
@@ -271,9 +291,38 @@ class MeasureQuestion(Question):
                 whole = motion.failure is None
                 wanted = factor_of(motion, len(self._times)) if whole else factor
                 if wanted == factor:
-                    found[place] = self._answer(system, motion, None)
+                    moved[place] = system, motion
                 else:  # which follows from its steps alone
                     waiting.setdefault(wanted, {})[place] = system
+            found |= self._of_moved(moved)
+        return found
+
+    def _doubtful(self, systems: Mapping[int, System]) -> list[int]:
+        """Places of those that may lack inertia."""
+        alike: dict[Hashable, list[int]] = {}
+        for place, system in systems.items():
+            alike.setdefault((system.structure.key, system.topology.free), []).append(place)
+        found: list[int] = []
+        for places in alike.values():
+            sound = have_inertia([systems[place] for place in places])
+            found += [place for place, good in zip(places, sound, strict=True) if not good]
+        return found
+
+    def _of_moved(self, moved: Mapping[int, tuple[System, Motion]]) -> dict[int, Answer]:
+        """Answers of motions with the same samples, as many together as can be."""
+        alike: dict[Hashable, dict[int, tuple[System, Motion]]] = {}
+        found: dict[int, Answer] = {}
+        for place, (system, motion) in moved.items():
+            if motion.failure is None and goes_together(motion, self._series):
+                key = system.structure.key, system.topology.coordinates
+                alike.setdefault(key, {})[place] = system, motion
+            else:
+                found[place] = self._answer(system, motion, None)
+        for group in alike.values():
+            systems, motions = zip(*group.values(), strict=True)
+            source = Together(systems, motions, self._series)
+            costs = [evaluations(motion) for motion in motions]
+            found |= zip(group, self._measured(source, costs), strict=True)
         return found
 
     @cached_property
@@ -346,17 +395,6 @@ class MeasureQuestion(Question):
         return look
 
 
-def _answer(
-    measures: Mapping[str, Measure],
-    numbers: Mapping[str, float],
-    missing: Sequence[str],
-    divided: Sequence[str],
-) -> Answer:
-    if not missing:
-        return Answer(numbers)
-    reasons = [
-        f"measure {measures[name].text!r} "
-        + ("divides by zero" if name in divided else "has no finite value")
-        for name in missing
-    ]
-    return Answer(numbers, Code.UNDEFINED, "; ".join(reasons))
+def _with_inertia(system: System) -> Answer:
+    require_inertia(system)
+    return Answer()

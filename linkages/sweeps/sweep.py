@@ -150,7 +150,7 @@ def _dataset(
     variables["reason"] = (dims, reasons(arrays))
     variables["stop_time"] = (dims, arrays["stop_time"], stopped)
     variables["evaluations"] = (dims, arrays["evaluations"], cost)
-    about: dict[str, Any] = {"name": mechanism.name, "source": mechanism.source}
+    about: dict[str, Any] = {"name": mechanism.name, "source": mechanism.file_name}
     if points.drawn:
         about |= {"draws": points.draws, "seed": points.seed, "sequence": points.sequence}
         about |= {"drawn": "; ".join(f"{path}={d.text}" for path, d in points.drawn.items())}

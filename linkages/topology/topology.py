@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 
 import networkx as nx
 
@@ -74,6 +75,10 @@ class Topology:
     mobility: int
     loops: int
     redundant: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: mobility, and blocks in their order of solution."""
+        return str(import_module("linkages.plots.notebook").topology_html(self))  # stands above
 
     @property
     def redundant_places(self) -> str:

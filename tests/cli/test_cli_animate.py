@@ -35,7 +35,7 @@ def test_a_gif_of_the_whole_motion(cli):
 
 
 def test_json_and_options(cli):
-    options = ("--start", "0.02", "--duration", "0.01", "--slow", "100", "--out", "film")
+    options = ("--start", "20 ms", "--duration", "10 ms", "--slow", "100", "--out", "film")
     options += ("--size", "400x300", "--set", "bars.rod.length=0.2", "--json")
     result = cli("animate", "slider-crank", *FEW, *options)
     assert (result.code, result.err) == (0, "")
@@ -50,8 +50,11 @@ def test_json_and_options(cli):
         "frames": 4,
         "fps": 4.0,
         "slow": pytest.approx(100.0),
+        "slow_clearances": pytest.approx(100.0),
+        "swings": {},
         "seconds": 1.0,
         "notes": [],
+        "changes": ["bars.rod.length=0.2"],
         "files": ["film/animation.gif"],
     }
     with Image.open("film/animation.gif") as image:
@@ -99,7 +102,7 @@ def test_a_motion_that_stops_is_shown_up_to_there(cli, tmp_path):
     assert not content["completed"]
     assert content["last"] < content["stopped"]["time"] == pytest.approx(0.1695694)
     with Image.open(content["files"][0]) as image:
-        assert image.n_frames == content["frames"] == 3
+        assert image.n_frames == content["frames"] == 34
 
 
 def test_a_motion_that_stops_before_the_film_begins(cli, tmp_path):

@@ -114,20 +114,20 @@ def test_a_section_that_ends_early_is_kept(cli, tmp_path):
 def test_phase_writes_two_series(pendulum, tmp_path):
     result = pendulum("phase", "--x", "arm.angle", "--y", "kinetic_energy", "--skip", "4")
     assert (result.code, result.err) == (0, "")
-    data = opened(tmp_path, "phase_diagram.nc")
+    data = opened(tmp_path, "phase_arm.angle_kinetic_energy.nc")
     assert data.sizes["time"] > 5000
     assert float(data["time"][0]) == pytest.approx(4, abs=1e-9)
-    table = rows(tmp_path, "phase_diagram.csv")
+    table = rows(tmp_path, "phase_arm.angle_kinetic_energy.csv")
     assert list(table[0]) == ["time (s)", "arm.angle (rad)", "kinetic_energy (J)"]
     assert float(table[-1]["kinetic_energy (J)"]) == float(data["kinetic_energy"][-1])
-    assert "results/m/phase_diagram.png" in result.files
+    assert "results/m/phase_arm.angle_kinetic_energy.png" in result.files
 
 
 def test_an_output_over_time(pendulum, tmp_path):
     result = pendulum("phase", "--x", "time", "--y", "arm.angle")
     assert (result.code, result.err) == (0, "")
-    assert list(rows(tmp_path, "phase_diagram.csv")[0]) == ["time (s)", "arm.angle (rad)"]
-    assert "results/m/phase_diagram.png" in result.files
+    assert list(rows(tmp_path, "phase_time_arm.angle.csv")[0]) == ["time (s)", "arm.angle (rad)"]
+    assert "results/m/phase_time_arm.angle.png" in result.files
 
 
 def test_phase_as_json(pendulum):
@@ -146,7 +146,9 @@ def test_phase_of_a_motion_that_stops(cli, tmp_path):
     result = cli("phase", "ninebar", *arguments, "--out", "o")
     assert result.code == 1
     assert result.err.startswith("stopped at t = 1.54")
-    with xr.open_dataset(tmp_path / "o/phase_diagram.nc", engine="h5netcdf") as data:
+    with xr.open_dataset(
+        tmp_path / "o/phase_r1.angle_slider9.velocity.nc", engine="h5netcdf"
+    ) as data:
         assert 1.5 < float(data["time"][-1]) < 1.55
 
 
@@ -352,7 +354,7 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert "mixed" in result.out
     assert "100 periods: the motion is settled from there on" in result.out
     page = (tmp_path / "results/m/chaos.html").read_text(encoding="utf-8")
-    assert page.count("data:image/png;base64,") == 3
+    assert page.count("data:image/png;base64,") == 4  # the drawing, and three figures
     assert '<span class="verdict">chaotic</span>' in page
     content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
     assert content["verdict"] == "chaotic"

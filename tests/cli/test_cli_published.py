@@ -100,8 +100,9 @@ def test_files_that_a_run_does_not_write_again_are_removed(simulate, cli, tmp_pa
     (folder / "traces.png").write_bytes(b"drawn over by somebody")
     assert simulate("--format", "svg", "--outputs", "slider_position").code == 0
     assert contents(folder).keys() == {
-        "simulate.nc", "simulate.csv", "slider_displacement.svg",
-        "phase_diagram.nc", "phase_diagram.csv", "notes.txt", "traces.png",
+        "simulate.nc", "simulate.csv", "slider_position.svg",
+        "phase_time_piston.position.nc", "phase_time_piston.position.csv",
+        "notes.txt", "traces.png",
     }  # fmt: skip
     assert (folder / "traces.png").read_bytes() == b"drawn over by somebody"
 
@@ -248,3 +249,58 @@ def test_a_full_disk_loses_nothing_and_says_so(tmp_path):
     assert done.stderr.count("\n") == 1, done.stderr
     assert "cannot be written" in done.stderr
     assert contents(tmp_path / "results/m") == before
+
+
+@pytest.mark.parametrize("form", ["png", "svg", "pdf"])
+def test_a_figure_is_computed_again(simulate, cli, tmp_path, form):
+    changed = ("--set", "bars.crank.length=0.04", "--samples", "7")
+    result = simulate(*changed, "--format", form)
+    assert result.out.startswith("with bars.crank.length = 0.04\n")
+    figure = f"results/m/slider_position.{form}"
+    again = cli("simulate", figure, "--no-figures", "--out", "again", "--json")
+    assert json.loads(again.out)["changes"] == ["bars.crank.length=0.04"]
+    folders = (tmp_path / "results/m", tmp_path / "again")
+    assert len({(folder / "simulate.csv").read_bytes() for folder in folders}) == 1
+
+
+def test_what_is_said_goes_before_what_results_say(simulate, cli, tmp_path):
+    assert simulate("--no-figures", "--samples", "7", "--out", "first").code == 0
+    for given in (("--samples", "5"), ("--set", "simulate.samples=5")):
+        assert cli("simulate", "first/simulate.nc", "--no-figures", *given, "--out", "x").code == 0
+        assert len((tmp_path / "x/simulate.csv").read_text().splitlines()) == 1 + 5
+
+
+def test_files_tell_no_folders_of_a_machine(simulate, cli, tmp_path):
+    assert simulate().code == 0
+    whole = str(tmp_path / "m.yaml")
+    assert cli("simulate", whole, "--out", str(tmp_path / "b")).code == 0
+    for folder in ("results/m", "b"):
+        for path in (tmp_path / folder).rglob("*.*"):
+            assert not path.is_file() or str(tmp_path).encode() not in path.read_bytes(), path
+
+
+def test_a_folder_holds_results_of_one_definition(simulate, cli, tmp_path):
+    phase = ("phase", "m.yaml", "--x", "time", "--y", "piston.position", "--no-figures")
+    folder = tmp_path / "results/m"
+    assert simulate("--no-figures").code == 0
+    assert cli(*phase).code == 0
+    assert not (folder / "earlier").exists()
+    (folder / "notes.txt").write_text("mine")
+    result = cli(*phase, "--set", "bars.crank.length=0.04")
+    aside = os.path.join("results", "m", "earlier")
+    assert f"note: moved 2 files of simulate to {aside}: computed from another" in result.out
+    assert contents(folder).keys() == {
+        "phase_time_piston.position.nc", "phase_time_piston.position.csv", "notes.txt",
+    }  # fmt: skip
+    assert contents(folder / "earlier").keys() == {"simulate.nc", "simulate.csv"}
+    assert simulate("--no-figures").code == 0
+    assert contents(folder).keys() == {"simulate.nc", "simulate.csv", "notes.txt"}
+    assert len(contents(folder / "earlier")) == 4
+
+
+def test_a_folder_of_results_stands_for_the_file_in_it(simulate, cli, tmp_path):
+    assert simulate("--no-figures", "--samples", "7").code == 0
+    before = (tmp_path / "results/m/simulate.csv").read_bytes()
+    assert cli("simulate", "results/m", "--no-figures").code == 0
+    assert (tmp_path / "results/m/simulate.csv").read_bytes() == before
+    assert not (tmp_path / "results/simulate").exists()

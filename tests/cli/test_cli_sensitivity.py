@@ -47,7 +47,7 @@ def test_units_are_those_of_numbers_with_a_tolerance_as_well(cli):
         "sensitivity", "slider-crank", "--set", "bars.rod.length=140 ± 0.2 mm (uniform)",
         "--of", EFFORT, "--to", "bars.rod.length", "--no-figures",
     )  # fmt: skip
-    (row,) = [line.split() for line in found.out.splitlines() if "bars.rod.length" in line]
+    (row,) = [line.split() for line in found.out.splitlines() if line.startswith("bars.rod.length")]
     assert row[1:3] == ["140", "mm"]
 
 

@@ -69,10 +69,12 @@ def test_every_output_stands_on_its_page():
 
 
 def test_every_figure_stands_on_the_page_of_outputs():
-    from linkages.plots.figures import FIGURES
+    from linkages.plots.figures import FIGURES, OF_ALL, WITHOUT_SLIDERS
 
     text = (ROOT / "docs" / "outputs.md").read_text(encoding="utf-8")
-    assert [name for name in FIGURES if f"`{name}.png`" not in text] == []
+    polar = [name for name in FIGURES if name.endswith("_polar")]
+    named = [*OF_ALL, *WITHOUT_SLIDERS, *polar]
+    assert [name for name in named if f"`{name}.png`" not in text] == []
 
 
 @pytest.mark.parametrize("page", sorted((ROOT / "docs" / "components").glob("*.md")), ids=str)
@@ -82,6 +84,18 @@ def test_component_page_is_in_the_list(page):
     assert page.stem == "index" or f"- [{title}]({page.name})" in index.splitlines()
     contents = re.search(r"<!-- toctree\n(.*?)\n-->", index, re.DOTALL)[1].splitlines()
     assert page.stem == "index" or page.stem in contents or {":glob:", "*"} <= set(contents)
+
+
+def test_every_page_on_a_component_has_a_picture():
+    static = ROOT / "docs" / "_static"
+    for page in sorted((ROOT / "docs" / "components").glob("*.md")):
+        if page.stem == "index":
+            continue
+        pictures = re.findall(r"!\[.*?\]\(../_static/(.*?)\)", page.read_text(encoding="utf-8"))
+        own = static / f"component-{page.stem}.svg"
+        assert own.name in pictures if own.is_file() else pictures, f"{page.name} has no picture"
+    sizes = {file.name: file.stat().st_size for file in static.glob("component-*.svg")}
+    assert {name: size for name, size in sizes.items() if size > 25_000} == {}
 
 
 # the page that is another file of the repository

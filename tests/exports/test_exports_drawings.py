@@ -146,14 +146,23 @@ def test_links_or_paths_alone(solution):
 @pytest.mark.parametrize("name", ["scotch-yoke", "quick-return", "ninebar", "slider-crank"])
 def test_sliders_slots_and_clearances(name):
     """A body that carries a slot has it as a second edge; clearances are no parts."""
-    solution = linkages.simulate(linkages.load(name), end=0.2, samples=21)
+    solution = linkages.simulate(linkages.load(name), end=1.0, samples=401)
     document = dxf_of(solution)
     layers = {layer.dxf.name for layer in document.layers}
     bodies = solution.mechanism.bodies
     solid = {name for name, body in bodies.items() if body.kind not in ("clearance", "offset")}
     assert {f"link {name}" for name in solid} == {n for n in layers if n.startswith("link")}
-    if name == "scotch-yoke":
-        assert len(document.modelspace().query('LWPOLYLINE[layer=="link yoke"]')) == 2
+    carrier, travel = {"scotch-yoke": ("yoke", 100.0), "quick-return": ("arm", 100.0)}.get(
+        name, (None, 0.0)
+    )
+    if carrier is not None:
+        lines = document.modelspace().query(f'LWPOLYLINE[layer=="link {carrier}"]')
+        edge, slot = (np.array(line.get_points("xyb")) for line in lines)
+        radius = document.modelspace().query("CIRCLE")[0].dxf.radius
+        # a stadium as wide as a hole, as long as the pin goes: twice the crank's 50 mm
+        expected = travel * 2 * radius + np.pi * radius**2
+        assert area(slot) == pytest.approx(expected, rel=1e-4)  # samples miss the ends of the way
+        assert area(edge) > area(slot)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What kernels do is no text of a language: a few lines write the same statements as C."""
+"""What kernels do is no text of a language: the same statements as Python, C and for lanes."""
 
 import ctypes
 import math
@@ -10,8 +10,8 @@ import pytest
 from group_models import TRIAD
 from linkage_models import program, system, system_of
 
-from linkages.kernel.code.printing import Python
-from linkages.kernel.code.statements import Assign, Check, Entry, Heading, Iterate, Store
+from linkages.kernel.code.braces import c_function
+from linkages.kernel.code.statements import Assign, Check, Entry, Iterate, Store
 from linkages.kernel.graph.several import CLOSE, MOST_ITERATIONS, MOST_TURNED, evaluate
 
 FORMULAS = """
@@ -24,30 +24,9 @@ free: {rod: {angle: 0.3, speed: 1}}
 """
 
 
-class C(Python):
-    """Assignments, checks and stores as C."""
-
-    language = "c"
-
-    def _lines(self, statement):
-        match statement:
-            case Assign(name, _):
-                return [f"const double {name} = {self._operation(statement.node)[0]};"]
-            case Store(entry, node):
-                return [f"{entry.array}[{entry.offset}] = {self.text(node)};"]
-            case Check(node, status):
-                return [f"if (!({self.text(node)} >= 0.0)) return {status};"]
-            case Heading(title):
-                return [f"/* {title} */"]
-        raise AssertionError(statement)
-
-
 def as_c(written):
     parts = ["#include <math.h>"]
-    for routine in written.routines:
-        arguments = ", ".join("double t" if a == "t" else f"double *{a}" for a in routine.arguments)
-        parts += [f"int {routine.name}({arguments}) {{", *C(routine.block).lines()]
-        parts += ["return 0;", "}"]
+    parts += map(c_function, written.routines)
     return "\n".join(parts)
 
 

@@ -37,6 +37,8 @@ def symbols_of(pose):
         ("springs: [{between: [O, P], force: 3}]", 1),
         ("springs: [{between: [O, P], force: 3, damping: 1}]", 2),
         ("springs: [{between: [O, P], force: 0}]", 0),
+        ("maxwell: [{between: [O, P], stiffness: 3, damping: 1}]", 1),
+        ("maxwell: [{slider: cart, stiffness: 3, damping: 1}]", 1),
         ("loads: [{between: [O, P], force: 3}]", 1),
         ("cylinders: {c: {between: [O, P], bore: 0.1, pressure: 1e5}}", 1),
         ("cylinders: {c: {between: [O, P], bore: 0.1, pressure: 1e5, damping: 3}}", 1),
@@ -45,6 +47,17 @@ def symbols_of(pose):
 )
 def test_each_has_its_symbol(text, symbols):
     assert len(symbols_of(posed(text))) == symbols
+
+
+def test_spring_and_damper_of_a_maxwell_element_lie_in_line():
+    pose = posed("maxwell: [{between: [O, P], stiffness: 3, damping: 1}]")
+    (element,) = symbols_of(pose)
+    way = np.array(pose.positions["P"])
+    length = np.linalg.norm(way)
+    places = corners(pose, element)
+    along, across = places @ way / length, places @ (-way[1], way[0]) / length
+    assert (along.min(), along.max()) == pytest.approx((0.0, length))
+    assert np.abs(across).max() * SCALE <= max(springs.AMPLITUDE, springs.CUP[1]) + 1e-9
 
 
 def test_spring_and_damper_of_a_block_stand_beside_each_other():

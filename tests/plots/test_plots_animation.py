@@ -9,13 +9,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import xarray as xr
 from PIL import Image
 
 import linkages
 from linkages.components.mechanisms.definition import from_document
-from linkages.plots.films.animation import animate, shown_part
+from linkages.plots.films.animation import animate
 from linkages.plots.films.film import film_of
+from linkages.plots.films.scenes import scenes
 from linkages.plots.films.stage import Stage
 from linkages.reading.document import parse
 from linkages.reading.locate import shipped
@@ -109,10 +109,9 @@ def test_a_gif_shows_what_was_drawn(tmp_path):
     # Colours come from a palette of 32 shades; 40 of 255 is half the distance of neighbours there.
     solution = press()
     film = animate(solution, tmp_path / "a.gif", fps=5, slow=100, dpi=60)
-    samples = film.samples(solution.data["time"])
-    shown_part = replace(solution, data=solution.data.isel(time=slice(0, samples[-1] + 1)))
-    stage = stage_of(shown_part, film)
-    for index, shown in zip(samples, frames(tmp_path / "a.gif"), strict=True):
+    drawn_from = scenes(solution, film)
+    stage = stage_of(replace(solution, data=drawn_from.data), film)
+    for index, shown in zip(drawn_from.places, frames(tmp_path / "a.gif"), strict=True):
         drawn = stage.picture(int(index))[..., :3].astype(int)
         assert np.quantile(np.abs(shown - drawn), 0.999) < 40
 
@@ -135,7 +134,7 @@ def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
     stage = stage_of(solution)
     stage.picture(20)
     (inset,) = stage._insets
-    pin, _, _, arrow, text = inset.artists
+    pin, _, _, arrow, text, _ = inset.artists
     np.testing.assert_allclose(pin.center, contact.offset[20])
     tip = arrow.get_xy()[3]
     force = contact.force[20]
@@ -152,7 +151,7 @@ def test_lost_contact_is_said():
     solution.data["clearance_force"] *= -1
     stage = stage_of(solution)
     stage.picture(0)
-    *_, text = stage._insets[0].artists
+    *_, text, _ = stage._insets[0].artists
     assert text.get_text().startswith("no contact\n−")
 
 
@@ -197,7 +196,7 @@ def test_ctrl_c_waits_for_the_end_of_a_frame(tmp_path):
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("a.avi", {}, "unknown format 'avi'; expected one of: gif, mp4"),
+        ("a.avi", {}, "unknown format 'avi'; expected one of: gif, webp, mp4"),
         ("a.gif", {"fps": 51}, "at most 50 frames per second, found 51"),
         ("a.gif", {"fps": 0}, "fps must be at least 0.01, found 0"),
         ("a.gif", {"slow": float("nan")}, "slow must be > 0"),
@@ -205,7 +204,7 @@ def test_ctrl_c_waits_for_the_end_of_a_frame(tmp_path):
         ("a.gif", {"duration": 2}, "duration reaches beyond the end"),
         ("a.gif", {"start": 1}, "start must be a time from 0 to before 1 s"),
         ("a.gif", {"slow": 1e6}, "frames are more than 20000"),
-        ("a.gif", {"size": (90, 90)}, "too small for this picture"),
+        ("a.gif", {"size": (90, 90)}, "90x90 pixels are too small for this picture"),
         ("a.gif", {"size": (9000, 90)}, "size must be from 2 to 4096 pixels"),
         ("a.gif", {"dpi": 1}, "dpi must be from 20 to 1000"),
     ],
@@ -222,13 +221,66 @@ def test_data_without_joints(tmp_path):
         animate(solution, tmp_path / "a.gif")
 
 
-def test_of_many_samples_few_are_drawn():
-    data = xr.Dataset(coords={"time": np.linspace(0.0, 1.0, 100_001)})
-    samples = film_of(1.0, start=0.1, slow=1.0).samples(data["time"])
-    window, indices = shown_part(data, samples)
-    np.testing.assert_array_equal(window["time"][indices], data["time"][samples])
-    assert 4000 <= window.sizes["time"] <= 4000 + len(samples)
-    assert np.diff(window["time"]).max() < 3e-4
+def test_frames_show_their_own_times_however_a_motion_was_sampled():
+    """Three samples suffice; where the motion was, a run at those times says."""
+    coarse = press(samples=3)
+    film = film_of(0.02, start=0.004, slow=100, fps=10)
+    shown = scenes(coarse, film)
+    np.testing.assert_allclose(shown.data["time"][shown.places], film.times, rtol=0, atol=1e-15)
+    fine = linkages.simulate(
+        coarse.mechanism, times=film.times, rtol=1e-6, outputs=["joint_position"]
+    )
+    np.testing.assert_array_equal(
+        shown.data["joint_position"][shown.places], fine.data["joint_position"]
+    )
+
+
+def test_clearances_have_a_pace_of_their_own(tmp_path):
+    """The whole motion in a film in which the clearance swings twice between frames."""
+    solution = linkages.simulate(
+        linkages.load("ninebar"), rtol=1e-6, outputs=["joint_position", "clearance_angle"]
+    )
+    film = animate(solution, tmp_path / "a.gif", dpi=30, fps=10)
+    assert film.slow == pytest.approx(2.0)
+    assert film.near.slow >= 24 * 89 / 10  # 24 frames for each of 89 swings in a second
+    shown = scenes(solution, film)
+    stage = stage_of(replace(solution, data=shown.data), film)
+    stage.picture(shown.places[30], shown.near[30])
+    time = f"t = {film.near.times[30]:.5f}"[:-1]
+    assert stage._clock.get_text() == f"t = {film.times[30]:.2f} s"
+    assert stage._insets[0]._moment.get_text().startswith(f"{film.near.pace}\n{time}")
+
+
+def test_names_move_and_a_cursor_stands_at_the_time():
+    solution = run("four-bar", samples=9)
+    strips = [("A.x", solution.data["joint_position"].sel(joint="A", axis="x"))]
+    film = film_of(float(solution.data["time"][-1]))
+    stage = Stage(solution.data, solution.mechanism, film, names=True, strips=strips)
+    for index in (0, 5):
+        stage.picture(index)
+        place = solution.data["joint_position"].sel(joint="A")[index]
+        written = np.array(stage._names._texts["A"].get_position()) / stage._factor
+        np.testing.assert_allclose(written, place)
+        x = stage._strips[0].cursor.get_xdata()[0]
+        assert x == pytest.approx(
+            float(solution.data["time"][index]) * stage._strips[0]._scale.factor
+        )
+
+
+def test_a_webp_shows_exactly_what_was_drawn(tmp_path):
+    solution = press()
+    film = animate(solution, tmp_path / "a.webp", fps=30, slow=20, dpi=60)
+    shown = scenes(solution, film)
+    stage = stage_of(replace(solution, data=shown.data), film)
+    with Image.open(tmp_path / "a.webp") as image:
+        assert image.n_frames == film.frames == 12
+        durations = []
+        for place, picture in zip(shown.places, frames(tmp_path / "a.webp"), strict=True):
+            np.testing.assert_array_equal(picture, stage.picture(place)[..., :3])
+            image.seek(len(durations))
+            image.load()
+            durations.append(image.info["duration"])
+    assert sum(durations) == 400
 
 
 def test_the_size_is_as_wished(tmp_path):

@@ -1,6 +1,7 @@
 """Figures of sections, sweeps, exponents, spectra, maps and contact show what the data say."""
 
 import re
+from html import unescape
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from linkages.chaos.sections.contact import contact_check, lost_spans
 from linkages.chaos.series.rotation import Kind
 from linkages.chaos.series.spectrum import power_spectrum
+from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
 from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
 from linkages.plots.motion.free_axes import free_coordinates, show_degrees
@@ -103,7 +105,7 @@ def test_section_shows_every_point():
     (ax,) = figure.axes
     points = np.radians(ax.lines[0].get_xdata()), ax.lines[0].get_ydata()
     np.testing.assert_allclose(points, [[0.1, 0.3, -0.2], [1, 2, 3]])
-    assert ax.get_xlabel() == "angle θ [°]"
+    assert ax.get_xlabel() == "angle [°]"
     assert ax.get_title(loc="right") == "3 points"
 
 
@@ -132,7 +134,7 @@ def test_no_section_without_points():
 def test_bifurcation_shows_points_over_the_parameter_in_its_unit():
     data = sweep_data()
     (ax,) = bifurcations.figure(data).axes
-    assert ax.get_xlabel() == "clearances.r1.size [mm]"
+    assert ax.get_xlabel() == "radial clearance r1 [mm]"
     dots = [line for line in ax.lines if line.get_marker() == "o"]
     assert [line.get_color() for line in dots] == list(PALETTE[:2])
     x, y = dots[1].get_data()
@@ -161,7 +163,7 @@ def test_ranges_in_degrees_have_their_sign():
     data = sweep_data()
     angles = {"drives.crank.angle": ("value", np.arange(5.0), units("deg"))}
     data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
-    assert bifurcations.figure(data).axes[0].get_xlabel() == "drives.crank.angle [°]"
+    assert bifurcations.figure(data).axes[0].get_xlabel() == "angle of crank [°]"
 
 
 def test_varied_angles_are_drawn_in_degrees():
@@ -169,7 +171,7 @@ def test_varied_angles_are_drawn_in_degrees():
     angles = {"drives.crank.angle": ("value", np.radians([0.0, 90, 180, 270, 360]), units("rad"))}
     data = data.assign_coords(angles).assign_attrs(varied="drives.crank.angle")
     points, exponent = bifurcations.figure(data).axes
-    assert exponent.get_xlabel() == "drives.crank.angle [°]"
+    assert exponent.get_xlabel() == "angle of crank [°]"
     assert points.get_xlim() == exponent.get_xlim() == pytest.approx((-45, 405))
     dots = [line for line in points.lines if line.get_marker() == "o"]
     np.testing.assert_allclose(np.unique(dots[1].get_xdata()), [0, 90, 180, 270, 360])
@@ -206,7 +208,7 @@ def test_names_of_starts_stand_in_the_legend():
 
 def test_exponents_stand_below_with_a_band_of_two_errors():
     _, below = bifurcations.figure(sweep_data(exponent=True)).axes
-    assert below.get_ylabel() == "largest exponent [1/s]"
+    assert below.get_ylabel() == "largest Lyapunov exponent [1/s]"
     band = below.collections[1].get_paths()[0].vertices
     assert band[:, 1].min() == pytest.approx(0.3)
     assert band[:, 1].max() == pytest.approx(0.7)
@@ -216,7 +218,7 @@ def test_exponents_stand_below_with_a_band_of_two_errors():
 
 def test_rates_get_a_figure_of_their_own():
     (ax,) = bifurcations.figure(sweep_data(exponent=True), rates=True).axes
-    assert ax.get_ylabel() == "speed dα/dt [rad/s]"
+    assert ax.get_ylabel() == "clearance speed [rad/s]"
 
 
 # exponents, spectra
@@ -245,7 +247,7 @@ def test_history_of_exponents_with_bands_and_zero():
     assert band.get_height() == pytest.approx(0.08)
     # what came before they settled does not squeeze the picture: 50 of it
     assert ax.get_ylim()[1] < 2
-    assert ax.get_legend().get_texts()[0].get_text() == "λ₁ = 0.305 ± 0.02 1/s"
+    assert ax.get_legend().get_texts()[0].get_text() == "λ₁ = 0.305 ± 0.020 1/s"
 
 
 def test_lines_of_a_spectrum_are_marked_where_they_are():
@@ -426,17 +428,19 @@ TABLE = ("Heading <1>", ["what", "found"], [["a & b", "<3>"]])
 def test_page_needs_no_other_file_and_has_all_figures():
     found = report()
     figures = chaos_figures(found)
-    text = chaos_page(found, [TABLE], figures)
+    text = chaos_page(found, [TABLE], figures, load("pendulum"))
     assert list(figures) == ["chaos_section", "chaos_exponents", "chaos_spectrum", "chaos_contact"]
-    assert text.count('src="data:image/png;base64,iVBOR') == len(figures)
+    assert text.count('src="data:image/png;base64,iVBOR') == len(figures) + 1  # and the drawing
     assert not re.search(r"""(src|href|url\()\s*=?\s*["']?(https?:|//|\.|/)""", text)
     assert "<script" not in text
+    assert "What the tests mean" in text
+    assert load("pendulum").to_yaml() in unescape(text)
 
 
 def test_everything_from_the_file_is_escaped():
     evil = '<script>alert("x")</script> & $title ${reasons}'
     found = report(evil, source=evil, reasons=(evil,), notes=(evil,), verdict="undecided")
-    text = chaos_page(found, [(evil, [evil], [[evil]])], {})
+    text = chaos_page(found, [(evil, [evil], [[evil]])], {}, load("pendulum"))
     assert "<script" not in text
     assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 8
 

@@ -6,12 +6,15 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from plot_data import press, press_data
+from plot_data import SERIES, press, press_data
 
 import linkages
+from linkages.kernel.outputs import VARIABLES
 from linkages.plots import FIGURES, charts
 from linkages.plots.chaos.maps import KINDS, SIGNS
+from linkages.plots.motion.time_figures import drawable
 from linkages.plots.style import PALETTE, style
+from linkages.solution.values.requests import available
 
 
 class Solved:
@@ -24,8 +27,11 @@ class Solved:
 
 OF_ANALYSES = {"bifurcation", "exponents", "indicator_map", "rotation_map", "section"}
 OF_CONTACT = {"clearance_orbit", "clearance_state"}
-OF_SOLUTIONS = [name for name in charts.__all__ if name not in OF_ANALYSES | OF_CONTACT | {"pair"}]
-OVER_TIME = [name for name in OF_SOLUTIONS if name not in {"mechanism", "traces", "phase_diagram"}]
+PICTURES = ["mechanism", "traces", "phase_diagram"]
+NAMED = {"pair", "plot", "vectors", "over_time", "polar", *OF_ANALYSES, *OF_CONTACT, *PICTURES}
+ALL_OVER_TIME = [name for name in charts.__all__ if name not in NAMED]
+OVER_TIME = [name for name in ALL_OVER_TIME if name in {*SERIES, "drive_force"}]
+OF_SOLUTIONS = [*PICTURES, *OVER_TIME]
 
 
 def solved(name):
@@ -59,16 +65,43 @@ def test_charts_over_time_take_data_alone(name):
 
 
 def test_there_is_a_chart_for_every_figure():
-    renamed = {"phase": "phase_diagram"}
-    renamed |= {f"slider_displacement{end}": f"slider_position{end}" for end in ("", "_error")}
-    assert {renamed.get(name, name) for name in FIGURES} == {*OF_SOLUTIONS, *OF_CONTACT}
+    """Those of outputs have `over_time` at least, and those of vectors `polar`."""
+    own = {*PICTURES, *OF_CONTACT, "drive_force", "phase"}
+    others = {name.removesuffix("_polar") for name in FIGURES if name not in own}
+    assert others == {name for name in VARIABLES if drawable(name)}
+    assert {*ALL_OVER_TIME} <= {*others, "drive_force"}
+
+
+@pytest.mark.parametrize("name", ["four-bar", "slider-crank-contact", "andrews"])
+def test_every_output_has_a_chart(name):
+    """Whatever a solution was asked for; of a four-bar, a gap and a motion that is integrated."""
+    solution = linkages.simulate(linkages.load(name), end=0.01, samples=21, outputs=["bar_angle"])
+    known = available(solution.system)
+    for variable in known:
+        if drawable(variable) and not VARIABLES[variable].whole:
+            ax = charts.over_time(solution, variable)
+            assert ax.lines or ax.collections, variable
+            words = VARIABLES[variable].described(solution.system.model)[1]
+            assert ax.get_ylabel().startswith(words.split(" or ")[0]), variable
+            if variable in ALL_OVER_TIME and variable != "drive_effort":
+                assert getattr(charts, variable)(solution).get_ylabel() == ax.get_ylabel()
+    ax = charts.polar(solution, "shaking_force")
+    force = solution.dense(["shaking_force"])["shaking_force"].to_numpy()[:, 0]
+    x, y = ax.lines[0].get_xdata(), ax.lines[0].get_ydata()
+    ratio = np.hypot(x, y).max() / np.hypot(*force.T).max()
+    assert np.log10(ratio) == pytest.approx(round(np.log10(ratio)), abs=1e-9)
+    assert ax.get_aspect() == 1.0
+    with pytest.raises(ValueError, match="the data have no joint_reaction"):
+        charts.over_time(solution, "joint_reaction")
+    with pytest.raises(ValueError, match="bar_angle has no direction"):
+        charts.polar(solution, "bar_angle")
 
 
 def test_any_output_against_any_other():
     given = Figure().add_subplot()
     assert charts.pair(Solved(), "ram.velocity", "r1.angle", given) is given
     own = charts.pair(press_data(), "ram.velocity", "r1.angle")
-    assert own.get_xlabel() == given.get_xlabel() == "slider_velocity of ram [m/s]"
+    assert own.get_xlabel() == given.get_xlabel() == "velocity of ram [m/s]"
     np.testing.assert_array_equal(own.lines[0].get_xydata(), given.lines[0].get_xydata())
     with pytest.raises(ValueError, match="unknown element 'rum'; did you mean 'ram'"):
         charts.pair(Solved(), "rum.velocity", "r1.angle")
@@ -121,7 +154,7 @@ def test_lines_differ_in_black_and_white():
 
     looks = [str(line_style(index)["linestyle"]) for index in range(5)]
     assert len(set(looks)) == 5
-    assert len({line_style(i)["color"] for i in range(7)}) == len(PALETTE)
+    assert len({line_style(i)["color"] for i in range(9)}) == len(PALETTE)
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +178,7 @@ def test_charts_of_analyses(pendulum):
     points = linkages.poincare(pendulum, periods=20)
     assert len(charts.section(points, "rod").lines[0].get_xdata()) == 20
     history = linkages.lyapunov(pendulum, periods=5)
-    assert charts.exponents(history).get_ylabel() == "exponent up to then [1/s]"
+    assert charts.exponents(history).get_ylabel() == "running estimate of the exponent [1/s]"
     given = Figure().add_subplot()
     assert charts.exponents(history, ax=given) is given
     with pytest.raises(ValueError, match="unknown free coordinate 'crank'; expected one of: rod"):

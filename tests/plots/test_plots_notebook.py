@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 import pytest
 
 import linkages
+from linkages.kernel.system import System
 
 
 @pytest.mark.parametrize("name", ["ninebar", "slider-crank", "andrews", "peaucellier"])
@@ -41,7 +42,7 @@ def test_a_solution_is_a_table_of_largest_values():
     root = ElementTree.fromstring(f"<div>{closed(solution._repr_html_())}</div>")
     rows = {row[0].text: row[1].text for row in root.find("table")}
     force = max((r for r in solution.maxima if r["variable"] == "clearance_force"), key=size)
-    assert rows["force along the clearance link r1"] == f"{force['value']:.6g}"
+    assert rows["clearance force r1"] == f"{force['value']:.6g}"
     assert len(rows) == 1 + len({row["variable"] for row in solution.maxima})
     assert repr(solution) == (
         "Solution('Nine-bar press mechanism', 11 samples from t = 0 s to 0.1 s, 18 outputs)"
@@ -51,6 +52,24 @@ def test_a_solution_is_a_table_of_largest_values():
 
 def size(row):
     return abs(row["value"])
+
+
+def test_a_topology_is_its_blocks_in_their_order():
+    topology = System(linkages.load("ninebar")).topology
+    root = ElementTree.fromstring(f"<div>{closed(topology._repr_html_())}</div>")
+    assert root.find("p").text.startswith("mobility 3: driven crank1, crank4; free r1; 6 dependent")
+    rows = [[cell.text for cell in row][1:] for row in root.find("table")][1:]
+    assert rows == [
+        ["RRR dyad", "link2, link3"],
+        ["RRR dyad", "rocker6, link7"],
+        ["RRP dyad", "link8, slider9"],
+    ]
+
+
+def test_a_pendulum_has_no_blocks_to_list():
+    text = System(linkages.load("pendulum")).topology._repr_html_()
+    assert "mobility 1: free" in text
+    assert "<table>" not in text
 
 
 def test_what_comes_from_a_file_is_escaped():

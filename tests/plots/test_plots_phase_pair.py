@@ -19,7 +19,7 @@ def test_curve_is_that_of_the_outputs(data):
     x, y = ax.lines[0].get_data()
     np.testing.assert_allclose(x, data.slider_position[:, 0], rtol=1e-15)
     np.testing.assert_allclose(y, data.slider_velocity[:, 0], rtol=1e-15)
-    assert ax.get_xlabel() == "displacement of slider9 [m]"
+    assert ax.get_xlabel() == "position of slider9 [m]"
     assert ax.get_ylabel() == "velocity of slider9 [m/s]"
 
 

@@ -127,7 +127,23 @@ def test_artists_follow_the_pose():
     for shape, artist in zip(drawn, inked.artists, strict=True):
         (place,) = placed(last, [shape.centre], shape.direction, 0.0)
         assert artist.get_center() == pytest.approx(tuple(place), abs=1e-15)
-        assert artist.get_gid() == shape.name
+        assert artist.get_gid().rpartition("-")[0] == shape.name
+    assert len({artist.get_gid() for artist in inked.artists}) == len(drawn)
+
+
+def test_what_is_not_known_at_a_time_is_hidden_and_comes_back():
+    from matplotlib.figure import Figure
+
+    first, *_ = poses("slider-crank")
+    ax = Figure().add_subplot()
+    ax.set(xlim=(-0.1, 0.2), ylim=(-0.1, 0.2), aspect="equal")
+    inked = Inked(ax, shapes_of(first, SCALE), first)
+    inked.show(Pose(first.mechanism, {"O": (0.0, 0.0), "A": first.positions["A"]}))
+    shown = {artist.get_gid() for artist in inked.artists if artist.get_visible()}
+    assert {"O-1", "A-1", "crank-1"} <= shown
+    assert not {"B-1", "rod-1"} & shown
+    inked.show(first)
+    assert all(artist.get_visible() for artist in inked.artists)
 
 
 def test_a_body_without_an_angle_says_so():

@@ -24,7 +24,7 @@ def test_one_axis_is_a_curve():
     assert line.get_xdata().tolist() == [38, 40]
     # twice the crank, known to round-off
     assert line.get_ydata() == pytest.approx([0.076, 0.08], rel=1e-9)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", "stroke [m]")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length of crank [mm]", "stroke [m]")
     # a list of a few values is no continuous axis
     assert [text.get_text() for text in ax.get_xticklabels()] == ["38", "40"]
 
@@ -38,8 +38,8 @@ def test_a_list_of_a_few_values_has_a_line_for_each(over):
             assert np.array_equal(line.get_ydata(), data.stroke.sel({CRANK: value}))
         legend = ax.get_legend()
         assert [text.get_text() for text in legend.get_texts()] == ["38", "40"]
-        assert f"{CRANK} [mm]" in legend.get_title().get_text()
-        assert ax.get_xlabel() == f"{ROD} [mm]"
+        assert "length of crank [mm]" in legend.get_title().get_text()
+        assert ax.get_xlabel() == "length of rod [mm]"
 
 
 def test_two_axes_are_an_image():
@@ -48,7 +48,7 @@ def test_two_axes_are_an_image():
     (image,) = ax.collections
     assert image.get_array().shape == (8, 7)
     assert np.array_equal(image.get_array(), data.stroke)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (f"{CRANK} [mm]", f"{ROD} [mm]")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length of crank [mm]", "length of rod [mm]")
     assert bar.get_ylabel() == "stroke [m]"
 
 

@@ -3,11 +3,8 @@ import pytest
 from matplotlib.figure import Figure
 from plot_data import SERIES, press, press_data
 
-from linkages.plots.motion.time_figures import (
-    QUANTITIES,
-    draw,
-    time_figure,
-)
+from linkages.plots.motion.curves import DENSE, envelope
+from linkages.plots.motion.time_figures import draw, drawable, time_figure
 
 
 def axes():
@@ -17,9 +14,9 @@ def axes():
 @pytest.mark.parametrize(
     ("variable", "label"),
     [
-        ("slider_position", "displacement [m]"),
+        ("slider_position", "position [m]"),
         ("slider_acceleration", "acceleration [m/s²]"),
-        ("slider_position_error", "displacement error [µm]"),
+        ("slider_position_error", "position error [µm]"),
         ("slider_velocity_error", "velocity error [mm/s]"),
         ("drive_effort", "driving torque [N·m]"),
         ("clearance_force", "clearance force [kN]"),
@@ -31,12 +28,15 @@ def test_labels_name_the_quantity_and_its_units(variable, label):
     assert ax.get_xlabel() == "time [s]"
 
 
-@pytest.mark.parametrize("variable", [name for name in QUANTITIES if name in SERIES])
+@pytest.mark.parametrize("variable", [name for name in SERIES if drawable(name)])
 def test_curve_has_the_values_in_shown_units(variable):
     data = press_data()
     size = SERIES[variable][2]
     curve = draw(axes(), data, variable).lines[0]
     factor = np.abs(curve.get_ydata()).max() / np.abs(data[variable][:, 0]).max().item()
+    if SERIES[variable][1] == "rad":
+        assert factor == pytest.approx(180 / np.pi)
+        return
     assert np.log10(factor) == pytest.approx(round(np.log10(factor)), abs=1e-12)
     assert 0.1 <= size * factor < 1000
 
@@ -135,3 +135,63 @@ def test_the_text_of_a_peak_at_an_end_stands_inside(end, other):
     assert text.xy[0] == pytest.approx(time[end])
     box, frame = text.get_window_extent(), ax.get_window_extent()
     assert frame.x0 < box.x0 < box.x1 < frame.x1
+
+
+def test_a_curve_denser_than_the_paper_is_an_envelope_with_a_few_swings_beside():
+    """A wave of 400 Hz whose size swings once: its outline is known everywhere."""
+    time = np.linspace(0.0, 2.0, 40_001)
+    size = 2.0 + np.cos(np.pi * time)
+    values = (size * np.sin(2 * np.pi * 400 * time))[:, None]
+    data = press_data(40_001).assign(slider_velocity=(("time", "slider"), values, {"units": "m/s"}))
+    figure = time_figure("slider_velocity")(data.assign_coords(time=time), press())
+    whole, swings = figure.axes
+    (filled,) = whole.collections
+    (path,) = filled.get_paths()
+    middle, half = path.vertices.T[0], np.abs(path.vertices.T[1])
+    inside = (middle > 0.01) & (middle < 1.99)
+    # a column holds a swing and more; a sample is off a top by (2π400·5e-5/2)²/2 = 0.2 % at most
+    assert half[inside] == pytest.approx(2.0 + np.cos(np.pi * middle[inside]), rel=0.01)
+    shown = swings.lines[0].get_xdata()
+    assert 4 / 400 < np.ptp(shown) < 8 / 400
+    assert swings.lines[0].get_ydata().max() == pytest.approx(3.0, rel=2e-3)
+
+
+def test_dense_series_have_panels_of_their_own():
+    time = np.linspace(0.0, 2.0, 8001)
+    waves = np.stack([np.sin(k * time) for k in (3.0, np.pi * DENSE, 1.5 * np.pi * DENSE)], axis=1)
+    data = press_data(8001, drive=["slow", "fast", "faster"]).assign_coords(time=time)
+    data["drive_effort"].values[:] = waves
+    figure = time_figure("drive_effort")(data, press())
+    titles = [ax.get_title(loc="left") for ax in figure.axes]
+    assert titles == ["Press: slow", "Press: fast", "a few swings", "Press: faster", "a few swings"]
+
+
+@pytest.mark.parametrize("columns", [1, 7, 1000])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_envelope_holds_every_sample(columns, sign):
+    time = sign * np.linspace(0.0, 3.0, 997)
+    values = np.cos(50 * time) * time
+    middle, low, high = envelope(time, values, columns)
+    assert (low.min(), high.max()) == (values.min(), values.max())
+    assert len(middle) <= columns
+    column = np.minimum((time / time[-1] * columns).astype(int), columns - 1)
+    place = np.searchsorted(np.unique(column), column)
+    assert (low[place] <= values).all()
+    assert (values <= high[place]).all()
+
+
+@pytest.mark.parametrize(("part", "turned"), [(0.5, 0.0), (0.9, 90.0), (0.99, 0.0)])
+def test_the_words_of_the_horizon_stand_within_its_band_or_point_at_it(part, turned):
+    data = press_data().assign_attrs(horizon=2.0 * part)
+    figure = time_figure("slider_velocity")(data, press())
+    figure.draw_without_rendering()
+    (ax,) = figure.axes
+    (text,) = (t for t in ax.texts if t.get_text() == "not predictable")
+    box = text.get_window_extent()
+    begin, end = ax.transData.transform([(2.0 * part, 0.0), (2.0, 0.0)]).T[0]
+    assert text.get_rotation() == turned
+    if text.arrow_patch is None:
+        assert begin <= box.x0 < box.x1 <= end
+    else:
+        (tip, _) = ax.transData.transform((text.xy[0], 0.0))
+        assert box.x1 < begin <= tip <= end

@@ -60,9 +60,9 @@ def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
     )
     run, found, pace = RunOptions(rtol=1e-8), [], arrays.pace
 
-    def always(job):
-        made = pace(job)
-        made[ALWAYS] = 1.0
+    def always(jobs):
+        made = pace(jobs)
+        made[:, ALWAYS] = 1.0
         return made
 
     for watched in (False, True):

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -64,6 +65,8 @@ def test_what_is_no_result_is_named(tmp_path):
     with pytest.raises(linkages.InputError, match=r"found other.nc or third.nc"):
         linkages.open(tmp_path)
     opened = linkages.open(tmp_path / "other.nc")
+    assert opened.analysis == "simulate"
+    opened = replace(opened, analysis="other")
     with pytest.raises(linkages.InputError, match="'other' is not computed again; expected one of"):
         opened.compute()
     broken = tmp_path / "broken.nc"

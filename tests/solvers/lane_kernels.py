@@ -12,7 +12,7 @@ from linkages.kernel.code.machine import MachineCode
 from linkages.kernel.code.trigonometry import cosine_and_sine
 from linkages.solvers import Companion, Flow
 
-# a = q - q³ - p0 v + p1 cos t + p2 v³; the only block reaches as far as q = p3
+# a = q - q³ - p0 v + p1 cos t + p2 v³; the only block reaches as far as q = p3, and not at t = p4
 QUIET = (0.25, 0.3, 0.0, 10.0)
 
 
@@ -29,6 +29,8 @@ def duffing_code(lanes: int) -> MachineCode:
     module = Module(lanes)
     code = module.instructions()
     time = "%t" if lanes == 1 else code.load("%t", 0)
+    away = code.absolute(code.subtract(time, code.load("%p", 4)))
+    code.require(code.compare("oge", away, code.constant(1e-9)), 1)
     code.store(cosine_and_sine(code, time)[0], "%timed", 0)
     kind = "double" if lanes == 1 else "ptr"
     _written(module, "clock", f"{kind} %t, ptr %p, ptr %timed", code)
@@ -52,19 +54,19 @@ def _companion(lanes: int) -> Companion:
     return Companion(
         clock=code.address("clock"),
         rates=code.address("rates"),
-        parameters=np.zeros(4),
+        parameters=np.zeros(5),
         timed_size=1,
         keepalive=code,
     )
 
 
-def duffing(*parameters: float) -> Flow:
-    """The flow with some parameters; see `QUIET`."""
+def duffing(*parameters: float, without: float = 1e300) -> Flow:
+    """The flow with some parameters, see `QUIET`, and a time at which it cannot be evaluated."""
     one = _companion(1)
     return Flow(
         clock=one.clock,
         rates=one.rates,
-        parameters=np.array(parameters),
+        parameters=np.array([*parameters, without]),
         timed_size=1,
         coordinates=1,
         rotates=np.array([True]),

@@ -20,6 +20,21 @@ def test_arrays_are_taken_where_they_are(array):
     assert memory.arrays[0] is array
 
 
+def test_rows_of_an_array_have_addresses_one_for_each_motion():
+    memory, table = Memory(3), np.arange(12).reshape(3, 4)
+    assert memory.rows(table).tolist() == [row.ctypes.data for row in table]
+    assert memory.each([*table]).tolist() == memory.rows(table).tolist()
+    assert np.diff(memory.zeros(2, 2)).tolist() == [32, 32]
+
+
+def test_words_may_differ_from_motion_to_motion():
+    """A single motion has integers where several have arrays of them."""
+    for count, own in ((1, [5]), (3, [5, 6, 7])):
+        memory = Memory(count)
+        memory.words([1, memory.own(own), 2])
+        assert memory.arrays[-1].reshape(count, 3).tolist() == [[1, word, 2] for word in own]
+
+
 def test_lists_and_strided_arrays_are_copied():
     """Compiled code reads entries one behind the other."""
     memory, strided = Memory(), np.arange(6)[::2]

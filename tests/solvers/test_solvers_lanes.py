@@ -61,6 +61,44 @@ def test_order_and_company_do_not_matter():
             require_equal(one, expected[place])
 
 
+def test_motions_with_as_many_samples_as_they_like():
+    """Those with equally many are set up together; lanes do not know."""
+    motions = asked()
+    for k, (flow, state, times, given) in enumerate(motions):
+        motions[k] = flow, state, times[: 2 + k % 3], given
+    for one, other in zip(together(motions, 4), alone(motions), strict=True):
+        require_equal(one, other)
+
+
+@pytest.mark.parametrize("backward", [1.0, -1.0])
+def test_samples_are_taken_in_lanes(backward, caplog):
+    """Several in each step, some at its end: no step is made alone."""
+    times = backward * np.linspace(0.0, 20.0, 1001)
+    motions = [
+        (flow, state, times * (1 + 0.1 * k), given)
+        for k, (flow, state, _, given) in enumerate(asked())
+    ]
+    expected = alone(motions)
+    caplog.set_level("INFO", logger="linkages.solvers.lanes")
+    for lanes in (4, 16):
+        for one, other in zip(together(motions, lanes), expected, strict=True):
+            require_equal(one, other)
+    assert [message.endswith(" 0 steps alone") for message in caplog.messages] == [True, True]
+
+
+def test_a_sample_that_cannot_be_evaluated_is_left_to_the_motion_alone():
+    """At that time alone; no stage of a step comes that close to it."""
+    (_, state, _, given), *others = asked()
+    holed = duffing(*QUIET, without=5.0)
+    assert integrate(holed, state, [0.0, 20.0], **given).outcome is Outcome.DONE
+    motions = [(holed, state, [0.0, 4.9, 4.99, 5.0, 20.0], given), *others]
+    expected = alone(motions)
+    assert expected[0].outcome is Outcome.UNREACHABLE
+    assert len(expected[0].time) == 3
+    for one, other in zip(together(motions, 4), expected, strict=True):
+        require_equal(one, other)
+
+
 def test_motions_backward_in_time():
     motions = asked(times=(0.0, -1.0, -2.0))
     for one, other in zip(together(motions, 4), alone(motions), strict=True):

@@ -1,6 +1,5 @@
 """Printed steps against the same formulas in NumPy, and their bits over numbers of lanes."""
 
-import ctypes
 import math
 
 import numpy as np
@@ -37,6 +36,10 @@ from linkages.solvers.steps.views import (
 ADAPTIVE = ["dop853", "vern9", "tsit5"]
 
 
+def prepared(asked):
+    return asked.method.motions(asked.job.room).of(asked.job)
+
+
 def chain_slopes(states):
     q, v = states[:SIZE], states[SIZE:]
     around = np.concatenate([[0.0], q, [0.0]])
@@ -71,14 +74,13 @@ def test_rows_are_those_of_the_tableau(method, large):
         own, state, slopes = duffing(*QUIET), np.array([0.4, -0.2]), duffing_slopes
     options = {"step": 0.1} if method == "rk4" else {}
     asked = request(own, state, [1.0], start=t, method=method, **options)
-    motion = asked.method.motion(asked.job)
-    system, rows, n = motion.words[0], motion.rows, own.coordinates
+    motion = prepared(asked)
+    pace, rows, n = motion.pace, motion.rows, own.coordinates
     rows[0, 2 * n : 3 * n] = slopes(state, t)[n:]
-    pace = np.ctypeslib.as_array((ctypes.c_double * PACE).from_address(system.pace))
     pace[[FROM, LENGTH, TO]] = t, h, t + h
     code = compiled_step(tableau, Shape.of(own), METHODS[method].memory)
-    assert code.function("attempt")(system.frame) == 0
-    assert code.function("further")(system.frame) == 0
+    assert code.function("attempt")(motion.frame) == 0
+    assert code.function("further")(motion.frame) == 0
     states, found = numpy_step(tableau, slopes, state, t, h)
     assert rows[:-1, : 2 * n] == pytest.approx(states, abs=1e-14)
     assert rows[:-1, n : 3 * n] == pytest.approx(found, abs=1e-13)
@@ -90,14 +92,13 @@ def test_error_and_factor_are_those_of_their_formulas(method, h):
     """The error to the cancellation in its sum, a millionth of it here; the factor to 1e-8."""
     tableau, state, rtol = METHODS[method].tableau, np.array([0.4, -0.2]), 1e-6
     asked = request(duffing(*QUIET), state, [100.0], start=0.0, method=method, rtol=rtol)
-    motion = asked.method.motion(asked.job)
-    system, rows = motion.words[0], motion.rows
+    motion = prepared(asked)
+    pace, rows = motion.pace, motion.rows
     rows[0, 2:5] = [*duffing_slopes(state, 0.0)[1:], QUIET[3] - state[0], -state[1]]
-    pace = np.ctypeslib.as_array((ctypes.c_double * PACE).from_address(system.pace))
     pace[[T, END, H, FIRST, SAMPLE, RTOL, ACTIVE]] = 0.0, 100.0, h, h, 100.0, rtol, 1.0
     pace[[BEFORE]] = 1.0  # the error of the step before
     code = compiled_step(tableau, Shape.of(asked.job.flow), METHODS[method].memory)
-    code.function("advance")(system.frame, 1)
+    code.function("advance")(motion.frame, 1)
     states, found = numpy_step(tableau, duffing_slopes, state, 0.0, h)
     end = tableau.stages
     noise = h * 0.05 * np.finfo(float).eps
@@ -150,10 +151,10 @@ def advanced(lanes, starts, lengths, tableau, gain, shape):
     code, kernel = compiled_step(tableau, shape, gain, lanes), duffing_code(lanes)
     paces, states = [], []
     for first in range(0, len(starts), lanes):
-        sizes = {"parameters": 4, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
+        sizes = {"parameters": 5, "timed": 1, "rows": (tableau.stages + 1) * shape.width,
                  "pace": PACE, "atol": 2, "scale": 1, "smallest": 1, "turns": 1}  # fmt: skip
         memory = {name: np.zeros((size, lanes)) for name, size in sizes.items()}
-        memory["parameters"][:] = np.array(QUIET)[:, None]
+        memory["parameters"][:] = np.array([*QUIET, 1e300])[:, None]
         memory["atol"][:], memory["scale"][:], memory["smallest"][:] = 1e-8, 1.0, 1e-6
         pace, rows = memory["pace"], memory["rows"]
         own = np.array(starts[first : first + lanes]).T

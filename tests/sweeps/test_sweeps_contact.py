@@ -34,3 +34,25 @@ def test_points_with_contact_are_single_runs():
         # a peak exceeds the closest of its samples by (a millionth of a second times ω)²/8; the
         # rest is the interpolation over 4 samples a step, at rtol 1e-8
         assert abs(alone[0] / largest - 1) < 1e-7
+
+
+def test_touches_and_losses_are_measures():
+    """A touch is an event as well; what the contact loses does not come back."""
+    mechanism, sizes = linkages.loads(WORN), ["0.2 mm", "0.3 mm"]
+    path, lost = "clearances.gap.size", "gap.normal_dissipation"
+    measures = ["final(gap.touches)", "mean(gap.touches)", f"final({lost})", f"range({lost})"]
+    data = linkages.sweep(mechanism, {path: sizes}, measures)
+    assert not data.outcome.any()
+    for place, size in enumerate(sizes):
+        single = mechanism.with_values({path: size})
+        solution = linkages.simulate(
+            single, outputs=["touches", "clearance_normal_dissipation"], events={"gap.touch": "up"}
+        )
+        alone = [linkages.measure(solution, measure) for measure in measures]
+        assert [data[measure].to_numpy()[place] for measure in measures] == alone
+        times = solution.events["gap.touch"].time.to_numpy()
+        counts = (times <= solution.data.time.to_numpy()[:, None]).sum(axis=1)
+        assert counts[-1] > 1
+        assert (solution.data.touches.sel(touch="gap") == counts).all()
+        assert alone[0] == counts[-1]
+        assert alone[2] == alone[3] > 0.0

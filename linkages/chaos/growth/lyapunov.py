@@ -130,7 +130,7 @@ def labelled_exponents(mechanism: Mechanism, exponents: Exponents) -> xr.Dataset
         },
         {
             "name": mechanism.name,
-            "source": mechanism.source,
+            "source": mechanism.file_name,
             "settled": int(exponents.settled),
             "warning": " ".join([*violations, *filter(None, [exponents.unsettled])]),
             "sum": total,

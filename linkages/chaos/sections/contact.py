@@ -87,10 +87,10 @@ def _zero(time: Floats, force: Floats, index: int) -> float:
 
 
 def contact_of(solution: Solution) -> tuple[LinkForce, ...]:
-    """The check of every massless link whose force a solution has."""
-    data = solution.data
-    if "clearance_force" not in data or data.sizes["time"] < 2:
+    """The check of every massless link whose force a solution has, wherever its samples are."""
+    if "clearance_force" not in solution.data or solution.data.sizes["time"] < 2:
         return ()
+    data = solution.dense(["clearance_force"])
     time, force = data["time"].to_numpy(), data["clearance_force"]
     return tuple(
         contact_check(name, time, force.sel(clearance=name).to_numpy())

@@ -110,7 +110,7 @@ def contact_values(contacts: Sequence[LinkForce], names: Sequence[str]) -> dict[
 
 CONTACT = {
     "contact_lost": ("1", "share of time in which the massless link would have to push"),
-    "least_force": ("N", "least force along the clearance link"),
+    "least_force": ("N", "least clearance force"),
 }
 """Variable of a dataset → its unit and name."""
 

@@ -122,5 +122,5 @@ def labelled_states(
     elements = {d: np.array(names, dtype=object) for d, names in free_names(system).items()}
     if "internal_state" in values:
         elements["internal"] = np.array(system.topology.internal, dtype=object)
-    attrs = {"name": system.mechanism.name, "source": system.mechanism.source, **attributes}
+    attrs = {"name": system.mechanism.name, "source": system.mechanism.file_name, **attributes}
     return xr.Dataset(variables, {**coordinates, **elements}, attrs)

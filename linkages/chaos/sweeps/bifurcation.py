@@ -201,7 +201,7 @@ class _Request(Question):
         taken = per_period(self.options, self._periods)
         return {
             "name": mechanism.name,
-            "source": mechanism.source,
+            "source": mechanism.file_name,
             "varied": self.axis.label,
             "start": taken.start,
             "periods": taken.periods,

@@ -197,7 +197,7 @@ class _Mapped(Question):
         y, x = self.points.axes
         return {
             "name": mechanism.name,
-            "source": mechanism.source,
+            "source": mechanism.file_name,
             "kind": run.indicator,
             "x": x.label,
             "y": y.label,

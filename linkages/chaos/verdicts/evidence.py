@@ -30,7 +30,8 @@ from linkages.solution.moving.free_coordinates import free_vectors
 from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
-from linkages.solution.solution import Solution, labelled
+from linkages.solution.solution import Solution
+from linkages.solution.values.labelled import labelled
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -158,7 +158,7 @@ def _report(
     names = system.topology.free
     return ChaosReport(
         name=mechanism.name,
-        source=mechanism.source,
+        source=mechanism.file_name,
         verdict=verdict,
         reasons=tuple(reasons),
         conservative=conservative,

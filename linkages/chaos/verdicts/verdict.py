@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkages.chaos.growth.indicators import Verdict
 from linkages.chaos.verdicts.stretch import Evidence
+from linkages.reading.wording import to_error
 
 SIGNIFICANT = 4.0
 """Standard errors by which the largest exponent of a chaotic motion exceeds zero."""
@@ -124,7 +125,8 @@ def _growth(evidence: Evidence) -> str:
     if evidence.shrinks:
         how = "shrink exponentially, as along motions that attract their neighbours"
     value, error = evidence.exponents.largest
-    return f"The largest exponent is {value:.4g} ± {error:.2g} 1/s; tangents {how}."
+    shown, by = to_error(value, error)
+    return f"The largest exponent is {shown} ± {by} 1/s; tangents {how}."
 
 
 def _repeats(evidence: Evidence) -> str:

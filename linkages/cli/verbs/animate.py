@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from math import ceil, copysign
-from typing import TYPE_CHECKING, Any
+from math import copysign
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -18,17 +18,8 @@ from linkages.solution.simulate import simulate
 from linkages.solution.solution import IncompleteError, Solution
 from linkages.solution.values.requests import requested
 
-if TYPE_CHECKING:
-    from linkages.plots.films.film import Film
-
-SHOWN = ("joint_position", "bar_angle", "slider_position", "clearance_force", "clearance_angle")
-"""What a picture needs, and what says how fast it moves; nothing else is computed."""
-
-SMOOTH = 720
-"""Samples that a trace has at least: more than frames, for it is one line."""
-
-MOST_SAMPLES = 200_000
-"""More are computed only if frames need them."""
+FEWEST_SAMPLES = 721
+"""Of the motion from which the pace is found; frames are computed at their own times."""
 
 _SIZE = re.compile(r"(\d+)\s*[x×]\s*(\d+)")
 
@@ -41,12 +32,14 @@ def run(
     slow: float | None,
     fps: float,
     size: str | None,
-    dpi: float,
+    dpi: float | None,
+    names: bool,
+    plot: list[str] | None,
 ) -> int:
     """Simulate a file and animate the motion, as `linkages.animate` does; returns the exit code."""
     from linkages.plots.films.animation import animate, check_arguments
     from linkages.plots.films.film import film_of
-    from linkages.plots.films.pace import too_fast
+    from linkages.plots.films.pace import paces, too_fast
 
     mechanism, name = request.mechanism, f"animation.{form}"
     with request.computing("simulating") as watch:
@@ -55,20 +48,22 @@ def run(
         end = mechanism.simulation.end  # a duration may reach beyond it
         if duration is not None:
             end = start + copysign(duration, end)
-        film = film_of(end, start=start, duration=duration, slow=slow, fps=fps)
-        solution, failure = _motion(request, film, watch)
+        film_of(end, start=start, duration=duration, slow=slow, fps=fps)
+        solution, failure = _motion(request, end, watch)
     if failure is not None:
-        film = _cut(film, solution, failure)
+        duration = _left(solution, start, failure)
     with (
         request.publishing(complete=failure is None) as place,
         request.computing(f"drawing {name} of", "of all frames") as watch,
     ):
-        animate(
-            solution, place.folder / name, start=film.start, duration=film.frames * abs(film.step),
-            slow=film.slow, fps=film.fps, size=pixels, dpi=dpi, watch=watch,
+        film = animate(
+            solution, place.folder / name, start=start, duration=duration, slow=slow, fps=fps,
+            size=pixels, dpi=dpi, names=names, plot=plot or (), watch=watch,
         )  # fmt: skip
     note = too_fast(solution, film)
     notes = [*solution.notes, *([note] if note else [])]
+    near = film if film.near is None else film.near
+    swings = [pace for pace in paces(solution, film) if pace.name in solution.system.topology.free]
 
     def show(screen: Console) -> None:
         frames = f"{film.frames} frame{'s' * (film.frames > 1)}"
@@ -76,6 +71,14 @@ def run(
             f"[bold]{escape(mechanism.name)}[/bold]: {frames} from t = {number(film.start)} s to "
             f"{number(film.times[-1])} s, {number(film.fps)} per second, {film.pace}"
         )
+        if swings:
+            between = ", ".join(pace.between(film) for pace in swings)
+            screen.print(f"between frames: {between}", markup=False, soft_wrap=True)
+        if film.near is not None:
+            screen.print(
+                f"enlarged clearances: from t = {number(near.start)} s to "
+                f"{number(near.times[-1])} s, {near.pace}"
+            )
         print_notes(notes, screen)
         screen.print(f"{path}, {number(film.seconds)} s", markup=False, soft_wrap=True)
 
@@ -87,6 +90,8 @@ def run(
         "frames": film.frames,
         "fps": film.fps,
         "slow": film.slow,
+        "slow_clearances": near.slow,
+        "swings": {pace.name: pace.rate for pace in swings},
         "seconds": film.seconds,
         "bytes": path.stat().st_size,
         "notes": notes,
@@ -101,38 +106,28 @@ def _size_of(text: str | None) -> tuple[int, int] | None:
     return None if match is None else (int(match[1]), int(match[2]))
 
 
-def _motion(request: Request, film: Film, watch: Any) -> tuple[Solution, str | None]:
-    """The motion up to the end of the film, and why it ended before.
+def _motion(request: Request, end: float, watch: Any) -> tuple[Solution, str | None]:
+    """The motion up to the end of the film, and why it ended before."""
+    from linkages.plots.films.scenes import SHOWN
 
-    Every frame falls on a sample if the film starts at a multiple of its step, as it mostly does.
-    """
-    last = abs(film.start / film.step) + film.frames
-    parts = max(1, min(ceil(SMOOTH / film.frames), int(MOST_SAMPLES / last)))
     possible = requested(System(request.mechanism), "all")
     outputs = [name for name in SHOWN if name in possible]
-    given = {
-        **request.given,
-        "end": film.start + film.frames * film.step,
-        "samples": max(2, round(last * parts) + 1),
-    }
+    given = {**request.given, "end": end, "samples": FEWEST_SAMPLES}
     try:
         return simulate(request.mechanism, outputs=outputs, watch=watch, **given), None
     except IncompleteError as error:
         return error.solution, str(error)
 
 
-def _cut(film: Film, solution: Solution, failure: str) -> Film:
-    """The part of a film that there are samples of.
+def _left(solution: Solution, start: float, failure: str) -> float:
+    """How much of a film there is of a motion that ended early, in seconds of the motion.
 
     Raises
     ------
     ComputationError
         If there is nothing to show.
     """
-    from dataclasses import replace
-
     time = solution.data["time"].to_numpy()
-    shown = abs(float(time[-1]) - film.start) if len(time) > 1 else 0.0
-    if len(time) < 2 or abs(float(time[-1])) <= abs(film.start):
+    if len(time) < 2 or abs(float(time[-1])) <= abs(start):
         raise ComputationError(f"nothing to animate: {failure}", time=None)
-    return replace(film, frames=max(1, int(shown / abs(film.step))))
+    return abs(float(time[-1]) - start)

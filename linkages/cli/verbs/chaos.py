@@ -45,7 +45,7 @@ def run(request: Request, periods: int | None, quick: bool) -> int:
         yield "chaos_exponents", report.exponents
         figures = chaos_figures(report) if request.figures else {}
         yield from figures.items()
-        yield "chaos.html", chaos_page(report, tables, figures)
+        yield "chaos.html", chaos_page(report, tables, figures, request.mechanism)
 
     files = request.write(made(), {**request.asked, "periods": report.run["periods"]})
     return request.report(content, files, partial(_print, report, tables))
@@ -106,7 +106,7 @@ def _others(report: ChaosReport) -> list[list[str]]:
         ["length", f"{run['periods']} periods of {number(run['period'])} s"],
         ["skipped before", f"{run['skip']} periods: {run['skipped']}"],
         ["integrated by", f"{run['method']}, {run['how']}"],
-        ["section repeats", "not" if period is None else f"after {_many(period)}"],
+        ["points of the section repeat", "no" if period is None else f"after {_many(period)}"],
         ["closed curves in the section", str(curves) if curves else "none"],
         [f"verdict at {tighter['how']}", str(tighter["verdict"])],
         ["correlation dimension of the section", _dimension(report)],

@@ -11,6 +11,7 @@ from rich.markup import escape
 from linkages.cli.requests import File, Request
 from linkages.cli.swept import contact_content, print_remarks
 from linkages.cli.terminal import number, table
+from linkages.reading.wording import to_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,11 +45,12 @@ def run(request: Request) -> int:
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
-        cells = [[r["index"], r["sign"], r["value"], f"{r['error']:.2g}"] for r in rows]
+        cells = [[r["index"], r["sign"], *to_error(r["value"], r["error"])] for r in rows]
         heads = ["exponent", "sign", "value (1/s)", "standard error"]
         if rows:
             screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
-            screen.print(f"sum of these: {number(said['sum'])} ± {said['sum_error']:.2g} 1/s")
+            total, by = to_error(said["sum"], said["sum_error"])
+            screen.print(f"sum of these: {total} ± {by} 1/s")
         if said["lost"]:
             screen.print(
                 f"{said['lost']}{' more' if rows else ''} are −∞: rigid contacts that close leave "

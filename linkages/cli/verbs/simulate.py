@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from rich.markup import escape
 
 from linkages.cli.requests import Request
 from linkages.cli.simulated import as_far_as_possible, how_far
-from linkages.cli.terminal import number, print_notes, table
-from linkages.errors import ComputationError
+from linkages.cli.terminal import number, print_notes
+from linkages.cli.terminal import table as printed_table
+from linkages.errors import ComputationError, InputError, Problem
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.horizon import Horizon, cost_factor
 from linkages.solution.solution import Solution
@@ -23,14 +25,11 @@ from linkages.solvers.choice import AUTO
 DEAREST = 3.0
 """Runs are verified unasked if that makes them no more than this many times as expensive."""
 
-COARSE = 0.05
-"""Part of a largest value that may be missing between samples before a note says so."""
-
 RESOLVED = 1e-3
-"""Part that may be missing before the value is marked."""
+"""Part of a value that may be missing before it is marked, in motions too long to be looked at."""
 
 LATE, OPEN = "*", "~"
-"""Marks of values beyond the horizon, and of peaks that samples do not resolve."""
+"""Marks of values beyond the horizon, and of those that samples of a long motion may miss."""
 
 SUMMARY = (
     "slider_position_error",
@@ -54,7 +53,13 @@ WITHOUT_SLIDERS = ("bar_speed", "bar_acceleration")
 
 
 def run(
-    request: Request, outputs: str | None, verify: bool | None, measure: Sequence[str] | None
+    request: Request,
+    outputs: str | None,
+    verify: bool | None,
+    measure: Sequence[str] | None,
+    units: str | None,
+    table: str,
+    report: str | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
@@ -75,29 +80,31 @@ def run(
             failure, interrupted = "interrupted before it was known until when this holds", True
     rows = shown_maxima(solution, names)
     _mark_late(solution, horizon)
-    notes = [*solution.notes, *_warnings(solution, rows)]
-    how = {"complete": failure is None, "interrupted": interrupted}
-    with request.publishing(solution.options, **how) as place:
-        solution.save(place.folder)
-        if request.figures:
-            from linkages.plots.figures import save_figures
-            from linkages.plots.motion.clearance_orbit import SHOWN
-            from linkages.plots.motion.time_figures import QUANTITIES
-            from linkages.solution.resolved import resolved
+    notes = [*solution.notes, *_warnings(solution)]
+    complete = failure is None
+    with request.publishing(solution.options, complete=complete, interrupted=interrupted) as place:
+        written = solution.save(place.folder)
+        if units is not None or table != "csv":
+            written[1].unlink()
+            _save_table(solution, place.folder / f"simulate.{table}", units)
+        if report is not None:
+            from linkages.reports.report import save_report
 
-            over_time, also = (
-                [name for name in group if name in solution.data] for group in (QUANTITIES, SHOWN)
-            )
-            dense = resolved(solution, over_time, also)
+            save_report(solution, place.folder / f"report.{report}")
+        if request.figures:
+            from linkages.plots.figures import dense_data, figures_of, save_figures
+
+            drawn = figures_of(solution, names)
             save_figures(
-                solution.data, solution.mechanism, place.folder, request.format, dense=dense
-            )
+                solution.data, solution.mechanism, place.folder, request.format, drawn,
+                dense_data(solution, drawn), request.differences,
+            )  # fmt: skip
 
     def show(screen: Console) -> None:
         _print(solution, horizon, rows, screen)
         if measured:
             cells = [[row["measure"], row["value"], row["units"]] for row in measured]
-            screen.print(table("Measures", ["measure", "value", "unit"], cells))
+            screen.print(printed_table("Measures", ["measure", "value", "unit"], cells))
         print_notes([*notes, *(row["reason"] for row in measured if row["reason"])], screen)
 
     content = {
@@ -112,6 +119,15 @@ def run(
         "notes": notes,
     }
     return request.report(content, place.files, show, failure=failure)
+
+
+def _save_table(solution: Solution, path: Path, units: str | None) -> None:
+    from linkages.reports.tables import save_table
+
+    try:
+        save_table(solution, path, units or ())
+    except (ValueError, ImportError) as error:
+        raise InputError("--table", [Problem(message=str(error))]) from None
 
 
 def _measured(solution: Solution, texts: Sequence[str]) -> list[dict[str, Any]]:
@@ -148,21 +164,21 @@ def _horizon(solution: Solution, verify: bool | None) -> Horizon | None:
 def _mark_late(solution: Solution, horizon: Horizon | None) -> None:
     """Say of every largest value whether it lies beyond the horizon; None if that is not known."""
     for row in solution.maxima:
-        late = None
-        if horizon is not None:
-            late = not horizon.whole and abs(row["time"]) > abs(horizon.time)
-        row["beyond_horizon"] = late
+        row["beyond_horizon"] = None if horizon is None else _late(row["time"], horizon)
 
 
-def _marks(row: dict[str, Any]) -> str:
+def _late(time: float, horizon: Horizon | None) -> bool:
+    return horizon is not None and not horizon.whole and abs(time) > abs(horizon.time)
+
+
+def _marks(row: dict[str, Any], time: float, horizon: Horizon | None) -> str:
     """What a reader of a value must know."""
-    late = LATE if row.get("beyond_horizon") else ""
+    late = LATE if _late(time, horizon) else ""
     return late + (OPEN if row["missed"] > RESOLVED else "")
 
 
-def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str]:
+def _legend(marks: str, horizon: Horizon | None) -> list[str]:
     """What the marks in a table mean, those that are there."""
-    marks = {mark for row in rows for mark in _marks(row)}
     found = []
     if LATE in marks and horizon is not None:
         found.append(
@@ -170,7 +186,7 @@ def _legend(rows: Sequence[dict[str, Any]], horizon: Horizon | None) -> list[str
             "right in kind only, another run has another value"
         )
     if OPEN in marks:
-        found.append(f"{OPEN} a peak that samples do not resolve: it may be higher")
+        found.append(f"{OPEN} the motion is too long to be looked at between samples: may be more")
     return found
 
 
@@ -208,27 +224,11 @@ def _varies(solution: Solution, row: dict[str, Any]) -> bool:
     return bool(np.ptp(array.sel({array.dims[1]: row["element"]}).to_numpy()))
 
 
-def _warnings(solution: Solution, rows: Sequence[dict[str, Any]]) -> list[str]:
-    """What a reader of the table must know: peaks between samples, pins out of their holes."""
+def _warnings(solution: Solution) -> list[str]:
+    """What a reader of the table must know: pins out of their holes."""
     from linkages.chaos.sections.contact import contact_of
 
-    found = [_coarse(solution, rows), *(check.sentence for check in contact_of(solution))]
-    return [text for text in found if text]
-
-
-def _coarse(solution: Solution, rows: Sequence[dict[str, Any]]) -> str:
-    """A note on largest values that samples may miss."""
-    missed = [r for r in rows if r["missed"] > COARSE and not r["variable"].endswith("residual")]
-    if not missed:
-        return ""
-    worst = max(missed, key=lambda row: row["missed"])
-    of = f" of {worst['element']}" if worst["element"] else ""
-    more = f" (and {len(missed) - 1} more)" if len(missed) > 1 else ""
-    time = solution.data["time"].to_numpy()
-    return (
-        f"samples {number(float(time[1] - time[0]))} s apart do not resolve peaks: the largest "
-        f"{worst['long_name']}{of}{more} may be well above what is shown; raise simulate.samples"
-    )
+    return [check.sentence for check in contact_of(solution) if check.sentence]
 
 
 def _print(
@@ -238,20 +238,24 @@ def _print(
     screen: Console,
 ) -> None:
     screen.print(f"[bold]{escape(solution.mechanism.name)}[/bold]: {_how(solution)}")
+    ends = [
+        (row["least"], row["least_time"], row["greatest"], row["greatest_time"]) for row in rows
+    ]
+    marks = [
+        [_marks(row, time, horizon) for time in (early, late)]
+        for row, (_, early, _, late) in zip(rows, ends, strict=True)
+    ]
     cells = [
         [
-            row["long_name"],
-            row["element"],
-            number(row["value"]) + _marks(row),
-            row["units"],
-            row["time"],
+            row["long_name"], row["element"], number(least) + low, early,
+            number(greatest) + high, late, row["units"],
         ]
-        for row in rows
-    ]
-    screen.print(
-        table("Largest absolute values", ["quantity", "of", "value", "unit", "at t (s)"], cells)
-    )
-    for line in _legend(rows, horizon):
+        for row, (low, high), (least, early, greatest, late) in zip(rows, marks, ends, strict=True)
+    ]  # fmt: skip
+    columns = ["quantity", "of", "least", "at t (s)", "largest", "at t (s)", "unit"]
+    if cells:
+        screen.print(printed_table("Least and largest values", columns, cells))
+    for line in _legend("".join(mark for pair in marks for mark in pair), horizon):
         screen.print(line, markup=False, soft_wrap=True)
     if solution.settings.run.method == AUTO and solution.motion.reason:
         screen.print(f"{solution.motion.method} was picked: {solution.motion.reason}")

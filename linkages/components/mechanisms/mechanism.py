@@ -136,6 +136,16 @@ class Mechanism(Contributions):
             temporary.write_text(self.to_yaml(), encoding="utf-8")
         return file
 
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """In what it differs from its file, as assignments such as ``bars.rod.length=0.3``."""
+        return self.definition.changes
+
+    @property
+    def file_name(self) -> str:
+        """The name of its file, without the folders of a machine."""
+        return FilePath(self.source).name
+
     def problem(self, path: Path, message: str) -> Problem:
         """A problem at a place of the definition, with its line where there is a file."""
         return self.definition.problem(path, message)

@@ -7,7 +7,7 @@ is Python: it is carried out once more with dual numbers in their places.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
@@ -17,13 +17,15 @@ import numpy as np
 from linkages.components.contributed.component import Component, Term
 from linkages.components.contributed.functions import Table
 from linkages.components.contributed.measures import JointFriction, Load
-from linkages.components.contributed.terms import Initial, Parameter, Path
+from linkages.components.contributed.terms import Initial, Parameter, Path, Relation
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.mechanisms.registry import SECTIONS
 from linkages.components.mechanisms.reread import owner
-from linkages.design.sensitivity.duals import Dual
+from linkages.design.sensitivity.duals import Dual, Slopes
+from linkages.design.sensitivity.followed import FollowedNumber
 from linkages.errors import InputError
-from linkages.kernel.numbers.effects import Effects
+from linkages.kernel.numbers.effects import Effects, slots
+from linkages.kernel.numbers.parameters import table_numbers
 from linkages.kernel.system import System
 from linkages.reading.paths import dotted, split
 from linkages.reading.wording import nearest
@@ -131,40 +133,47 @@ def effects(system: System, numbers: Sequence[Number | None]) -> Effects:
     rows = {name: row for row, name in enumerate(layout.coordinates)}
     state = np.zeros((2 * half, len(numbers)))
     fed: list[dict[Path, float]] = [{} for _ in numbers]
+    knots: set[tuple[int, Path]] = set()
     there = {k: number for k, number in enumerate(numbers) if number is not None}
     for place in sorted({number.component for number in there.values()}):
         own = {k: number for k, number in there.items() if number.component == place}
         terms = _dual_terms(mechanism, place, own)
-        for path, value in _moved(terms):
-            if path in system.model.inputs.parameters:
+        for path, value in moved(terms):
+            if path in system.model.inputs.parameters and isinstance(value, Dual):
                 for k, slope in value.slopes.items():
                     fed[k][path] = slope
-        for name, value, rate in _initial(terms):
+        for table in tabulated(terms):
+            if (*table.path, "spline", 0) in system.model.inputs.parameters:
+                for k, entries, still in _splines(table):
+                    fed[k] |= entries
+                    knots |= {(k, path) for path in still}
+        for name, value, rate in initial_values(terms):
             for row, entry in ((rows.get(name), value), (rows.get(name, 0) + half, rate)):
                 if name in rows and row is not None and isinstance(entry, Dual):
                     for k, slope in entry.slopes.items():
                         state[row, k] = slope
     slopes = np.array([slope for each in fed for slope in each.values()], dtype=float)
-    return Effects(tuple(tuple(each) for each in fed), slopes, state)
+    paths = tuple(tuple(each) for each in fed)
+    return Effects(paths, slopes, state, np.array([one in knots for one in slots(paths)], bool))
 
 
-def _moved(item: Any) -> Iterator[tuple[Path, Dual]]:
-    """Path and value of the parameters in a term that change."""
+def moved(item: Any) -> Iterator[tuple[Path, FollowedNumber]]:
+    """Path and value of the parameters in a term that follow from numbers."""
     match item:
-        case Parameter(path, Dual() as value):
+        case Parameter(path, FollowedNumber() as value):
             yield path, value
         case tuple():
             for part in item:
-                yield from _moved(part)
+                yield from moved(part)
         case Mapping():
             for part in item.values():
-                yield from _moved(part)
+                yield from moved(part)
         case _ if is_dataclass(item) and not isinstance(item, type):
             for field in fields(item):
-                yield from _moved(getattr(item, field.name))
+                yield from moved(getattr(item, field.name))
 
 
-def _initial(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
+def initial_values(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
     """Coordinates with their initial values and rates; internal states are rates."""
     for term in terms:
         if isinstance(term, Initial):
@@ -176,13 +185,25 @@ def _initial(terms: Iterable[Term]) -> Iterator[tuple[str, Any, Any]]:
 
 def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) -> tuple[Term, ...]:
     """What a component contributes, with derivatives along some of its numbers."""
-    component: Any = mechanism.components[place]
-    for k, number in numbers.items():
-        component = _replaced(component, number.keys, k)
+
+    def dual(k: int) -> Callable[[Any], Any]:
+        def made(number: Any) -> Dual:
+            if isinstance(number, Dual):
+                return Dual(number.value, {**number.slopes, k: 1.0})
+            return Dual(float(number), {k: 1.0})
+
+        return made
+
+    made = [(number, dual(k)) for k, number in numbers.items()]
     try:
-        terms = mechanism.terms_of(component)
-        if any(_tabulated(term) for term in terms):
-            raise TypeError("the coefficients of a table")
+        terms = terms_with(mechanism, place, made)
+        for table in tabulated(terms):
+            if any(isinstance(place, Dual) for place in table.places):
+                raise TypeError("the places of a table")
+            if table.periodic and any(isinstance(table.values[end], Dual) for end in (0, -1)):
+                raise TypeError("the first and the last value, which are one, of what repeats")
+            if table.interpolation == "pchip":
+                raise TypeError("the coefficients of a table that is joined by pchip")
     except TypeError as error:
         first = next(iter(numbers.values()))
         message = f"no derivative is known of what follows from this number ({error})"
@@ -190,35 +211,75 @@ def _dual_terms(mechanism: Mechanism, place: int, numbers: dict[int, Number]) ->
     return terms
 
 
-def _tabulated(item: Any) -> bool:
-    """Whether dual numbers stand in a table."""
+def terms_with(
+    mechanism: Mechanism, place: int, made: Iterable[tuple[Number, Callable[[Any], Any]]]
+) -> tuple[Term, ...]:
+    """What a component contributes with others in the place of some of its numbers.
+
+    Parameters
+    ----------
+    mechanism, place
+        The component is the one at this place.
+    made
+        Numbers of the component, and what becomes of each.
+
+    Raises
+    ------
+    TypeError
+        If something is made of a number that cannot be followed.
+    """
+    component: Any = mechanism.components[place]
+    for number, make in made:
+        component = _replaced(component, number.keys, make)
+    return mechanism.terms_of(component)
+
+
+def tabulated(item: Any) -> Iterator[Table]:
+    """Tables in which followed numbers stand, with what follows from them."""
     match item:
         case Table(_, places, values):
-            return any(isinstance(number, Dual) for number in (*places, *values))
+            if any(isinstance(number, FollowedNumber) for number in (*places, *values)):
+                yield item
+            yield from tabulated(item.over)
+        case Relation(profile=Table() as profile):
+            yield from tabulated((profile, profile.bends))
         case tuple():
-            return any(map(_tabulated, item))
+            for part in item:
+                yield from tabulated(part)
         case Mapping():
-            return any(map(_tabulated, item.values()))
+            yield from tabulated(tuple(item.values()))
         case _ if is_dataclass(item) and not isinstance(item, type):
-            return any(_tabulated(getattr(item, field.name)) for field in fields(item))
-    return False
+            yield from tabulated(tuple(getattr(item, field.name) for field in fields(item)))
 
 
-def _replaced(part: Any, keys: Keys, direction: int) -> Any:
-    """A component with a dual number in the place of one of its numbers."""
+def _splines(table: Table) -> Iterator[tuple[int, dict[Path, float], list[Path]]]:
+    """For each number in a table what it feeds, and which of that are knots.
+
+    Coefficients are linear in the values: their derivatives are those of a table of derivatives.
+    """
+    slopes: list[Slopes] = [v.slopes if isinstance(v, Dual) else {} for v in table.values]
+    for k in sorted({k for each in slopes for k in each}):
+        moved = replace(table, values=tuple(each.get(k, 0.0) for each in slopes))
+        entries = {
+            (*table.path, "spline", place): number
+            for place, number in enumerate(table_numbers(moved))
+        }
+        yield k, entries, [*entries][: len(entries) // 5 + 1]
+
+
+def _replaced(part: Any, keys: Keys, make: Callable[[Any], Any]) -> Any:
+    """A component with another number in the place of one of its numbers."""
     if not keys:
-        if isinstance(part, Dual):
-            return Dual(part.value, {**part.slopes, direction: 1.0})
-        return Dual(float(part), {direction: 1.0})
+        return make(part)
     key, *rest = keys
     if isinstance(key, int):
-        inner = _replaced(part[key], tuple(rest), direction)
+        inner = _replaced(part[key], tuple(rest), make)
         return (*part[:key], inner, *part[key + 1 :])
     if isinstance(part, Mapping):
-        return {**part, key: _replaced(part[key], tuple(rest), direction)}
+        return {**part, key: _replaced(part[key], tuple(rest), make)}
     changed = copy.copy(part)
     # components are frozen and checked; what stands for a number passes by both
-    object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), direction))
+    object.__setattr__(changed, key, _replaced(getattr(part, key), tuple(rest), make))
     return changed
 
 
@@ -227,8 +288,9 @@ def _has_effect(mechanism: Mechanism, number: Number) -> bool:
         terms = _dual_terms(mechanism, number.component, {0: number})
     except InputError:
         return False
-    initial = (value for _, *pair in _initial(terms) for value in pair)
-    return any(_moved(terms)) or any(isinstance(value, Dual) for value in initial)
+    initial = (value for _, *pair in initial_values(terms) for value in pair)
+    follows = any(moved(terms)) or any(tabulated(terms))
+    return follows or any(isinstance(value, Dual) for value in initial)
 
 
 def _named(mechanism: Mechanism, path: str) -> Number | str:

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.design.sensitivity.breaks import Break
-from linkages.design.sensitivity.integrals import gauss, simpson
+from linkages.design.sensitivity.means import Means
 from linkages.design.sensitivity.moved import JUMP, Moved
-from linkages.design.sensitivity.nearby import NODES, Near
 from linkages.design.sensitivity.varied import Varied, applied, filled
 from linkages.errors import ComputationError
 from linkages.solution.measuring.located import largest_between
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
-from linkages.spec.measures import AT, Measure, is_series, reduces
+from linkages.spec.measures import AT, Measure, reduces
 
 Floats = NDArray[np.float64]
 
@@ -29,9 +28,6 @@ _STEPS, _CLOSE, _SAME = 3, 0.1, 1e-13
 _ON, _REACHED, _BENT = 1e-6, 1e-11, 1e-6
 """How many samples from a jump a place is on it; by which part less a value is as large; and what
 derivatives differ by on both sides, as a part, where they jump."""
-
-_WIDEST = 16.0
-"""Part of a motion, to either side of a place, that a polynomial is asked to follow first."""
 
 _BESIDE, _NARROWEST, _CORNER = 1e-2, 1e-5, 0.1
 _ONE_SIDED: Floats = np.array([11.0, -18.0, 9.0, -2.0]) / 6.0
@@ -99,11 +95,7 @@ class _Corner(NamedTuple):
     moved: Floats
 
 
-class _Differentiation:
-    def __init__(self, measure: Measure, moved: Moved) -> None:
-        self._measure, self._moved = measure, moved
-        self._last = len(moved.time) - 1
-
+class _Differentiation(Means):
     def number(self, node: Node) -> Varied:
         """What does not change with time."""
         match node:
@@ -118,30 +110,6 @@ class _Differentiation:
             case _:
                 assert_never(node)
 
-    def series(self, node: Node, places: Floats | None, slopes: bool) -> Varied:
-        """What changes with time: at places, or at all samples without derivatives."""
-        if not is_series(node):
-            found = self.number(node)
-            if found.slopes is None or not slopes:
-                return Varied(found.value, None)
-            return Varied(found.value, found.slopes[:, None])
-        match node:
-            case Clock():
-                return Varied(self._time(places), None)
-            case Sensed(name):
-                (values,) = self._moved.values([name], places)
-                if not slopes or places is None or not self._moved.count:
-                    return Varied(values, None)
-                return Varied(values, self._moved.slopes([name], places)[0])
-            case Call(name, arguments):
-                return applied(name, [self.series(a, places, slopes) for a in arguments])
-            case _:
-                raise AssertionError("constants are no series")
-
-    def _time(self, places: Floats | None) -> Floats:
-        time = self._moved.time
-        return time if places is None else np.interp(places, np.arange(len(time)), time)
-
     def _over_time(self, name: str, arguments: tuple[Node, ...]) -> Varied:
         node = arguments[-1]
         match name:
@@ -152,38 +120,32 @@ class _Differentiation:
             case "range" | "stroke":
                 high, low = (self._largest(node, each) for each in ("max", "min"))
                 return applied("sub", [high, low])
-            case "mean":
-                return self._mean(node, 1)
-            case "rms":
-                return applied("sqrt", [self._mean(node, 2)])
+            case "mean" | "rms":
+                self._require_inside(name, node)
+                found = self.mean(node, 1 if name == "mean" else 2)
+                return found if name == "mean" else applied("sqrt", [found])
             case "final":
-                self._require_steady(name, node, float(self._last))
-                return self._at(node, float(self._last))
+                self._require_steady(name, node, float(self.last))
+                return self.at(node, float(self.last))
             case _:
                 assert name == AT
                 return self._at_time(node, self.number(arguments[0]))
 
-    def _at(self, node: Node, place: float) -> Varied:
-        found = self.series(node, np.array([place]), slopes=True)
-        return Varied(
-            np.ravel(found.value)[0], filled(found, self._moved.count).reshape(-1, 1)[:, 0]
-        )
-
     def _require_inside(self, name: str, node: Node, place: float | None = None) -> None:
         """Raise where a series jumps at an end of the motion, or at one of them, for certain."""
         names = list(dict.fromkeys(_sensed(node)))
-        for series, time in self._moved.jumps_at_ends(names):
-            where = float(self._moved.places(np.array([time]))[0])
+        for series, time in self.moved.jumps_at_ends(names):
+            where = float(self.moved.places(np.array([time]))[0])
             if place is None or abs(where - place) <= _ON:
                 self._refuse(name, series, time)
 
     def _require_steady(self, name: str, node: Node, place: float) -> None:
         """Raise at a time that numbers move, where a series or its derivatives jump."""
         self._require_inside(name, node, place)
-        for each, sides in zip(self._moved.breaks, self._moved.sides, strict=True):
+        for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if each.moved.any() and np.abs(sides - place).min() <= _ON:
                 found = self.series(node, sides, slopes=True)
-                slopes = filled(found, self._moved.count)
+                slopes = filled(found, self.moved.count)
                 size = np.abs(self.series(node, None, slopes=False).value).max()
                 if (
                     abs(np.diff(found.value)[0]) > JUMP * size
@@ -193,21 +155,21 @@ class _Differentiation:
 
     def _refuse(self, name: str, what: str, time: float) -> NoReturn:
         message = (
-            f"measure {self._measure.text!r}: {what} jumps at t = {time:.6g} s, and numbers move "
+            f"measure {self.measure.text!r}: {what} jumps at t = {time:.6g} s, and numbers move "
             f"that time; there is no derivative of {name!r}"
         )
         raise ComputationError(message, time=None)
 
     def _require_one(self, node: Node, place: float) -> None:
         """Raise where a series is as large elsewhere: nothing says how the time of it moves."""
-        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self._last + 1,))
+        values = np.broadcast_to(self.series(node, None, slopes=False).value, (self.last + 1,))
         largest = self.series(node, np.array([place]), slopes=False).value
         equal = np.flatnonzero(np.abs(values - largest) <= _SAME * np.abs(values).max())
-        if self._moved.count and (np.abs(equal - place) > 1.0).any():
-            other = self._time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
+        if self.moved.count and (np.abs(equal - place) > 1.0).any():
+            other = self.time(equal[np.abs(equal - place) > 1.0].astype(float))[0]
             message = (
-                f"measure {self._measure.text!r}: the extreme is reached at "
-                f"t = {self._time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
+                f"measure {self.measure.text!r}: the extreme is reached at "
+                f"t = {self.time(np.array([place]))[0]:.6g} s and at t = {other:.6g} s; no "
                 "derivative is known of its time"
             )
             raise ComputationError(message, time=None)
@@ -225,10 +187,10 @@ class _Differentiation:
 
     def _led(self, node: Node, place: float, edge: Break | None) -> Varied:
         """An extreme with its derivatives."""
-        found = self._at(node, place)
+        found = self.at(node, place)
         if edge is not None:
             assert found.slopes is not None
-            rate = self._near(node, place).rate(place, 1)[0] / self._step(place)
+            rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
             return Varied(found.value, found.slopes + rate * edge.moved)
         corner = self._corner(node, place)
         if corner is None:
@@ -237,9 +199,9 @@ class _Differentiation:
 
     def _corner(self, node: Node, place: float) -> _Corner | None:
         """How a corner moves in which a series is extreme; None where it is smooth there."""
-        low, high = self._moved.stretch(place)
+        low, high = self.moved.stretch(place)
         step = min(_BESIDE, (place - low) / 3.0, (high - place) / 3.0)
-        if not self._moved.count or step < _NARROWEST:
+        if not self.moved.count or step < _NARROWEST:
             return None
         around: Floats = place + step * np.arange(-3.0, 4.0)
         beside = self.series(node, around, slopes=True)
@@ -251,15 +213,15 @@ class _Differentiation:
         least = _CORNER * np.ptp(beside.value) / step
         if before * behind >= 0.0 or abs(before - behind) < least:
             return None
-        slopes = filled(beside, self._moved.count)
+        slopes = filled(beside, self.moved.count)
         left, right = (slopes[:, 3 - side * np.arange(1, 4)] @ _END for side in (1, -1))
         return _Corner(before, left, -(left - right) / (before - behind))
 
     def _extreme(self, node: Node, which: str) -> tuple[float, Break | None]:
         """Where a series is largest or least, and the time of change that it is so at, if any."""
-        sign, grid = 1.0 if which == "max" else -1.0, self._moved.grid
+        sign, grid = 1.0 if which == "max" else -1.0, self.moved.grid
         inner = np.arange(len(grid))
-        samples = self._moved.grid if self._moved.breaks else None
+        samples = self.moved.grid if self.moved.breaks else None
         whole = sign * self.series(node, samples, slopes=False).value
         whole = np.broadcast_to(whole, (1, len(grid)))
 
@@ -276,23 +238,23 @@ class _Differentiation:
         self, node: Node, place: float, largest: float, sign: float
     ) -> tuple[float, Break] | None:
         """The side of a change that a series is largest at, towards which it grows."""
-        for each, sides in zip(self._moved.breaks, self._moved.sides, strict=True):
+        for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
             if np.abs(sides - place).min() > _ON or not each.moved.any():
                 continue
             values = sign * self.series(node, sides, slopes=False).value
             for side, value, way in zip(sides.tolist(), values, (1.0, -1.0), strict=True):
                 if value < largest - _REACHED * abs(largest):
                     continue
-                if sign * way * self._near(node, side).rate(side, 1)[0] > 0.0:
+                if sign * way * self.near(node, side).rate(side, 1)[0] > 0.0:
                     return side, each
         return None
 
     def _settled(self, node: Node, start: float, sign: float) -> float:
         """The place at which the slope is zero; values alone tell it to half the digits."""
-        if not 0.0 < start < self._last:
+        if not 0.0 < start < self.last:
             return start
-        place, near = start, self._near(node, start)
-        low, high = self._moved.stretch(start)
+        place, near = start, self.near(node, start)
+        low, high = self.moved.stretch(start)
         for _ in range(_STEPS):
             slope, bend = (near.rate(place, order)[0] for order in (1, 2))
             step = -slope / bend
@@ -304,87 +266,32 @@ class _Differentiation:
 
     def _time_of(self, node: Node, place: float, edge: Break | None) -> Varied:
         """An extreme within the motion moves so that the slope stays zero; one at an end stays."""
-        time = self._time(np.array([place]))[0]
+        time = self.time(np.array([place]))[0]
         self._require_one(node, place)
         self._require_inside("time of an extreme", node, place)
         if edge is not None:
             return Varied(time, edge.moved)
-        if not 0.0 < place < self._last:
+        if not 0.0 < place < self.last:
             return Varied(time, None)
         corner = self._corner(node, place)
         if corner is not None:
-            return Varied(time, corner.moved * self._step(place))
-        near = self._near(node, place)
-        moved = self._near(node, place, near.half).rate(place, 1)
+            return Varied(time, corner.moved * self.step(place))
+        near = self.near(node, place)
+        moved = self.near(node, place, near.half).rate(place, 1)
         # places are samples, and so is what they move by
-        return Varied(time, -moved / near.rate(place, 2)[0] * self._step(place))
+        return Varied(time, -moved / near.rate(place, 2)[0] * self.step(place))
 
     def _at_time(self, node: Node, time: Varied) -> Varied:
         try:
-            place = float(self._moved.places(np.array([float(time.value)]))[0])
+            place = float(self.moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
-            raise ValueError(f"measure {self._measure.text!r}: {error}") from None
+            raise ValueError(f"measure {self.measure.text!r}: {error}") from None
         self._require_steady(AT, node, place)
-        found = self._at(node, place)
+        found = self.at(node, place)
         if time.slopes is None:
             return found
-        rate = self._near(node, place).rate(place, 1)[0] / self._step(place)
-        return Varied(found.value, filled(found, self._moved.count) + rate * time.slopes)
-
-    def _step(self, place: float) -> float:
-        """Seconds from the sample before a place to the one behind it."""
-        before = min(int(place), self._last - 1)
-        return float(self._moved.time[before + 1] - self._moved.time[before])
-
-    def _near(self, node: Node, place: float, half: float | None = None) -> Near:
-        """A series near a place, or with half the width of the interval given its derivatives."""
-        reach, (first, last) = max(1.0, self._last / _WIDEST), self._moved.stretch(place)
-        place = float(np.clip(place, first, last))
-        while True:
-            low, high = max(first, place - reach), min(last, place + reach)
-            wanted = 0.5 * (high - low) if half is None else half
-            middle = float(np.clip(place, first + wanted, last - wanted))
-            found = self.series(node, middle + wanted * NODES, half is not None)
-            rows = found.value[None] if half is None else filled(found, self._moved.count)
-            near = Near.through(middle, wanted, rows)
-            if half is not None or near.exact or reach == 1.0:
-                return near
-            reach = max(1.0, reach / 2.0)
-
-    def _mean(self, node: Node, power: int) -> Varied:
-        """The mean over time, evenly sampled.
-
-        Where what is summed jumps, and numbers move the time of it, it changes by the jump.
-        """
-        self._require_inside("mean" if power == 1 else "rms", node)
-        moved = self._moved
-        whole = float(len(moved.time) - 1)
-        if not whole:
-            found = self._power(node, power, np.zeros(1))
-            return Varied(np.ravel(found.value)[0], filled(found, moved.count)[:, 0])
-        places, weights = gauss(moved.grid, moved.sides) if moved.breaks else simpson(moved.grid)
-        found = self._power(node, power, places)
-        value = np.broadcast_to(found.value, places.shape) @ weights / whole
-        if found.slopes is None:
-            return Varied(value, None)
-        size = float(np.abs(found.value).max())
-        jumps = self._jumps(node, power, size) / (moved.time[-1] - moved.time[0])
-        return Varied(value, found.slopes @ weights / whole + jumps)
-
-    def _power(self, node: Node, power: int, places: Floats) -> Varied:
-        found = self.series(node, places, slopes=True)
-        return applied("mul", [found, found]) if power == 2 else found
-
-    def _jumps(self, node: Node, power: int, size: float) -> Floats:
-        """What moving jumps add to an integral, (x⁻ − x⁺) ∂t*/∂p each, shape (P,)."""
-        sides = self._moved.sides
-        values = np.broadcast_to(self._power(node, power, sides.ravel()).value, sides.size)
-        apart = -np.diff(values.reshape(-1, 2))[:, 0]
-        whole = np.zeros(self._moved.count)
-        for each, jump in zip(self._moved.breaks, apart, strict=True):
-            if abs(jump) > JUMP * size:
-                whole += jump * each.moved
-        return whole
+        rate = self.near(node, place).rate(place, 1)[0] / self.step(place)
+        return Varied(found.value, filled(found, self.moved.count) + rate * time.slopes)
 
 
 def _sensed(node: Node) -> list[str]:

@@ -97,7 +97,7 @@ def sensitivities(
         "parameter_value": (PARAMETER, found.values),
         "parameter_units": (PARAMETER, units),
     }
-    about = {"name": mechanism.name, "source": mechanism.source}
+    about = {"name": mechanism.name, "source": mechanism.file_name}
     return xr.Dataset({text: variables[text] for text in asked}, coordinates, about)
 
 

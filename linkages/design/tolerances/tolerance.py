@@ -239,7 +239,7 @@ def _dataset(
         "draw": drawn["draw"].to_numpy(),
         **{path: drawn[path].variable for path in values},
     }
-    about = {"name": contributors.mechanism.name, "source": contributors.mechanism.source}
+    about = {"name": contributors.mechanism.name, "source": contributors.mechanism.file_name}
     return xr.Dataset(variables, coordinates, about)
 
 

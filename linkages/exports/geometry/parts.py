@@ -12,9 +12,8 @@ from linkages.components.contributed.terms import PLAYING
 from linkages.exports import Subject
 from linkages.exports.geometry.outlines import Outline, rectangle, rounded
 from linkages.options.option import OptionError
-from linkages.plots.mechanism.bodies import slots_of
-from linkages.plots.mechanism.links import outlines
-from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.guides import travel_of
+from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.traces import moving_joints
 
@@ -26,6 +25,10 @@ HOLE = 0.03
 
 WIDTH = 2.5
 """Width of a link over the diameter of its holes, where nobody says it."""
+
+
+NEAR = 1e-6
+"""Of the size of the mechanism: what a slider moves less than this has no slot."""
 
 
 @dataclass(frozen=True)
@@ -128,21 +131,38 @@ def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
 
 def parts_of(pose: Pose, sizes: Sizes) -> list[Part]:
     """All links whose places are known: bars, plates, blocks; clearances are none."""
-    bodies = {body.name: rounded(corners, 0.5 * sizes.width) for body, corners in outlines(pose)}
     parts = []
     for name, body in pose.mechanism.bodies.items():
-        shown = {joint: np.array(place) for joint, place in pose.shown(name).items()}
-        if body.kind in PLAYING or not shown:
+        holes = {joint: np.array(place) for joint, place in pose.shown(name).items()}
+        slots, angle = travels_on(pose, name), pose.angle(name)
+        if body.kind in PLAYING or not holes or (len(holes) < 2 and angle is None):
             continue
-        outline, angle = bodies.get(name), pose.angle(name)
-        if outline is None:
-            if angle is None:
-                continue
-            centre = next(iter(shown.values()))
-            outline = rectangle(centre, angle, 2.0 * sizes.width, sizes.width)
-        slots = [rounded(ends, 0.5 * sizes.hole) for ends in slots_of(pose, name)]
-        parts.append(Part(name, outline, shown, slots))
+        if len(holes) > 1 or slots:
+            outline = rounded(np.vstack([*holes.values(), *slots]), 0.5 * sizes.width)
+        else:
+            (centre,) = holes.values()
+            outline = rectangle(centre, float(angle or 0.0), 2.0 * sizes.width, sizes.width)
+        parts.append(Part(name, outline, holes, [rounded(e, 0.5 * sizes.hole) for e in slots]))
     return parts
+
+
+def travels_on(pose: Pose, carrier: str) -> list[Array]:
+    """First and last place of every slider in a slot of a body, shape (2, 2) each.
+
+    One that leaves the bar that carries it along its own line is a rod and has no slot.
+    """
+    found = []
+    for name, body in pose.mechanism.bodies.items():
+        if body.kind in PLAYING or body.guide is None or body.guide.body != carrier:
+            continue
+        axis, ends = pose.axis(name), along_carrier(pose, name)
+        if axis is None:
+            continue
+        low, high = travel_of(pose, name, axis)
+        near = NEAR * pose.extent
+        if high - low > near and (ends is None or ends[0] - near < low < high < ends[1] + near):
+            found.append(np.array([axis.at(low), axis.at(high)]))
+    return found
 
 
 def paths_of(subject: Subject) -> dict[str, Array]:

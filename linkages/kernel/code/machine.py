@@ -91,6 +91,12 @@ def _host() -> tuple[str, str, str]:
     return version, _llvm().get_host_cpu_name(), _llvm().get_host_cpu_features().flatten()
 
 
+@cache
+def has_wide_registers() -> bool:
+    """Whether registers of this processor have 512 bits."""
+    return bool(_llvm().get_host_cpu_features().get("avx512f"))
+
+
 def _target() -> Any:
     llvm = _llvm()
     _, name, features = _host()

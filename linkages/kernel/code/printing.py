@@ -1,7 +1,11 @@
-"""Writes kernels as Python, for those who want to read them: straight-line assignments."""
+"""Writes kernels as text of a language, for people and for other programs: one line a statement.
+
+Here stand what languages have in common, and Python; C and JavaScript stand beside this file.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, assert_never
 
@@ -23,6 +27,9 @@ from linkages.operations import ATOM, ELEMENTARY, Form
 _NEGATIVE = 3
 """How strongly negative numbers bind, as negations do."""
 
+_OPERAND = Form("{}", 1, (2,))
+"""Whatever is subtracted."""
+
 _FUNCTION = '''
 
 def {name}({arguments}):
@@ -34,19 +41,21 @@ def {name}({arguments}):
 
 def write_module(doc: str, routines: Sequence[Routine]) -> str:
     """The text of a module with some functions."""
-    return "".join([f'"""{doc}"""\n', *map(_function, routines)])
+    return "".join([f'"""{doc}"""\n', *map(python_function, routines)])
 
 
-def _function(routine: Routine) -> str:
+def python_function(routine: Routine, language: type[Language] | None = None) -> str:
+    """A routine as a function of Python, as a way of writing it has it; `Python` if not given."""
+    lines = (language or Python)(routine.block).lines()
     return _FUNCTION.format(
         name=routine.name,
         arguments=", ".join(routine.arguments),
         doc=routine.doc,
-        body="\n".join(f"    {line}" if line else "" for line in Python(routine.block).lines()),
+        body="\n".join(f"    {line}" if line else "" for line in lines),
     )
 
 
-class Python:
+class Language(ABC):
     """Writes the statements of a block.
 
     Parameters
@@ -55,7 +64,12 @@ class Python:
         What is written.
     """
 
-    language: ClassVar[str] = "python"
+    forms: ClassVar[str]
+    """The column of `linkages.operations` with its own forms."""
+
+    absolute: ClassVar[str] = "abs"
+    both: ClassVar[str] = " && "
+    """How it writes an absolute value, and that two conditions hold."""
 
     def __init__(self, block: StatementBlock) -> None:
         self._block = block
@@ -67,55 +81,87 @@ class Python:
     def _lines(self, statement: Statement) -> list[str]:
         match statement:
             case Assign(name, node):
-                return [f"{name} = {self._operation(node)[0]}"]
+                return self.assigned(name, node)
             case Store(entry, node):
-                return [f"{_place(entry)} = {self.text(node)}"]
+                return self.stored(_place(entry), self.text(node))
             case Heading(title):
-                return ["", f"# {title}"]
+                return self.heading(title)
             case Check(node, status):
-                return [f"if not {self.text(node)} >= 0.0:", f"    return {status}"]
+                return self.checked(self.text(node), status)
             case Iterate():
-                return self._loop(statement)
+                return self.looped(statement)
             case _:
                 assert_never(statement)
 
-    def _loop(self, loop: Iterate) -> list[str]:
-        iteration, names = loop.iteration, loop.unknowns
-        first = [self.text(start) for start in loop.starts]
-        body = Python(loop.body)
-        updates = [f"d{iteration.block}_{k}" for k in range(len(names))]
-        pairs = zip(updates, iteration.updates, strict=True)
-        inner = [*body.lines(), *(f"{name} = {body.text(update)}" for name, update in pairs)]
-        inner += [f"{name} += {update}" for name, update in zip(names, updates, strict=True)]
-        inner += [f"if {_within(updates, iteration.scales, CLOSE)}:", "    break"]
-        moved = [f"{name} - {text}" for name, text in zip(names, first, strict=True)]
-        return [
-            *(f"{name} = {text}" for name, text in zip(names, first, strict=True)),
-            f"for _ in range({MOST_ITERATIONS}):",
-            *(f"    {line}" if line else "" for line in inner),
-            "else:",
-            f"    return {loop.status}",
-            f"if not ({_within(moved, iteration.scales, MOST_TURNED)}):",
-            f"    return {loop.status}",
-            f"{loop.name} = ({', '.join(names)},)",
+    @abstractmethod
+    def assigned(self, name: str, node: Scalar) -> list[str]:
+        """A variable gets the value of a node."""
+
+    @abstractmethod
+    def stored(self, place: str, value: str) -> list[str]:
+        """An entry of an array gets a value."""
+
+    @abstractmethod
+    def heading(self, title: str) -> list[str]:
+        """A comment."""
+
+    @abstractmethod
+    def checked(self, value: str, status: int) -> list[str]:
+        """The routine ends where a value is negative or nan."""
+
+    @abstractmethod
+    def looped(self, loop: Iterate) -> list[str]:
+        """Newton's iteration."""
+
+    @abstractmethod
+    def solved(self, node: Scalar) -> str:
+        """The call that solves a linear system."""
+
+    @abstractmethod
+    def interpolated(self, node: Scalar) -> str:
+        """The call that interpolates a table."""
+
+    def updated(self, loop: Iterate) -> tuple[list[str], list[tuple[str, str, str]], str, str]:
+        """Parts of an iteration.
+
+        Returns
+        -------
+        The lines of its body; the names of unknowns, of updates and what those are; the conditions
+        that the updates are small, and that the unknowns did not move far.
+        """
+        iteration, body = loop.iteration, type(self)(loop.body)
+        names = [f"d{iteration.block}_{k}" for k in range(len(loop.unknowns))]
+        texts = [body.text(update) for update in iteration.updates]
+        moved = [
+            f"{name} - {formed(_OPERAND, [self.expression(start)])[0]}"
+            for name, start in zip(loop.unknowns, loop.starts, strict=True)
         ]
+        small = self._within(names, iteration.scales, CLOSE)
+        near = self._within(moved, iteration.scales, MOST_TURNED)
+        return body.lines(), list(zip(loop.unknowns, names, texts, strict=True)), small, near
+
+    def _within(self, values: Sequence[str], scales: Sequence[float], limit: float) -> str:
+        """A condition that no value exceeds a limit in units of its scale; false for nan."""
+        pairs = zip(values, scales, strict=True)
+        return self.both.join(f"{self.absolute}({v}) <= {limit * scale!r}" for v, scale in pairs)
 
     def text(self, node: Scalar) -> str:
         """The variable or expression that stands for a node."""
-        return self._expression(node)[0]
+        return self.expression(node)[0]
 
-    def _expression(self, node: Scalar) -> tuple[str, int]:
+    def expression(self, node: Scalar) -> tuple[str, int]:
         """Text, and how strongly it binds."""
         place = self._block.places.get(node.index)
-        return self._operation(node) if place is None else (_place(place), ATOM)
+        return self.operation(node) if place is None else (_place(place), ATOM)
 
-    def _operation(self, node: Scalar) -> tuple[str, int]:
+    def operation(self, node: Scalar) -> tuple[str, int]:
+        """The same of a node as if it stood nowhere."""
         row = ELEMENTARY.get(node.operation)
         if row is not None:
-            form = getattr(row, self.language) or row.operator
+            form = getattr(row, self.forms) or row.operator
             if form is None:
-                return _call(row.name, [self.text(operand) for operand in node.operands])
-            return formed(form, [self._expression(operand) for operand in node.operands])
+                return call(row.name, [self.text(operand) for operand in node.operands]), ATOM
+            return formed(form, [self.expression(operand) for operand in node.operands])
         match node.operation:
             case "constant":
                 value = node.arguments[0]
@@ -124,17 +170,66 @@ class Python:
                 several, index = node.arguments
                 return f"{self.text(several)}[{index}]", ATOM
             case "solve":
-                name = f"solve{system_size(node)}"
-                return _call(name, [self.text(operand) for operand in node.operands])
+                return self.solved(node), ATOM
             case "spline":
-                time, start, count, periodic = node.arguments
-                numbers = ["p", str(start.arguments[1]), str(count), str(periodic)]
-                return _call("spline", [self.text(time), *numbers])
+                return self.interpolated(node), ATOM
         raise ValueError(f"no text for the operation {node.operation!r}")
 
 
-def _call(name: str, arguments: Sequence[str]) -> tuple[str, int]:
-    return f"{name}({', '.join(arguments)})", ATOM
+class Python(Language):
+    """Statements as Python."""
+
+    forms = "python"
+    both = " and "
+
+    def assigned(self, name: str, node: Scalar) -> list[str]:
+        """An assignment."""
+        return [f"{name} = {self.operation(node)[0]}"]
+
+    def stored(self, place: str, value: str) -> list[str]:
+        """An assignment."""
+        return [f"{place} = {value}"]
+
+    def heading(self, title: str) -> list[str]:
+        """A comment."""
+        return ["", f"# {title}"]
+
+    def checked(self, value: str, status: int) -> list[str]:
+        """A condition."""
+        return [f"if not {value} >= 0.0:", f"    return {status}"]
+
+    def solved(self, node: Scalar) -> str:
+        """A function for each size."""
+        return call(f"solve{system_size(node)}", [self.text(operand) for operand in node.operands])
+
+    def interpolated(self, node: Scalar) -> str:
+        """A function that finds its numbers among the parameters."""
+        time, start, count, periodic = node.arguments
+        numbers = ["p", str(start.arguments[1]), str(count), str(periodic)]
+        return call("spline", [self.text(time), *numbers])
+
+    def looped(self, loop: Iterate) -> list[str]:
+        """A loop with an end for what does not converge."""
+        body, unknowns, small, near = self.updated(loop)
+        inner = [*body, *(f"{update} = {text}" for _, update, text in unknowns)]
+        inner += [f"{name} += {update}" for name, update, _ in unknowns]
+        inner += [f"if {small}:", "    break"]
+        pairs = zip(loop.unknowns, loop.starts, strict=True)
+        return [
+            *(f"{name} = {self.text(start)}" for name, start in pairs),
+            f"for _ in range({MOST_ITERATIONS}):",
+            *(f"    {line}" if line else "" for line in inner),
+            "else:",
+            f"    return {loop.status}",
+            f"if not ({near}):",
+            f"    return {loop.status}",
+            f"{loop.name} = ({', '.join(loop.unknowns)},)",
+        ]
+
+
+def call(name: str, arguments: Sequence[str]) -> str:
+    """A call of a function."""
+    return f"{name}({', '.join(arguments)})"
 
 
 def formed(form: Form, operands: Sequence[tuple[str, int]]) -> tuple[str, int]:
@@ -151,9 +246,3 @@ def _place(place: Entry | str) -> str:
     if isinstance(place, str):
         return place
     return "t" if place.array == "t" else f"{place.array}[{place.offset}]"
-
-
-def _within(values: Sequence[str], scales: Sequence[float], limit: float) -> str:
-    """A condition that no value exceeds a limit in units of its scale; false for nan."""
-    pairs = zip(values, scales, strict=True)
-    return " and ".join(f"abs({value}) <= {limit * scale!r}" for value, scale in pairs)

@@ -11,7 +11,7 @@ Numbers are arguments; nothing of the text comes from a definition file.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -36,17 +36,11 @@ Returned is 0, or 1 + the number of the block that cannot be assembled.
 """
 
 
-_ROUTINES: tuple[tuple[str, Level, str, tuple[str, ...]], ...] = (
-    ("prepare", Level.PARAMETERS, "Fill what depends on parameters alone.", ("p",)),
-    ("clock", Level.TIME, "Fill what depends on time alone.", ("t", "p", "timed")),
-    (
-        "rates",
-        Level.STATE,
-        "Accelerations of the free coordinates, and how far blocks are from singular.",
-        ("y", "p", "timed", "out"),
-    ),
-)
-"""Name, what it computes, in words, and its arguments, of which it fills the last."""
+_PREPARE = "prepare", "Fill what depends on parameters alone.", ("p",)
+_CLOCK = "clock", "Fill what depends on time alone.", ("t", "p", "timed")
+_RATES = "rates", "Accelerations of the free coordinates, and how far blocks are from singular."
+_STATE = ("y", "p", "timed", "out")
+"""Routines by their names, in words, and their arguments, of which they fill the last."""
 
 
 @dataclass(frozen=True)
@@ -139,10 +133,29 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
     written
         The same in words.
     """
+    return write_routines(model, {_RATES: roots}, written)
+
+
+def write_routines(
+    model: Model, wanted: Mapping[tuple[str, str], Sequence[Scalar]], written: str
+) -> Program:
+    """Print a kernel with several routines of the state, which share what is prepared.
+
+    Parameters
+    ----------
+    model
+        The equations.
+    wanted
+        Name of a routine and what it does → what it writes, in this order.
+    written
+        The same in words.
+    """
     inputs = model.inputs
-    nodes = reachable([*roots, *(reach.radicand for reach in model.reaches)])
+    radicands = [reach.radicand for reach in model.reaches]
+    every = [root for roots in wanted.values() for root in roots]
+    nodes = reachable([*every, *radicands])
     by_level = {level: [n for n in nodes if n.level == level and n.operands] for level in Level}
-    needed = {root.index for root in roots}
+    needed = {root.index for root in every}
     derived = _boundary(by_level, Level.PARAMETERS, by_level[Level.PARAMETERS], needed)
     # time itself is no argument of what depends on the state
     moments = [node for node in nodes if node.level == Level.TIME]
@@ -154,22 +167,37 @@ def write_functions_of(model: Model, roots: Sequence[Scalar], written: str) -> P
         "y": 3 * inputs.coordinates,
         "p": held.begin + held.size,
         "timed": len(timed),
-        "out": len(roots),
     }
     checks = {reach.radicand.index: 1 + reach.block for reach in model.reaches}
     places: dict[int, Place] = {
         n.index: _entry(n, inputs, held) for n in model.graph.nodes if n.operation == "input"
     }
+
+    def routine(
+        of: tuple[str, str, tuple[str, ...]],
+        nodes: Iterable[Scalar],
+        stores: Mapping[Entry, Scalar],
+        checks: Mapping[int, int] | None,
+    ) -> Routine:
+        name, doc, arguments = of
+        block = build_block(nodes, places, checks=checks, stores=stores)
+        own = sizes | {"out": len(stores)}
+        return Routine(name, doc, {a: own[a] for a in arguments}, block)
+
     routines = []
-    for (name, level, doc, arguments), first, wanted in zip(
-        _ROUTINES, (count, 0, 0), (derived, timed, roots), strict=True
+    # nobody asks `prepare` how it ended
+    for of, level, first, found, ending in (
+        (_PREPARE, Level.PARAMETERS, count, derived, None),
+        (_CLOCK, Level.TIME, 0, timed, checks),
     ):
-        stores = {Entry(arguments[-1], first + k): node for k, node in enumerate(wanted)}
-        # nobody asks `prepare` how it ended
-        ending = checks if level > Level.PARAMETERS else None
-        block = build_block(by_level[level], places, checks=ending, stores=stores)
-        routines.append(Routine(name, doc, {a: sizes[a] for a in arguments}, block))
+        stores = {Entry(of[-1][-1], first + k): node for k, node in enumerate(found)}
+        routines.append(routine(of, by_level[level], stores, ending))
         places |= {node.index: entry for entry, node in stores.items()}
+    for (name, doc), roots in wanted.items():
+        stores = {Entry("out", k): node for k, node in enumerate(roots)}
+        own = {node.index for node in reachable([*roots, *radicands])}
+        moving = [node for node in by_level[Level.STATE] if node.index in own]
+        routines.append(routine((name, doc, _STATE), moving, stores, checks))
     used = {n.arguments for n in nodes if n.operation == "input"}
     described = "\n".join(
         f"    p[{k}] {text}" for k, text in enumerate(inputs.describe()) if ("p", k) in used

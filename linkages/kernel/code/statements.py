@@ -109,6 +109,11 @@ class Routine:
     arguments: Mapping[str, int]
     block: StatementBlock
 
+    @property
+    def written(self) -> set[str]:
+        """Arrays of which entries are stored."""
+        return {s.entry.array for s in self.block.statements if isinstance(s, Store)}
+
 
 def build_block(
     nodes: Iterable[Scalar],

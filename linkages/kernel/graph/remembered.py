@@ -28,11 +28,12 @@ class Remembered(Generic[Key, Value]):
     def get(self, key: Key, make: Callable[[], Value]) -> Value:
         """What belongs to a key; made by one thread while others wait."""
         with self._lock:
-            if key not in self._known:
+            try:  # keys are large, and are hashed each time
+                self._known.move_to_end(key)
+            except KeyError:
                 self._known[key] = make()
                 if len(self._known) > self._most:
                     self._known.popitem(last=False)
-            self._known.move_to_end(key)
             return self._known[key]
 
     def __len__(self) -> int:

@@ -293,6 +293,10 @@ class ScalarGraph:
             Whether it repeats.
         """
         first = self.input("p", place, Level.PARAMETERS)
+        return self.spline_from(time, first, count, periodic)
+
+    def spline_from(self, time: Scalar, first: Scalar, count: int, periodic: bool) -> list[Scalar]:
+        """The same, with the first of its numbers as an input of any array."""
         value = self._operation("spline", time, first, count, periodic)
         return [self.item(value, order) for order in range(3)]
 

@@ -208,17 +208,29 @@ def _fixed_point(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]
 
 def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Sequence[Any]:
     time, first, count, periodic = node.arguments
-    place = first.arguments[1]
-    numbers = inputs["p"][place : place + 5 * count + 1]
+    array, place = first.arguments
+    numbers = inputs[array][place : place + 5 * count + 1]
     numbers = numbers if numbers.ndim == 1 else numbers[:, 0]
     coefficients = numbers[count + 1 :].reshape(count, 4).T
     return evaluated(numbers[: count + 1], coefficients, periodic, values[time.index])
 
 
 def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:
-    """A derivative is the next of the three results; the third has no rule."""
-    time = tangents[node.operands[0].index]
-    return {k: [node.graph.item(node, i) * rate for i in (1, 2)] for k, rate in time.items()}
+    """A derivative by time is the next of the three results; the third has no rule.
+
+    Where coefficients change, their derivatives stand behind the knots as they do themselves: that
+    is a spline as well.
+    """
+    graph, (time, first) = node.graph, node.operands
+    rates = tangents[time.index]
+    found = {k: [graph.item(node, i) * rate for i in (1, 2)] for k, rate in rates.items()}
+    for k, start in tangents[first.index].items():
+        moved = graph.spline_from(time, start, *node.arguments[2:])
+        known = found.get(k)
+        if known is not None:
+            moved = [one + other for one, other in zip(moved, known, strict=False)]
+        found[k] = moved
+    return found
 
 
 SEVERAL = {

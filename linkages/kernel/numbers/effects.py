@@ -28,11 +28,15 @@ class Effects:
         Derivatives of those parameters, those of one number after those of the other, shape (s,).
     state
         Derivatives of the initial coordinates and their rates, shape (2m, P).
+    knots
+        Which slopes are knots of tables instead: those of a spline whose coefficients are the
+        derivatives that follow; shape (s,).
     """
 
     fed: Fed
     slopes: Floats
     state: Floats
+    knots: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.fed)
@@ -40,7 +44,8 @@ class Effects:
     def scaled(self, factors: Floats) -> Effects:
         """The same by numbers in other units, of which each is `factors` SI units, shape (P,)."""
         each = np.repeat(factors, [len(paths) for paths in self.fed])
-        return replace(self, slopes=self.slopes * each, state=self.state * factors)
+        slopes = np.where(self.knots, self.slopes, self.slopes * each)
+        return replace(self, slopes=slopes, state=self.state * factors)
 
 
 def slots(fed: Sequence[Sequence[Path]]) -> Iterator[tuple[int, Path]]:

@@ -82,7 +82,7 @@ class Layout:
         internal, carried = topology.internal, topology.carried
         return cls(topology.free, internal, carried, counted, work, losses, tangents)
 
-    @property
+    @cached_property
     def coordinates(self) -> tuple[str, ...]:
         """What is integrated twice: free coordinates, internal states, what is carried along."""
         return (*self.free, *self.internal, *self.carried)
@@ -92,22 +92,22 @@ class Layout:
         """Bodies whose coordinate is integrated: the free ones, then those carried along."""
         return (*self.free, *self.carried)
 
-    @property
+    @cached_property
     def moved(self) -> int:
         """Number of free coordinates and internal states: of coordinates of a tangent."""
         return len(self.free) + len(self.internal)
 
-    @property
+    @cached_property
     def directions(self) -> int:
         """Number x of entries of a tangent: the dimension of the states of a motion."""
         return 2 * len(self.free) + len(self.internal)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number N of integrated coordinates, with the work, losses and tangents."""
         return len(self.coordinates) + self.more
 
-    @property
+    @cached_property
     def more(self) -> int:
         """Number of integrated coordinates beyond those of the motion."""
         return int(self.work) + self.losses + self.tangents * self.moved
@@ -154,12 +154,12 @@ class Layout:
         places = first + np.arange(self.tangents) * n + np.arange(n)[:, None]
         return np.concatenate([places[: len(self.free)], self.size + places])
 
-    @property
+    @cached_property
     def held(self) -> int:
         """Number h of modes, memories and tangents of memories."""
         return len(self.modes) + len(self.memories) * (1 + self.tangents)
 
-    @property
+    @cached_property
     def remembered(self) -> int:
         """Number of modes and memories, without their tangents."""
         return len(self.modes) + len(self.memories)
@@ -187,12 +187,12 @@ class Layout:
         rows = [*range(len(self.free)), *range(half, half + self.moved)]
         return np.asarray(states[rows])
 
-    @property
+    @cached_property
     def work_row(self) -> int | None:
         """Place of the work in an integrated vector; None if it is not integrated."""
         return self.size + len(self.coordinates) if self.work else None
 
-    @property
+    @cached_property
     def done_rows(self) -> Rows:
         """Places of the work, if it is integrated, and of the losses in an integrated vector."""
         first = self.size + len(self.coordinates)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
@@ -42,6 +45,9 @@ HEIGHT, GAP, LEGEND = 2.4, 0.28, 0.16
 HEADED = 0.42  # inches between panels, instead of GAP, where they have headings
 SIZES = ((80, 2.0), (300, 1.4))
 WIDER = 0.45  # dots of each further start: they show beneath those of the first
+FAINT = 0.5
+"""Opacity of dots in fine columns, so that what is dense looks dense."""
+
 BAND = 2.0
 """Half the width of the band about an exponent, in standard errors."""
 
@@ -139,7 +145,9 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -
             color=PALETTE[index % len(PALETTE)],
             markersize=size * (1.0 + WIDER * index),
             markeredgewidth=0,
+            alpha=FAINT if len(x) > SIZES[-1][0] else 1.0,
             zorder=3 - 0.01 * index,
+            rasterized=len(x) > SIZES[-1][0],
         )
     shade_missing(ax, data)
     hatch_lost(ax, data)
@@ -189,7 +197,7 @@ def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
         ax.plot(x, value, color=colour, linewidth=0.8, marker=lone, markersize=3)
     shade_missing(ax, data)
     hatch_lost(ax, data)
-    ax.set_ylabel("largest exponent [1/s]")
+    ax.set_ylabel("largest Lyapunov exponent [1/s]")
     return ax
 
 
@@ -198,10 +206,10 @@ def show_parameter(ax: Axes, data: xr.Dataset) -> None:
     show_path(ax, "x", data, str(data.attrs["varied"]))
 
 
-def _entries(data: xr.Dataset) -> dict[str, Patch]:
-    """Texts and colours of the legend."""
-    shown = {
-        name: Patch(color=PALETTE[index % len(PALETTE)])
+def _entries(data: xr.Dataset) -> dict[str, Artist]:
+    """Texts of the legend, and what stands before them: dots of each start."""
+    shown: dict[str, Artist] = {
+        name: Line2D([], [], linestyle="", marker="o", color=PALETTE[index % len(PALETTE)])
         for index, name in enumerate(start_names(data))
         if name
     }
@@ -213,6 +221,6 @@ def _entries(data: xr.Dataset) -> dict[str, Patch]:
     return shown
 
 
-def _columns(entries: dict[str, Patch]) -> int:
+def _columns(entries: Mapping[str, Artist]) -> int:
     longest = max(map(len, entries), default=0)
     return 4 if longest < 18 else 2 if longest < 45 else 1

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
-from io import BytesIO
-from string import Template
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from linkages.plots import notebook
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.system import System
+from linkages.plots import pages
 from linkages.plots.chaos import contact, exponents, sections, spectra
-from linkages.plots.style import style
+from linkages.plots.mechanism import drawing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,42 +38,19 @@ CAPTIONS = {
     "chaos_contact": "Forces in clearances. A pin cannot pull: below zero it would leave the hole.",
 }
 
-PAGE = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width">
-<title>$title</title>
-<style>
-body { font: 15px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
-       max-width: 54rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; margin-bottom: .2rem; }
-h2 { font-size: 1.1rem; margin: 2rem 0 .4rem; border-bottom: 1px solid #ddd; }
-.source { color: #666; margin: 0 0 1rem; overflow-wrap: anywhere; }
-.verdict { display: inline-block; color: #fff; background: $colour; border-radius: .3rem;
-           font-size: 1.2rem; font-weight: 600; padding: .15rem .7rem; }
-table { border-collapse: collapse; margin: .4rem 0; }
-th, td { text-align: left; padding: .15rem 1.2rem .15rem 0; border-bottom: 1px solid #eee; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-figure { margin: 1.2rem 0; }
-figure img { max-width: 100%; height: auto; display: block; }
-figcaption { color: #555; font-size: .9rem; }
-</style>
-</head>
-<body>
-<h1>$title</h1>
-<p class="source">$source</p>
-<p><span class="verdict">$verdict</span></p>
-<ul>
-$reasons
-</ul>
-$tables
-$figures
-$notes
-<p class="source">linkages $version</p>
-</body>
-</html>
-""")
+TESTS = (
+    "Lyapunov exponents: the largest is positive for chaos, zero for quasi-periodic motion, and "
+    "negative for motion that is attracted by a periodic orbit. Signs count beyond the standard "
+    "error.",
+    "0–1 test: near 1 for chaos, near 0 for regular motion; the spread is that over its "
+    "frequencies (Gottwald and Melbourne, 2009).",
+    "Power in lines: the share of the power spectrum that stands in single lines. Regular motion "
+    "has nearly all of it there, chaos a continuous spectrum.",
+    "Poincaré section: one point per period of the drives, or per crossing. Points that repeat are "
+    "a periodic motion, points on closed curves a quasi-periodic one.",
+    "Classification at another tolerance: one that changes with it rests on numerical error.",
+)
+"""What evidence means."""
 
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """Heading, heads, rows of cells; the first column is text, the others are numbers."""
@@ -105,7 +81,12 @@ def shown_forces(report: ChaosReport) -> xr.DataArray:
     return report.force.isel(time=(time >= begin) & (time <= begin + length))
 
 
-def chaos_page(report: ChaosReport, tables: Sequence[Table], figures: Mapping[str, Figure]) -> str:
+def chaos_page(
+    report: ChaosReport,
+    tables: Sequence[Table],
+    figures: Mapping[str, Figure],
+    mechanism: Mechanism,
+) -> str:
     """The page as HTML; everything in it that comes from the file is escaped.
 
     Parameters
@@ -115,30 +96,28 @@ def chaos_page(report: ChaosReport, tables: Sequence[Table], figures: Mapping[st
     tables
         Evidence in numbers.
     figures
-        From `chaos_figures`; empty for a page without.
+        From `chaos_figures`; empty for a page without any.
+    mechanism
+        What was judged: its drawing and its definition are on the page.
     """
-    from importlib.metadata import version
-
-    notes = [*report.notes]
-    return PAGE.substitute(
-        title=escape(report.name),
-        version=version("linkages"),
-        source=escape(report.source),
-        colour=COLOURS.get(report.verdict, COLOURS["undecided"]),
-        verdict=escape(report.verdict),
-        reasons=_items(report.reasons),
-        tables="\n".join(_table(*table) for table in tables),
-        figures="\n".join(_figure(f, _caption(n, report)) for n, f in figures.items()),
-        notes=f"<h2>Notes</h2>\n<ul>\n{_items(notes)}\n</ul>" if notes else "",
-    )
-
-
-def _items(texts: Sequence[str]) -> str:
-    return "\n".join(f"<li>{escape(text)}</li>" for text in texts)
+    colour = COLOURS.get(report.verdict, COLOURS["undecided"])
+    style = f"background: {colour}"
+    body = [
+        f'<p><span class="label" style="{style}">{escape(report.verdict)}</span></p>',
+        pages.items(report.reasons),
+        _drawing(mechanism) if figures else "",
+        *(pages.section(heading, pages.table(heads, rows)) for heading, heads, rows in tables),
+        *(pages.figure_with(figure, _caption(name, report)) for name, figure in figures.items()),
+        pages.section("What the tests mean", pages.items(TESTS)),
+        pages.section("Notes", pages.items(report.notes)),
+        pages.section("Origin", pages.definition(mechanism.to_yaml())),
+    ]
+    return pages.page(report.name, report.source, mechanism.changes, body)
 
 
-def _table(heading: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    return f"<h2>{escape(heading)}</h2>\n{notebook.table(heads, rows)}"
+def _drawing(mechanism: Mechanism) -> str:
+    figure = drawing.start_figure(System(mechanism))
+    return pages.figure_with(figure, "The mechanism at t = 0.")
 
 
 def _caption(name: str, report: ChaosReport) -> str:
@@ -147,15 +126,3 @@ def _caption(name: str, report: ChaosReport) -> str:
     if "section" in taken:
         section = f"a point wherever {taken['section']} is crossed ({taken['direction']})"
     return CAPTIONS[name].format(section=section)
-
-
-def _figure(figure: Figure, text: str) -> str:
-    stream = BytesIO()
-    with style():
-        figure.savefig(stream, format="png", metadata={"Software": None})
-    source = b64encode(stream.getvalue()).decode("ascii")
-    caption = escape(text)
-    return (
-        f'<figure><img alt="{caption}" src="data:image/png;base64,{source}">'
-        f"<figcaption>{caption}</figcaption></figure>"
-    )

@@ -12,6 +12,7 @@ from linkages.plots.chaos.bifurcations import BAND
 from linkages.plots.motion.curves import thinned
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import BLACK, PALETTE, TOP, legend_above, line_style, panels, styled
+from linkages.reading.wording import to_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,11 +69,13 @@ def draw(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
         )
         x, y = thinned(time, values)
         (line,) = ax.plot(x * scale.factor, y, **look)
-        entries.append((line, f"λ{_below(index + 1)} = {_number(last)} ± {error:.2g} 1/s"))
+        shown, by = to_error(last, float(error))
+        shown = shown.replace("-", "−")
+        entries.append((line, f"λ{_below(index + 1)} = {shown} ± {by} 1/s"))
     _limits(ax, history, errors)
     ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
     ax.set_xlabel(scale.label("time"))
-    ax.set_ylabel("exponent up to then [1/s]")
+    ax.set_ylabel("running estimate of the exponent [1/s]")
     if entries:
         lines, texts = zip(*entries, strict=True)
         ax.legend(lines, texts, **legend_above(heading), ncols=2)
@@ -94,7 +97,3 @@ def _limits(ax: Axes, history: np.ndarray, errors: np.ndarray) -> None:
 
 def _below(number: int) -> str:
     return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}".replace("-", "−")

@@ -8,7 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from linkages.plots.motion.free_axes import DEGREES, show_degrees
+from linkages.plots.motion.free_axes import show_degrees
+from linkages.plots.paths import path_words
+from linkages.plots.prefixes import DEGREES, axis_scale
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +32,9 @@ def shown_values(data: xr.Dataset, path: str) -> tuple[Array, str]:
         values, unit = DEGREES * values, "°"
     elif unit in ("deg", "degree", "degrees", "°"):
         unit = "°"
-    return values, f"{path} [{unit}]" if unit else path
+    words = path_words(path)
+    shown = axis_scale([], unit).units if unit != "°" else unit
+    return values, f"{words} [{shown}]" if unit else words
 
 
 def show_path(ax: Axes, along: str, data: xr.Dataset, path: str) -> Array:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 SIZES = ((60, 4.0), (600, 2.4), (3000, 1.5))
 SMALLEST = 0.9
+MANY, FAINT = 3000, 0.5
+"""Points beyond which dots are faint, so that what is dense looks dense; their opacity."""
 
 
 @styled
@@ -57,8 +59,9 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
     along = show_output(ax, "x", data, coordinate.value, x)
     size = marker_size(len(x))
     ax.plot(
-        along * x, factor * y, "o", color=PALETTE[0], markersize=size, markeredgewidth=0, zorder=3
-    )
+        along * x, factor * y, "o", color=PALETTE[0], markersize=size, markeredgewidth=0, zorder=3,
+        alpha=FAINT if len(x) > MANY else 1.0,
+    )  # fmt: skip
     show_steady(ax, factor * y)
     _show_point(ax, along * x, factor * y)
     count = f"{len(x)} point{'' if len(x) == 1 else 's'}"

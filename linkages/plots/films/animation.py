@@ -1,32 +1,27 @@
-"""Animations of solutions, as GIF or MP4."""
+"""Animations of solutions, as GIF, WebP or MP4."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkages.interrupts import interrupts_kept
-from linkages.plots.films.film import FPS, Film, film_of
-from linkages.plots.films.gif import FASTEST, GifFile, palette_of
+from linkages.plots.films.film import FPS, Film
+from linkages.plots.films.gif import FASTEST, Frame, GifFile, palette_of
+from linkages.plots.films.pace import paced
+from linkages.plots.films.scenes import Scenes, scenes
 from linkages.plots.films.stage import Stage
 from linkages.plots.films.video import VideoFile, find_ffmpeg
+from linkages.plots.films.webp import write_webp
 from linkages.reading.replacing import replaced
 from linkages.solution.solution import Solution
+from linkages.solution.values.series import TIME, find_series, system_series
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-FORMATS = ("gif", "mp4")
-DPI = 80.0
+FORMATS = ("gif", "webp", "mp4")
 LOOKS = 8
 """Frames from which the palette of a GIF is made."""
-
-TRACED = 4000
-"""Samples that a trace has at most, besides those of the frames."""
 
 LARGEST = 4096
 """Pixels of a side."""
@@ -41,32 +36,40 @@ def animate(
     slow: float | None = None,
     fps: float = FPS,
     size: tuple[int, int] | None = None,
-    dpi: float = DPI,
+    dpi: float | None = None,
+    names: bool = False,
+    plot: Sequence[str] = (),
     watch: Callable[[float], None] | None = None,
 ) -> Film:
     """Write an animation of a motion: the mechanism, traces of its joints, enlarged clearances.
 
-    Every frame shows the sample that is nearest to its time, so samples should be as dense as
-    frames; `simulate(mechanism, samples=2001)` is dense enough for most.
+    Frames show the motion at their times, however the solution was sampled.
 
     Parameters
     ----------
     solution
         With ``joint_position`` among its outputs; cut short or not.
     path
-        Ends in ``.gif`` or ``.mp4``; the latter needs the program ffmpeg. A file of that name is
-        replaced when the new one is complete.
+        Ends in ``.gif``, ``.webp`` or ``.mp4``; the latter needs the program ffmpeg. A file of that
+        name is replaced when the new one is complete.
     start, duration
-        Which part of the motion to show, in seconds of the motion; default: all of it.
+        Which part of the motion to show, in seconds of the motion; default: all of it, or as much
+        as can be followed within 12 s.
     slow
         Seconds of the film per second of the motion: 10 is slow motion, 0.5 is twice as fast.
-        Default: 1, or whatever makes the film last between 4 and 12 s.
+        Default: what makes the film last between 4 and 12 s, and slower where a free or driven
+        coordinate swings so fast that frames would show it at random places. Clearances that
+        swing faster than the mechanism moves have a pace of their own.
     fps
         Frames per second of the film; a GIF has at most 50.
     size
-        Width and height in pixels; default: as the mechanism needs, about 530 to 720 pixels wide.
+        Width and height in pixels; default: as the mechanism needs, about 790 to 1080 pixels wide.
     dpi
-        Pixels per inch: size of texts and symbols.
+        Pixels per inch: size of texts and symbols; default: they grow with `size`.
+    names
+        Write the names of joints beside them.
+    plot
+        Series such as ``"crank.effort"``, each drawn over time in a strip with a cursor.
     watch
         Called after every frame with the fraction done.
 
@@ -74,7 +77,7 @@ def animate(
     -------
     Film
         What is shown: ``start`` and ``step`` in seconds of the motion, ``frames``, ``fps``,
-        ``slow``, ``seconds``.
+        ``slow``, ``seconds``, and ``near``, the same of clearances that have their own pace.
 
     Raises
     ------
@@ -83,50 +86,37 @@ def animate(
     """
     path = Path(path)
     format_ = check_arguments(path.suffix.removeprefix(".").lower(), fps, size, dpi)
-    time = np.asarray(solution.data["time"], dtype=float)
-    if len(time) < 2:
-        raise ValueError(f"an animation needs two samples or more, found {len(time)}")
-    film = film_of(float(time[-1]), start=start, duration=duration, slow=slow, fps=fps)
-    window, indices = shown_part(solution.data, film.samples(time))
+    samples = solution.data.sizes["time"]
+    if samples < 2:
+        raise ValueError(f"an animation needs two samples or more, found {samples}")
+    film = paced(solution, start=start, duration=duration, slow=slow, fps=fps)
+    known = system_series(solution.system)
+    drawn = [find_series(known, name) for name in plot]
+    also = [series.variable for series in drawn if series.variable != TIME]
+    shown = scenes(solution, film, also)
     with interrupts_kept() as ask:
-        stage = Stage(window, solution.mechanism, film, size, dpi)
-        with (
-            replaced(path) as temporary,
-            _opened(temporary, format_, stage, film, indices) as file,
-        ):
-            for done, index in enumerate(indices, start=1):
-                file.add(stage.picture(index))
+        stage = Stage(
+            shown.data, solution.mechanism, film, size, dpi, names=names,
+            strips=[(series.name, series.of(shown.data)) for series in drawn],
+        )  # fmt: skip
+
+        def frames() -> Iterator[Frame]:
+            for done, (place, near) in enumerate(zip(shown.places, shown.near, strict=True), 1):
+                yield stage.picture(place, near)
                 if watch is not None:
-                    watch(done / len(indices))
+                    watch(done / film.frames)
                 ask()
+
+        with replaced(path) as temporary:
+            _write(temporary, format_, stage, shown, film, frames())
     return film
-
-
-def shown_part(data: xr.Dataset, samples: NDArray[np.intp]) -> tuple[xr.Dataset, list[int]]:
-    """Data of a film: the samples of its frames, and between them what traces need to be smooth.
-
-    Parameters
-    ----------
-    data
-        All samples.
-    samples
-        Those of the frames, in their order.
-
-    Returns
-    -------
-    The data, and the places of the frames' samples in them.
-    """
-    first, last = int(samples[0]), int(samples[-1])
-    between = np.linspace(first, last, min(last - first + 1, TRACED)).round().astype(np.intp)
-    kept = np.union1d(samples, between)
-    return data.isel(time=kept), [int(place) for place in np.searchsorted(kept, samples)]
 
 
 def check_arguments(
     format: str,  # noqa: A002
     fps: float,
     size: tuple[int, int] | None,
-    dpi: float,
+    dpi: float | None,
 ) -> str:
     """What can be said before a motion is known; returns the format.
 
@@ -139,20 +129,30 @@ def check_arguments(
         raise ValueError(f"unknown format {format!r}; expected one of: {', '.join(FORMATS)}")
     if format == "mp4":
         find_ffmpeg()
-    elif fps > FASTEST:
+    elif format == "gif" and fps > FASTEST:
         raise ValueError(f"a GIF shows at most {FASTEST:g} frames per second, found {fps:g}")
-    if not 20 <= dpi <= 1000:
+    if dpi is not None and not 20 <= dpi <= 1000:
         raise ValueError(f"dpi must be from 20 to 1000, found {dpi:g}")
     if size is not None and not all(2 <= side <= LARGEST for side in size):
         raise ValueError(f"size must be from 2 to {LARGEST} pixels, found {size[0]}x{size[1]}")
     return format
 
 
-def _opened(
-    path: Path, format_: str, stage: Stage, film: Film, indices: list[int]
-) -> GifFile | VideoFile:
-    if format_ == "mp4":
+def _write(
+    path: Path, form: str, stage: Stage, shown: Scenes, film: Film, frames: Iterator[Frame]
+) -> None:
+    """Write frames in a format; all are taken, also the last one's end."""
+    if form == "webp":
+        write_webp(path, frames, film.frames, film.fps)
+        return
+    with _opened(path, form, stage, shown, film) as file:
+        for frame in frames:
+            file.add(frame)
+
+
+def _opened(path: Path, form: str, stage: Stage, shown: Scenes, film: Film) -> GifFile | VideoFile:
+    if form == "mp4":
         return VideoFile(path, stage.size, film.fps)
-    looks = np.unique(np.linspace(0, len(indices) - 1, LOOKS).round().astype(int))
-    frames = [stage.picture(indices[look]).copy() for look in looks]
-    return GifFile(path, palette_of(frames), film.fps)
+    looks = np.unique(np.linspace(0, film.frames - 1, LOOKS).round().astype(int))
+    seen = [stage.picture(shown.places[look], shown.near[look]).copy() for look in looks]
+    return GifFile(path, palette_of(seen), film.fps)

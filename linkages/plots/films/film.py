@@ -31,12 +31,15 @@ class Film:
         How many there are.
     fps
         Frames per second of the film.
+    near
+        What enlarged clearances show meanwhile, where they are slower than the mechanism.
     """
 
     start: float
     step: float
     frames: int
     fps: float
+    near: Film | None = None
 
     @property
     def slow(self) -> float:

@@ -20,6 +20,15 @@ LOWEST, HIGHEST = 1.3, 5.0  # of the main picture, in inches
 WIDE = 1.8
 """Width over height from which on insets stand below if one column beside does not hold them."""
 
+DPI = 120.0
+"""Pixels per inch of a picture whose size nobody asked for."""
+
+COARSEST = 40.0
+"""Pixels per inch below which texts cannot be read."""
+
+STRIP = 1.0
+"""Height of a strip with a curve, in inches."""
+
 LEAST = 1.0
 """Inches; a main picture that is smaller shows nothing."""
 
@@ -36,14 +45,19 @@ class PageLayout:
         The mechanism.
     insets
         One for each clearance.
+    strips
+        One for each curve, over the whole width, from above to below.
     """
 
     size: tuple[float, float]
     main: Rectangle
     insets: tuple[Rectangle, ...]
+    strips: tuple[Rectangle, ...] = ()
 
     @classmethod
-    def of(cls, box: Box, insets: int, size: tuple[float, float] | None = None) -> PageLayout:
+    def of(
+        cls, box: Box, insets: int, size: tuple[float, float] | None = None, strips: int = 0
+    ) -> PageLayout:
         """Arrange a picture of a box and some insets, none of which covers another.
 
         Parameters
@@ -54,12 +68,34 @@ class PageLayout:
             How many.
         size
             In inches; chosen if not given.
+        strips
+            How many curves stand below.
 
         Raises
         ------
         ValueError
             If the size leaves no room for the main picture.
         """
+        if not strips:
+            return cls._without_strips(box, insets, size)
+        under = strips * (STRIP + TOP + BOTTOM)
+        room = None if size is None else (size[0], size[1] - under)
+        if room is not None and room[1] < LEAST:
+            raise _too_small((room[0], room[1] + under))
+        above = cls._without_strips(box, insets, room)
+        width, height = above.size
+        page = (width, height + under)
+        moved = [
+            (left, (bottom * height + under) / page[1], wide, high * height / page[1])
+            for left, bottom, wide, high in (above.main, *above.insets)
+        ]
+        low = [under - (index + 1) * (STRIP + TOP + BOTTOM) + BOTTOM for index in range(strips)]
+        across = (width - LEFT - RIGHT, STRIP)
+        return cls(page, moved[0], tuple(moved[1:]),
+                   tuple(_part((LEFT, bottom, *across), page) for bottom in low))  # fmt: skip
+
+    @classmethod
+    def _without_strips(cls, box: Box, insets: int, size: tuple[float, float] | None) -> PageLayout:
         if size is None or not insets:
             return cls._with_insets_beside(box, insets, size)
         found = []
@@ -130,6 +166,38 @@ class PageLayout:
             raise _too_small(page)
         insets = tuple(_part((*place, side, side), page) for place in places)
         return cls(page, _part(main, page), insets)
+
+
+def page(
+    box: Box, insets: int, strips: int, size: tuple[int, int] | None, dpi: float | None
+) -> tuple[PageLayout, float]:
+    """The page of a picture, and its pixels per inch.
+
+    Parameters
+    ----------
+    box, insets, strips
+        As `PageLayout.of` takes them.
+    size
+        In pixels; chosen if not given.
+    dpi
+        If it is not given, texts and symbols grow with the size.
+
+    Raises
+    ------
+    ValueError
+        If the size leaves no room for the main picture.
+    """
+    if size is None:
+        return PageLayout.of(box, insets, None, strips), DPI if dpi is None else dpi
+    if dpi is None:
+        natural = PageLayout.of(box, insets, None, strips).size
+        dpi = min(size[0] / natural[0], size[1] / natural[1])
+        if dpi < COARSEST:
+            raise ValueError(
+                f"{size[0]}x{size[1]} pixels are too small for this picture; expected at least "
+                f"{natural[0] * COARSEST:.0f}x{natural[1] * COARSEST:.0f}"
+            )
+    return PageLayout.of(box, insets, (size[0] / dpi, size[1] / dpi), strips), dpi
 
 
 def _too_small(page: tuple[float, float]) -> ValueError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,11 +14,20 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
-from linkages.plots.films.layout import MARGIN, PageLayout
+from linkages.plots.films.layout import MARGIN, PageLayout, page
 from linkages.plots.films.moving import framed, parts
+from linkages.plots.films.names import Names
+from linkages.plots.films.strips import Strip
 from linkages.plots.mechanism.drawing import note_gears
 from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.insets import ClearanceMotion, Inset, contacts
+from linkages.plots.mechanism.insets import (
+    ClearanceMotion,
+    Clock,
+    Inset,
+    contacts,
+    decimals,
+    moment,
+)
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
@@ -50,7 +60,11 @@ class Stage:
     size
         Width and height in pixels; chosen by the mechanism if not given.
     dpi
-        Pixels per inch: texts and symbols grow with it.
+        Pixels per inch; if not given, texts and symbols grow with the size.
+    names
+        Whether joints have their names beside them.
+    strips
+        Names of series, and the series, drawn over time below.
 
     Raises
     ------
@@ -63,18 +77,26 @@ class Stage:
         data: xr.Dataset,
         mechanism: Mechanism,
         film: Film,
-        size: tuple[int, int] | None,
-        dpi: float,
+        size: tuple[int, int] | None = None,
+        dpi: float | None = None,
+        *,
+        names: bool = False,
+        strips: Sequence[tuple[str, xr.DataArray]] = (),
     ) -> None:
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
         found = contacts(data, mechanism)
-        inches = None if size is None else (size[0] / dpi, size[1] / dpi)
         with style():
-            layout = PageLayout.of(box, len(found), inches)
+            layout, dpi = page(box, len(found), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
             self._build(self._canvas.figure, layout, box, data, film, found)
+            joints = self._moving.at(0).positions if names else []
+            self._names = Names(self._layer, joints)
+            self._strips = [
+                Strip(self._canvas.figure.add_axes(place), name, series, film)
+                for place, (name, series) in zip(layout.strips, strips, strict=True)
+            ]
             self._canvas.draw()
             self._background: Any = self._canvas.copy_from_bbox(self._canvas.figure.bbox)
 
@@ -84,11 +106,14 @@ class Stage:
         width, height = self._canvas.get_width_height()
         return width - width % 2, height - height % 2
 
-    def picture(self, index: int) -> Frame:
-        """The picture of one sample, shape (height, width, 4); valid until the next one."""
+    def picture(self, index: int, near: int | None = None) -> Frame:
+        """The picture of one sample, shape (height, width, 4); valid until the next one.
+
+        Enlarged clearances show the sample `near`, if that is given.
+        """
         with style():
             self._canvas.restore_region(self._background)
-            for artist in self._show(index):
+            for artist in self._show(index, index if near is None else near):
                 artist.draw(self._canvas.get_renderer())
         width, height = self.size
         return np.asarray(self._canvas.buffer_rgba())[:height, :width]
@@ -113,10 +138,12 @@ class Stage:
         note_gears(ax, first)
         self._draw_traces(ax, data, labels)
         self._write_still(ax, film)
-        self._drawing = Inked(_layer_over(ax), moving, first.scaled(self._factor))
+        self._layer = _layer_over(ax)
+        self._drawing = Inked(self._layer, moving, first.scaled(self._factor))
         width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
+        near = None if film.near is None else Clock(self._time, film.near.pace, film.near.step)
         self._insets = [
-            Inset(panel, contact, float(width * panel.bbox.width / ax.bbox.width))
+            Inset(panel, contact, float(width * panel.bbox.width / ax.bbox.width), near)
             for contact, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
         ]
 
@@ -153,25 +180,31 @@ class Stage:
         arrow = gravity_arrow(mechanism)
         below: dict[str, Any] = {"fontsize": 8, "color": "0.35", "va": "top"}
         below["transform"] = ax.transAxes
+        pace = film.pace if film.near is None else f"mechanism {film.pace}"
         offset = -0.21 / (ax.bbox.height / ax.figure.dpi)
-        ax.text(1.0, offset, film.pace, ha="right", **below)
+        ax.text(1.0, offset, pace, ha="right", **below)
         ax.text(0.0, offset, f"gravity {arrow}" if arrow else "", ha="left", **below)
         self._clock = ax.set_title("", loc="right", color=BLACK)
         self._clock.set_animated(True)
 
-    def _show(self, index: int) -> list[Artist]:
+    def _show(self, index: int, near: int) -> list[Artist]:
         """Everything that moves, as it is at one sample, in the order of drawing."""
         for line, path in self._runs:
             line.set_data(*path[: index + 1].T)
-        self._drawing.show(self._moving.at(index).scaled(self._factor))
-        self._clock.set_text(f"t = {self._time[index]:.{self._decimals}f} s".replace("-", "−"))
+        pose = self._moving.at(index).scaled(self._factor)
+        self._drawing.show(pose)
+        self._clock.set_text(moment(self._time[index], self._decimals))
         for inset in self._insets:
-            inset.show(index)
+            inset.show(near)
+        for strip in self._strips:
+            strip.show(self._time[index])
         return [
             *(line for line, _ in self._runs),
             *self._drawing.artists,
+            *self._names.shown(pose.positions),
             self._clock,
             *(artist for inset in self._insets for artist in inset.artists),
+            *(strip.cursor for strip in self._strips),
         ]
 
 
@@ -185,8 +218,3 @@ def _layer_over(ax: Axes) -> Axes:
     layer.set_axis_off()
     layer.set_visible(False)
     return layer
-
-
-def decimals(step: float) -> int:
-    """Decimals of a time in seconds that tell frames apart."""
-    return int(np.clip(-np.floor(np.log10(step) + 1e-9), 0, 9))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any, assert_never, cast
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.palette import LIGHT
-from linkages.plots.mechanism.placing import placed
+from linkages.plots.mechanism.placing import drawable, placed
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Disc, Look, Shape, Strokes, Word
 from linkages.plots.mechanism.view import per_point, pixels
@@ -57,9 +58,12 @@ class Inked:
         self._pairs: list[tuple[Strokes | Disc, PathPatch | Circle]] = []
         drawn = [shape for shape in shapes if not isinstance(shape, Word)]
         layers = np.linspace(*(LAYERS if not pale else (1.1, 1.9)), len(drawn)).tolist()
+        seen: Counter[str] = Counter()
         for shape, layer in zip(drawn, layers, strict=True):
             artist = Circle((0, 0), 1.0) if isinstance(shape, Disc) else PathPatch(Path([(0, 0)]))
-            artist.set(zorder=layer, gid=shape.name or None, **_style(shape.look, pale, size))
+            seen[shape.name] += 1  # identifiers of SVG are unique
+            gid = f"{shape.name}-{seen[shape.name]}" if shape.name else None
+            artist.set(zorder=layer, gid=gid, **_style(shape.look, pale, size))
             self._pairs.append((shape, artist))
             ax.add_artist(artist)
         self.show(pose)
@@ -70,8 +74,14 @@ class Inked:
         return [artist for _, artist in self._pairs]
 
     def show(self, pose: Pose) -> None:
-        """Put every shape where it is in a position, in the units of the axes."""
+        """Put every shape where it is in a position, in the units of the axes.
+
+        Those whose joints are not known there are hidden.
+        """
         for shape, artist in self._pairs:
+            artist.set_visible(drawable(pose, shape))
+            if not artist.get_visible():
+                continue
             match shape:
                 case Disc():
                     assert isinstance(artist, Circle)

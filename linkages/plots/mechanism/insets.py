@@ -68,6 +68,24 @@ def contacts(data: xr.Dataset, mechanism: Mechanism) -> list[ClearanceMotion]:
     return found
 
 
+class Clock(NamedTuple):
+    """The time of enlarged clearances, where it is not that of the mechanism.
+
+    Attributes
+    ----------
+    time
+        Of the samples, in seconds.
+    pace
+        How fast they are shown, in words.
+    step
+        Time between frames in seconds.
+    """
+
+    time: Array
+    pace: str
+    step: float
+
+
 class Inset:
     """The enlarged picture of one clearance; the hole rests, the pin moves in it.
 
@@ -79,10 +97,14 @@ class Inset:
         What to draw.
     metres
         How much of the main picture is as wide as `ax`.
+    clock
+        Its own time, if it has one.
     """
 
-    def __init__(self, ax: Axes, contact: ClearanceMotion, metres: float) -> None:
-        self._contact = contact
+    def __init__(
+        self, ax: Axes, contact: ClearanceMotion, metres: float, clock: Clock | None = None
+    ) -> None:
+        self._contact, self._clock = contact, clock
         self._full = 0.0 if contact.force is None else full_length(contact.force)
         enlarged = metres / (2 * REACH * contact.size)
         self._draw_still(ax, enlarged)
@@ -96,13 +118,16 @@ class Inset:
         self._text: Text = ax.text(
             1 - CORNER, CORNER, "", transform=ax.transAxes, ha="right", color=LOAD, zorder=8
         )
+        self._moment: Text = ax.text(
+            CORNER, 1 - CORNER, "", transform=ax.transAxes, va="top", fontsize=8, zorder=8
+        )
         for artist in self.artists:
             artist.set_animated(True)
 
     @property
     def artists(self) -> list[Artist]:
         """What moves, in the order in which it is drawn."""
-        return [self._pin, self._link, self._dots, self._arrow, self._text]
+        return [self._pin, self._link, self._dots, self._arrow, self._text, self._moment]
 
     def _draw_still(self, ax: Axes, enlarged: float) -> None:
         """The hole, and the scale."""
@@ -131,6 +156,9 @@ class Inset:
         self._link.set_data([0.0, x], [0.0, y])
         self._dots.set_data([0.0, x], [0.0, y])
         self._show_force(index, x, y)
+        if (clock := self._clock) is not None:
+            time = moment(clock.time[index], decimals(abs(clock.step)))
+            self._moment.set_text(f"{clock.pace}\n{time}")
 
     def _show_force(self, index: int, x: float, y: float) -> None:
         """The push of the pin at its hole; a pull, which no real pin has, points inwards."""
@@ -181,3 +209,13 @@ def nice_below(value: float) -> float:
 def two_digits(value: float) -> str:
     """A number rounded to two significant digits, without exponent."""
     return f"{float(f'{value:.1e}'):.12g}"
+
+
+def decimals(step: float) -> int:
+    """Decimals of a time in seconds that tell frames apart."""
+    return int(np.clip(-np.floor(np.log10(step) + 1e-9), 0, 9))
+
+
+def moment(time: float, digits: int) -> str:
+    """A time in seconds as pictures write it."""
+    return f"t = {time:.{digits}f} s".replace("-", "−")

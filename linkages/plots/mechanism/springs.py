@@ -44,6 +44,8 @@ def draw_springs(pose: Pose, scale: float) -> list[Shape]:
 
 
 def _parts(load: Load) -> list[str]:
+    if load.passive and load.states:  # of the spring, to which a damper is tied
+        return ["series"]
     elastic = load.elastic or (load.passive and load.energy != NOTHING)
     thrusts = not (load.passive or load.absent)
     moving = ["cylinder"] if thrusts else ["damper"] * load.dissipates
@@ -67,6 +69,9 @@ def _abreast(
             strokes.append(_zigzag(a, b, room))
         elif part == "damper":
             strokes += _dashpot(a, b, room)
+        elif part == "series":
+            middle = mixed(a, b, 0.5)
+            strokes += [_zigzag(a, middle, 0.5 * room), *_dashpot(middle, b, 0.5 * room)]
         else:
             strokes += _barrel(a, b, room)
             look = THRUST
@@ -118,7 +123,7 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     for slide, load in by_kind(without_stops(pose.mechanism)).slides:
         found = of_slider.setdefault(slide.body, [])
         if not load.pushes:
-            found += ["spring"] * load.elastic + ["damper"] * load.dissipates
+            found += _parts(load)
     shapes: list[Shape] = []
     for name, parts in of_slider.items():
         axis = pose.axis(name)

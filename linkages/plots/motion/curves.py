@@ -1,4 +1,4 @@
-"""Curves over time: thinned without losing a peak, and with their peak marked."""
+"""Curves over time: an envelope where they are denser than the paper, and their peak marked."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ MANY = 20_000
 BINS = 4_000  # about four to every pixel of an axis
 STEADY = 1e-6  # of the values: a smaller change is not drawn as one
 BUSY = 80  # turning points, beyond which a thinner line shows more
+ROOM = 0.08  # beside a few swings, in parts of their time
+DENSE = 120  # turning points, beyond which swings are narrower than a few lines
 
 
 class CurvePeak(NamedTuple):
@@ -59,7 +61,38 @@ def peak_of(
         place = float(np.argmax(np.where(finite, np.abs(values), -1.0)))
         value = float(values[int(place)])
     at = float(np.interp(place, np.arange(len(time)), time))
-    return CurvePeak(at, value, horizon is not None and abs(at) > abs(horizon))
+    return CurvePeak(at, value, beyond(at, horizon))
+
+
+def beyond(time: float, horizon: float | None) -> bool:
+    """Whether a time is later than that to which the motion is predictable."""
+    return horizon is not None and abs(time) > abs(horizon)
+
+
+def envelope(time: Array, values: Array, columns: int) -> tuple[Array, Array, Array]:
+    """Least and largest value in each of so many columns of equal width.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,), times in order; values that are not finite are left out.
+    columns
+        Into which the times are divided; those without samples are left out.
+
+    Returns
+    -------
+    time, low, high
+        The middles of columns; each reaches to the first sample of the next one, as a line would.
+    """
+    span = float(time[-1] - time[0])
+    column = np.minimum(((time - time[0]) / span * columns).astype(int), columns - 1)
+    used, first = np.unique(column, return_index=True)
+    finite = np.isfinite(values)
+    low = np.minimum.reduceat(np.where(finite, values, np.inf), first)
+    high = np.maximum.reduceat(np.where(finite, values, -np.inf), first)
+    following = np.append(values[first[1:]], values[-1])
+    low, high = np.fmin(low, following), np.fmax(high, following)
+    return time[0] + (used + 0.5) / columns * span, low, high
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -88,6 +121,9 @@ def draw_curve(
 ) -> Line2D:
     """Draw a curve in shown units; a lone sample becomes a dot.
 
+    Where it is denser than the paper, what is filled reaches from its least to its largest value in
+    each column of pixels.
+
     Parameters
     ----------
     ax
@@ -98,13 +134,38 @@ def draw_curve(
         Of the time and of the values.
     line
         Properties of the line.
+
+    Returns
+    -------
+    A line with these properties.
     """
-    x, y = thinned(time, values)
-    lone = "." if len(x) == 1 else ""
-    if turning_points(y) > BUSY:
+    x, y = time * scales[0].factor, values * scales[1].factor
+    turns = turning_points(values)
+    if turns > DENSE:
+        middle, low, high = envelope(x, y, max(2, int(ax.bbox.width)))
+        colour, opacity = line.get("color"), line.get("alpha", 1.0)
+        edge = {"edgecolor": colour, "linewidth": 0.6, "alpha": opacity}
+        ax.fill_between(middle, low, high, facecolor=colour, **edge)
+        return Line2D([], [], color=colour, linewidth=3.0, alpha=opacity)
+    if turns > BUSY:
         line = {"linewidth": 0.7, **line}
-    (curve,) = ax.plot(x * scales[0].factor, y * scales[1].factor, marker=lone, **line)
+    x, y = thinned(x, y)
+    (curve,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **line)
     return curve
+
+
+def swings_about(time: Array, values: Array, at: float, count: int = 6) -> tuple[float, float]:
+    """Earliest and latest time of so many swings of a series around a time."""
+    order = 1 if time[-1] >= time[0] else -1
+    time, steps = time[::order], np.diff(values[::order])
+    moving = np.flatnonzero(np.abs(steps) > STEADY * np.nanmax(np.abs(values)))
+    turned = np.flatnonzero(np.diff(np.sign(steps[moving])))
+    turns = time[moving[turned + 1]]
+    place = int(np.searchsorted(turns, at))
+    first = min(max(0, place - count), max(0, len(turns) - 1 - 2 * count))
+    last = min(first + 2 * count, len(turns) - 1)
+    room = ROOM * (turns[last] - turns[first])
+    return max(float(time[0]), turns[first] - room), min(float(time[-1]), turns[last] + room)
 
 
 def show_steady(ax: Axes, values: Array) -> None:
@@ -139,6 +200,12 @@ def mark_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale], colour: st
         clip_on=False,
         zorder=4,
     )
+
+
+def mark_place(ax: Axes, place: float) -> None:
+    """Marks at both ends of the frame: where a few swings are in the whole."""
+    ax.axvline(place, ymin=0.97, color=BLACK, linewidth=2.0, clip_on=False)
+    ax.axvline(place, ymax=0.03, color=BLACK, linewidth=2.0, clip_on=False)
 
 
 def annotate_peak(ax: Axes, peak: CurvePeak, scales: tuple[Scale, Scale]) -> None:

@@ -11,7 +11,8 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import ArrayLike, NDArray
 
-from linkages.plots.prefixes import Scale, scale_of
+from linkages.kernel.outputs import VARIABLES
+from linkages.plots.prefixes import axis_scale
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,8 +21,6 @@ Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-12
 """SI units; smaller values are zero, and get no prefix of their own."""
-
-DEGREES = 180.0 / np.pi
 
 
 class Output(NamedTuple):
@@ -48,17 +47,31 @@ class Free(NamedTuple):
         return _KINDS[self.dimension][1]
 
 
+def _named(variable: str) -> Output:
+    return Output(variable, VARIABLES[variable].long_name)
+
+
 _KINDS = {
-    "clearance": (Output("clearance_angle", "angle α"), Output("clearance_speed", "speed dα/dt")),
-    "offset": (Output("offset_position", "offset e"), Output("offset_rate", "rate de/dt")),
-    "tilt": (Output("tilt_angle", "tilt φ"), Output("tilt_speed", "rate dφ/dt")),
-    "bar": (Output("bar_angle", "angle θ"), Output("bar_speed", "speed dθ/dt")),
-    "slider": (
-        Output("slider_position", "displacement s"),
-        Output("slider_velocity", "velocity ds/dt"),
-    ),
+    **{
+        dimension: (_named(value), _named(VARIABLES[value].rate))
+        for dimension, value in {
+            "clearance": "clearance_angle",
+            "offset": "offset_position",
+            "tilt": "tilt_angle",
+            "bar": "bar_angle",
+            "slider": "slider_position",
+        }.items()
+    },
     "touch": (Output("touch_phase", "phase of touches"), Output("touch_rate", "rate of touches")),
 }
+
+
+KINDS = [
+    (value.variable, rate.variable)
+    for value, rate in _KINDS.values()
+    if value.variable in VARIABLES
+]
+"""Free coordinates and their rates, among the outputs."""
 
 
 def free_coordinates(data: xr.Dataset) -> list[Free]:
@@ -82,9 +95,8 @@ def show_output(ax: Axes, along: str, data: xr.Dataset, output: Output, values: 
     """Label and ticks of an axis; returns what SI values are multiplied by on it."""
     units = str(data[output.variable].attrs.get("units", ""))
     clear = np.where(np.abs(values) < ROUND_OFF, 0.0, values)
-    scale = scale_of(clear, units)
+    scale = axis_scale(clear, units)
     if units == "rad":
-        scale = Scale(DEGREES, "°")
         show_degrees(ax, scale.factor * values, along)
     (ax.set_xlabel if along == "x" else ax.set_ylabel)(scale.label(output.label))
     return scale.factor

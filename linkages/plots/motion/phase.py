@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
-from linkages.plots.motion.curves import BUSY, show_steady
+from linkages.plots.motion.curves import BUSY, DENSE, show_steady, swings_about
 from linkages.plots.motion.free_axes import (
+    KINDS,
     Free,
     free_coordinates,
     show_degrees,
@@ -20,7 +21,7 @@ from linkages.plots.motion.free_axes import (
     values_of,
 )
 from linkages.plots.motion.phase_curve import refined, spread, wrapped
-from linkages.plots.prefixes import scale_of
+from linkages.plots.prefixes import axis_scale
 from linkages.plots.style import PALETTE, diagrams, fitted, line_style, panels, styled, title
 from linkages.solution.resolved import turning_points
 from linkages.solution.values.series import TIME, Series, data_series, find_series
@@ -30,7 +31,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MANY_POINTS = 50_000
+MANY_POINTS = 500_000
+FAINT = 0.3
+"""Opacity of curves that cover themselves, so that what is dense looks dense."""
+
+
+OUTPUTS = tuple(
+    name for kind in KINDS for name in (*kind, VARIABLES[kind[1]].rate) if name in VARIABLES
+)
+"""What phase diagrams of free coordinates are made of."""
 
 
 @styled
@@ -39,10 +48,24 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     found = coordinates(data, mechanism)
     if not found or data.sizes["time"] == 0:
         return None
-    result, axes = diagrams(len(found))
-    for ax, coordinate in zip(axes, found, strict=True):
-        draw(ax, data, coordinate, mechanism.name if len(found) == 1 else "")
+    shown = [(coordinate, part) for coordinate in found for part in _parts(data, coordinate)]
+    result, axes = diagrams(len(shown))
+    for ax, (coordinate, part) in zip(axes, shown, strict=True):
+        whole = part.sizes["time"] == data.sizes["time"]
+        draw(ax, part, coordinate, mechanism.name if len(found) == 1 else "", start=whole)
+        if not whole:
+            ax.set_title(f"{coordinate.name}, a few swings")
     return result
+
+
+def _parts(data: xr.Dataset, coordinate: Free) -> list[xr.Dataset]:
+    """The whole motion, and a few swings of it where its curve covers itself."""
+    rates = values_of(data, coordinate, coordinate.rate)
+    if turning_points(rates) <= DENSE:
+        return [data]
+    time = np.asarray(data["time"], dtype=float)
+    low, high = swings_about(time, rates, float(time[len(time) // 2]), 2)
+    return [data, data.isel(time=(time >= low) & (time <= high))]
 
 
 def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
@@ -60,7 +83,9 @@ def coordinates(data: xr.Dataset, mechanism: Mechanism) -> list[Free]:
     ]
 
 
-def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axes:
+def draw(
+    ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "", *, start: bool = True
+) -> Axes:
     """Draw a coordinate against its rate; angles in degrees, within half a turn either way.
 
     Parameters
@@ -73,6 +98,8 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
         What to draw.
     heading
         Stands before the name in the title.
+    start
+        Whether to mark where the curve begins.
     """
     x, y = (values_of(data, coordinate, output) for output in (coordinate.value, coordinate.rate))
     angle = VARIABLES[coordinate.value.variable].angle
@@ -84,26 +111,32 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, heading: str = "") -> Axe
     if angle:
         degrees, y = wrapped(x, y)
         x = np.radians(degrees)
-    words = f"{coordinate.dimension} "
     along, up = (
-        show_output(ax, way, data, output._replace(label=words + output.label), values)
+        show_output(ax, way, data, output, values)
         for way, output, values in (("x", coordinate.value, x), ("y", coordinate.rate, y))
     )
-    draw_curve(ax, degrees if angle else along * x, up * y)
+    draw_curve(ax, degrees if angle else along * x, up * y, start=start)
     ax.set_title(fitted(title(heading, coordinate.name), ax.bbox.width / ax.figure.dpi - 0.7))
     return ax
 
 
-def draw_curve(ax: Axes, x: Array, y: Array) -> None:
+def draw_curve(ax: Axes, x: Array, y: Array, *, start: bool = True) -> None:
     """A line, or dots for a run so long that lines would cover each other; and its start."""
     if len(x) > MANY_POINTS:
-        ax.plot(*spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0)
+        ax.plot(
+            *spread(x, y), "o", color=PALETTE[0], markersize=0.7, markeredgewidth=0, alpha=FAINT
+        )
     else:
-        width = 1.0 if turning_points(y) < BUSY else 0.5
-        ax.plot(x, y, color=PALETTE[0], linewidth=width, marker="." if len(x) == 1 else "")
-    look = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
-    ax.plot(x[:1], y[:1], **look, markerfacecolor="white", label="start", zorder=4)
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
+        turns = turning_points(y)
+        look: dict[str, Any] = {
+            "linewidth": 1.0 if turns < BUSY else 0.5,
+            "alpha": 1.0 if turns < DENSE else FAINT,
+        }
+        ax.plot(x, y, color=PALETTE[0], marker="." if len(x) == 1 else "", **look)
+    if start:
+        ring = line_style(1) | {"linestyle": "", "marker": "o", "markersize": 5}
+        ax.plot(x[:1], y[:1], **ring, markerfacecolor="white", label="start", zorder=4)
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, handlelength=1.0)
     show_steady(ax, y)
 
 
@@ -152,6 +185,9 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = Tru
         if wrap and y.angle:
             up, across = wrapped(np.radians(up), across)
         draw_curve(ax, across, up)
+    units = {data[s.variable].attrs.get("units") for s in (x, y) if s.variable != TIME}
+    if units == {"m"} and TIME not in (x.variable, y.variable):
+        ax.set_aspect("equal", adjustable="datalim")
     if x.angle:
         show_degrees(ax, across)
     if y.angle:
@@ -163,11 +199,8 @@ def draw_pair(ax: Axes, data: xr.Dataset, x: Series, y: Series, wrap: bool = Tru
 
 def _shown(data: xr.Dataset, series: Series) -> tuple[Array, str]:
     """Values as they are drawn, and the label of their axis."""
-    array = series.of(data)
-    values = np.asarray(array, dtype=float)
-    words = str(array.attrs.get("long_name", series.variable))
-    label = " of ".join([words, *[".".join(series.place.values())][: bool(series.place)]])
-    if series.angle:
-        return np.degrees(values), f"{label} [°]"
-    scale = scale_of(values, str(array.attrs.get("units", "")))
-    return values * scale.factor, scale.label(label)
+    values = np.asarray(series.of(data), dtype=float)
+    attrs = data[series.variable].attrs
+    known = VARIABLES[series.variable].long_name if series.variable in VARIABLES else TIME
+    scale = axis_scale(values, str(attrs.get("units", "s" if series.variable == TIME else "")))
+    return values * scale.factor, scale.label(series.words(str(attrs.get("long_name", known))))

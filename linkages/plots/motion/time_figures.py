@@ -1,53 +1,68 @@
-"""Quantities over time: slider motion and its errors, driving torques, clearance forces.
+"""Outputs over time: a line for each element, and what a dense one does within a few swings.
 
-They are figures 3–9 of the paper.
+Those of sliders, drives and clearances are figures 3–9 of the paper.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import VARIABLES
 from linkages.plots.motion.curves import (
+    DENSE,
+    STEADY,
     CurvePeak,
     annotate_peak,
+    beyond,
     draw_curve,
     mark_peak,
+    mark_place,
     peak_of,
     peak_text,
     show_steady,
+    swings_about,
 )
-from linkages.plots.prefixes import Scale, scale_of
-from linkages.plots.style import TOP, fitted, legend_above, line_style, panels, styled, title
-from linkages.solution.resolved import per_swing
+from linkages.plots.motion.horizon_band import shade_beyond_horizon
+from linkages.plots.motion.time_page import Group, Panel, page
+from linkages.plots.prefixes import Scale, axis_scale, scale_of
+from linkages.plots.style import fitted, legend_above, line_style, styled, title
+from linkages.solution.resolved import turning_points
 from linkages.solution.values.peaks import even
 
 if TYPE_CHECKING:
     import xarray as xr
 
-HEIGHT = 2.7
-FEWEST = 12.0  # samples per swing: with fewer the tops of a curve look ragged
-ROW, HEAD = 0.155, 0.04  # of a legend, in inches
+Array = NDArray[np.float64]
+
+MOST_LINES = 8
+"""In one panel: more can not be told apart."""
+
+POLE = 12.0
+"""Medians beyond which a value that may be infinite is not drawn."""
+
+FORCE = "drive_force"
+"""Efforts of drives that push: torques and forces have no common axis."""
 
 
 def efforts(data: xr.Dataset, mechanism: Mechanism, variable: str) -> xr.Dataset:
-    """Data with the efforts of one kind of drives: torques and forces have no common axis."""
+    """Data with the efforts of one kind of drives."""
     if "drive_effort" not in data:
         return data
-    bodies, sliding = mechanism.bodies, variable == "drive_force"
+    bodies, sliding = mechanism.bodies, variable == FORCE
     names = [n for n in data["drive"].values if (n in bodies and not bodies[n].rotates) == sliding]
     chosen = data.sel(drive=names)
-    if sliding:
-        force = chosen["drive_effort"].assign_attrs(units="N")
-        chosen = chosen.drop_vars("drive_effort").assign(drive_force=force)
-    return chosen
+    words = {"units": "N", "long_name": "driving force"} if sliding else {"units": "N m"}
+    effort = chosen["drive_effort"].assign_attrs(words)
+    return chosen.drop_vars("drive_effort").assign({variable: effort})
 
 
 def varying(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
@@ -56,40 +71,37 @@ def varying(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
         return data
     values = data[variable]
     spread = values.max("time") - values.min("time") if values.sizes["time"] else values.sum("time")
-    return data.isel({QUANTITIES[variable].dimension: np.flatnonzero(spread)})
+    return data.isel({str(values.dims[1]): np.flatnonzero(spread)})
 
 
-class PlottedVariable(NamedTuple):
-    """A variable over time.
-
-    Attributes
-    ----------
-    dimension
-        That its lines run along.
-    label
-        Its name on the axis.
-    shown
-        Data, mechanism and variable → the data that its figure shows.
-    """
-
-    dimension: str
-    label: str
-    shown: Callable[[xr.Dataset, Mechanism, str], xr.Dataset] = lambda data, *_: data
+def telling(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
+    """Data without bars that turn steadily, as cranks do, where there are others."""
+    if variable not in data or data.sizes["time"] < 3:
+        return data
+    array = data[variable].transpose("time", ...)
+    values = np.asarray(array, dtype=float)
+    changes = np.diff(values, axis=0) if VARIABLES[variable].angle else values
+    kept = np.flatnonzero(np.ptp(changes, axis=0) > STEADY * np.abs(changes).max(axis=0))
+    return data.isel({str(array.dims[1]): kept}) if kept.size else data
 
 
-QUANTITIES = {
-    "slider_position": PlottedVariable("slider", "displacement"),
-    "slider_velocity": PlottedVariable("slider", "velocity"),
-    "slider_acceleration": PlottedVariable("slider", "acceleration"),
-    "slider_position_error": PlottedVariable("slider", "displacement error"),
-    "slider_velocity_error": PlottedVariable("slider", "velocity error"),
-    "slider_acceleration_error": PlottedVariable("slider", "acceleration error"),
-    "clearance_force": PlottedVariable("clearance", "clearance force"),
-    "drive_effort": PlottedVariable("drive", "driving torque", efforts),
-    "drive_force": PlottedVariable("drive", "driving force", efforts),
-    "load_force": PlottedVariable("force", "load", varying),
-    "load_torque": PlottedVariable("torque", "load torque", varying),
+SHOWN: Mapping[str, Callable[[xr.Dataset, Mechanism, str], xr.Dataset]] = {
+    "drive_effort": efforts,
+    FORCE: efforts,
+    "load_force": varying,
+    "load_torque": varying,
+    "bar_angle": telling,
+    "bar_speed": telling,
 }
+"""Variable → the data that its figure shows, of those whose figure does not show all."""
+
+
+def drawable(variable: str) -> bool:
+    """Whether a variable has a figure over time: numbers, or vectors with a magnitude."""
+    if variable == FORCE:
+        return True
+    found = VARIABLES[variable]
+    return not found.flags and (found.magnitude or "axis" not in found.dims)
 
 
 def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | None]:
@@ -101,34 +113,107 @@ def time_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | Non
 
     @styled
     def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
-        shown = QUANTITIES[variable].shown(data, mechanism, variable)
-        if variable not in shown or shown[variable].size == 0:
+        chosen = SHOWN[variable](data, mechanism, variable) if variable in SHOWN else data
+        if variable not in chosen or chosen[variable].size == 0:
             return None
-        ax = draw(page(shown, variable), shown, variable, mechanism.name)
-        return ax.get_figure(root=True)
+        return draw_page(chosen, variable, mechanism.name).get_figure(root=True)
 
     return figure_of
 
 
-def page(data: xr.Dataset, variable: str) -> Axes:
-    """Axes of a new figure, with room for the legend of a variable."""
-    names = _names(data, variable)
-    rows = -(-len(names) // _columns(names))
-    legend = HEAD + rows * ROW if len(names) > 1 else 0.0
-    return panels(1, 1, HEIGHT, TOP + legend)[1][0]
+class Lines:
+    """The series of a variable, as they are drawn.
+
+    Parameters
+    ----------
+    data
+        SI units, named in ``attrs["units"]``; equally spaced samples. A variable may say where its
+        series are farthest from zero: ``attrs["farthest"]``, name → value and time.
+    variable
+        What is drawn; of vectors the magnitudes.
+    """
+
+    def __init__(self, data: xr.Dataset, variable: str) -> None:
+        array = data[variable].transpose("time", ...)
+        values = np.asarray(array, dtype=float)
+        dims = [str(dim) for dim in array.dims[1:]]
+        if "axis" in dims:
+            values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
+        self.data, self.time = data, np.asarray(data["time"], dtype=float)
+        self.names = [
+            ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))
+        ]
+        self.values: Array = values.reshape(len(self.time), len(self.names))
+        if variable in VARIABLES and VARIABLES[variable].reciprocal:
+            self.values = without_poles(self.values)
+        units = str(array.attrs.get("units", ""))
+        self.scales = scale_of(self.time, "s"), axis_scale(self.values, units)
+        known = VARIABLES[variable].long_name if variable in VARIABLES else variable
+        self.label = str(array.attrs.get("long_name", known))
+        self.peaks = self._peaks(variable, array.attrs.get("farthest", {}))
+
+    def _peaks(
+        self, variable: str, known: Mapping[str, tuple[float, float]]
+    ) -> list[CurvePeak | None]:
+        horizon = self.data.attrs.get("horizon")
+        found = VARIABLES.get(variable)
+        smooth = (found is None or found.smooth) and even(self.time)
+        if found is not None and found.reciprocal:
+            return [None] * len(self.names)
+        peaks: list[CurvePeak | None] = []
+        for name, column in zip(self.names, self.values.T, strict=True):
+            if name in known:
+                value, time = known[name]
+                peaks.append(CurvePeak(time, value, beyond(time, horizon)))
+            else:
+                peaks.append(peak_of(self.time, column, horizon, smooth=smooth))
+        return peaks
+
+    @property
+    def columns(self) -> int:
+        """Columns of the legend: two, if the names leave room for their peaks."""
+        return 2 if max(map(len, self.names)) <= 16 else 1
+
+    @property
+    def groups(self) -> list[Group]:
+        """Lines that share a panel: a dense one has its own."""
+        dense = [k for k, row in enumerate(self.values.T) if turning_points(row) > DENSE]
+        others = [k for k in range(len(self.names)) if k not in dense]
+        smooth = [others[k : k + MOST_LINES] for k in range(0, len(others), MOST_LINES)]
+        return [
+            *(Group(tuple(lines), dense=False) for lines in smooth),
+            *(Group((k,), dense=True) for k in dense),
+        ]
+
+
+def without_poles(values: Array) -> Array:
+    """Values without those near poles, which would hide all others, shape (samples, series)."""
+    sizes = np.abs(np.where(np.isfinite(values), values, np.nan))
+    most = POLE * np.nanmedian(sizes) if np.isfinite(sizes).any() else np.inf
+    return np.where(sizes <= most, values, np.nan)
+
+
+def draw_page(data: xr.Dataset, variable: str, heading: str = "") -> Axes:
+    """A new figure of a variable over time; the axes of its first panel."""
+    lines = Lines(data, variable)
+    groups = lines.groups
+    panels = page(groups, lines.columns)
+    for group, panel in zip(groups, panels, strict=True):
+        _draw(panel.whole, lines, group.lines, heading)
+        if panel.swings is not None:
+            _draw_swings(panel, panel.swings, lines, group.lines[0])
+    return panels[0].whole
 
 
 def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
-    """Draw a variable over time, a line for each slider, clearance or drive.
+    """Draw a variable over time, a line for each element.
 
     Parameters
     ----------
     ax
         Where to draw.
-    data
-        SI units, named in ``attrs["units"]``; equally spaced samples.
-    variable
-        One of `QUANTITIES`.
+    data, variable
+        As `Lines` takes them.
     heading
         Stands before the name of a single line in the title, or over the legend.
 
@@ -138,86 +223,64 @@ def draw(ax: Axes, data: xr.Dataset, variable: str, heading: str = "") -> Axes:
         `ax`. The peak of a single line is written at its place, those of several in the legend,
         which stands above the axes and hides nothing.
     """
-    quantity = QUANTITIES[variable]
-    time = np.asarray(data["time"], dtype=float)
-    array = data[variable].transpose("time", quantity.dimension)
-    values = np.asarray(array, dtype=float)
-    names = _names(data, variable)
-    scales = scale_of(time, "s"), scale_of(values, str(array.attrs.get("units", "")))
-    steady = (
-        variable not in VARIABLES or VARIABLES[variable].smooth
-    )  # as those of one kind of drive
-    horizon, smooth = data.attrs.get("horizon"), steady and even(time)
-    peaks = [peak_of(time, column, horizon, smooth=smooth) for column in values.T]
-    lines = []
-    for index, (column, peak) in enumerate(zip(values.T, peaks, strict=True)):
-        look = line_style(index)
-        lines.append(draw_curve(ax, time, column, scales, **look))
+    lines = Lines(data, variable)
+    return _draw(ax, lines, range(len(lines.names)), heading)
+
+
+def _draw(ax: Axes, lines: Lines, chosen: Iterable[int], heading: str) -> Axes:
+    """Draw some of the lines."""
+    scales, drawn = lines.scales, {}
+    for k in chosen:
+        look, peak = line_style(k), lines.peaks[k]
+        drawn[k] = draw_curve(ax, lines.time, lines.values[:, k], scales, **look)
         if peak:
             mark_peak(ax, peak, scales, look["color"])
-    _finish(ax, time, scales, quantity.label)
-    if per_swing(data, [variable]) < FEWEST:
-        ax.set_xlabel(f"{scales[0].label('time')}; samples do not show every swing")
-    _shade_beyond_horizon(ax, data, time, scales[0])
-    show_steady(ax, values * scales[1].factor)
-    if len(names) > 1:
-        entries = [_entry(name, peak, scales) for name, peak in zip(names, peaks, strict=True)]
-        _legend(ax, lines, entries, heading, _columns(names))
-    else:
-        ax.set_title(fitted(title(heading, *names), ax.bbox.width / ax.figure.dpi))
-        if peaks[0]:
-            annotate_peak(ax, peaks[0], scales)
+    _finish(ax, lines)
+    shade_beyond_horizon(ax, lines.data, lines.time, scales[0])
+    show_steady(ax, lines.values[:, [*drawn]] * scales[1].factor)
+    if len(drawn) > 1:
+        entries = [_entry(lines.names[k], lines.peaks[k], scales) for k in drawn]
+        ax.legend([*drawn.values()], entries, **legend_above(heading), ncols=lines.columns)
+        return ax
+    (only,) = drawn
+    ax.set_title(fitted(title(heading, lines.names[only]), ax.bbox.width / ax.figure.dpi))
+    if peak := lines.peaks[only]:
+        annotate_peak(ax, peak, scales)
     return ax
 
 
-def _finish(ax: Axes, time: np.ndarray, scales: tuple[Scale, Scale], label: str) -> None:
+def _draw_swings(panel: Panel, ax: Axes, lines: Lines, k: int) -> None:
+    """A few swings around the peak of a line, and where they are in the whole of it."""
+    scale, shown = lines.scales
+    values, peak = lines.values[:, k], lines.peaks[k]
+    at = lines.time[len(values) // 2] if peak is None else peak.time
+    low, high = swings_about(lines.time, values, at)
+    inside = (lines.time >= low) & (lines.time <= high)
+    colour = line_style(k)["color"]
+    ax.plot(lines.time[inside] * scale.factor, values[inside] * shown.factor, color=colour)
+    if peak and low <= peak.time <= high:
+        mark_peak(ax, peak, lines.scales, colour)
+    ax.set_xlim(low * scale.factor, high * scale.factor)
+    ax.margins(y=0.14)
+    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
+    ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
+    ax.set_xlabel(scale.label("time"))
+    ax.set_title("a few swings")
+    mark_place(panel.whole, 0.5 * (low + high) * scale.factor)
+
+
+def _finish(ax: Axes, lines: Lines) -> None:
     """Limits and labels; room above and below the curve for the text at its peak."""
+    time, scales = lines.time, lines.scales
     ax.margins(x=0, y=0.14)
     if np.ptp(time) > 0:
         ax.set_xlim(time.min() * scales[0].factor, time.max() * scales[0].factor)
     ax.set_xlabel(scales[0].label("time"))
-    ax.set_ylabel(scales[1].label(label))
-
-
-def _shade_beyond_horizon(ax: Axes, data: xr.Dataset, time: np.ndarray, scale: Scale) -> None:
-    """Shade the times at which the solution has fewer than three correct digits."""
-    horizon = data.attrs.get("horizon")
-    if horizon is None or not time.size:
-        return
-    begin, end = horizon * scale.factor, time[-1] * scale.factor
-    ax.axvspan(begin, end, color="0.88", zorder=0, linewidth=0)
-    ax.annotate(
-        "not predictable",
-        (begin, 0.015),
-        xycoords=("data", "axes fraction"),
-        xytext=(3, 0),
-        textcoords="offset points",
-        fontsize=8,
-        color="0.35",
-        ha="left" if abs(end - begin) > 0.25 * abs(time[-1] - time[0]) * scale.factor else "right",
-    )
+    ax.set_ylabel(scales[1].label(lines.label))
 
 
 def _entry(name: str, peak: CurvePeak | None, scales: tuple[Scale, Scale]) -> str:
     """Text of the legend for one line."""
     short = fitted(name, 2.6, 8.0)
     return f"{short}: {peak_text(peak, scales)}" if peak else short
-
-
-def _legend(ax: Axes, lines: list[Line2D], entries: list[str], heading: str, columns: int) -> None:
-    """Above the axes, where `time_figure` leaves room for it."""
-    ax.legend(
-        lines,
-        entries,
-        **legend_above(heading),
-        ncols=columns,
-    )
-
-
-def _names(data: xr.Dataset, variable: str) -> list[str]:
-    return [str(name) for name in data[QUANTITIES[variable].dimension].values]
-
-
-def _columns(names: list[str]) -> int:
-    """Columns of the legend: two, if the names leave room for their peaks."""
-    return 2 if max(map(len, names)) <= 16 else 1

@@ -19,7 +19,7 @@ from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.moving.plan import Plan
 from linkages.solution.remarks.stops import block_failure
-from linkages.solution.solution import labelled
+from linkages.solution.values.labelled import labelled
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION, requested
 from linkages.solvers.flow import Companion, Flow

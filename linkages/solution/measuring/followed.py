@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.measuring.compiled import compiled_accelerated, compiled_values
+from linkages.solution.measuring.compiled import Numbers, compiled_accelerated, compiled_values
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece, Settings, Tangents, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-_PER_STEP = 4
+PER_STEP = 4
 """Samples per step with which quintic polynomials are as good as the steps."""
 
 MOST_STEPS = 1_000_000
@@ -87,7 +87,7 @@ class Followed:
         found = np.empty((len(series), len(places)))
         left = np.ones(found.shape, dtype=bool)
         chosen = [self._series[series[k]] for k in followed]
-        for inside, piece in self._within(places) if followed else []:
+        for inside, piece in self.within(places) if followed else []:
             values = self._evaluated(Motion(pieces=(piece,)), chosen)
             for k, each in zip(followed, chosen, strict=True):
                 found[k, inside] = each.picked(values, self._model)
@@ -109,7 +109,7 @@ class Followed:
     def _interpolated(self, name: str, places: Floats) -> Floats:
         """From values at samples alone."""
         (values,) = self.sampled(name)
-        return through(values, places, _smooth(self._series[name]))
+        return through(values, places, smooth(self._series[name]))
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""
@@ -119,7 +119,7 @@ class Followed:
             return values
         order = 1 if given[-1] >= given[0] else -1
         places = np.interp(self.time, given[::order], np.arange(len(given))[::order].astype(float))
-        return through(values, places, _smooth(series))
+        return through(values, places, smooth(series))
 
     @cached_property
     def _starts(self) -> list[tuple[int, Piece]]:
@@ -131,7 +131,7 @@ class Followed:
             begin += len(piece.wanted)
         return found
 
-    def _within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
+    def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
         """Places that lie in a piece, and the motion there."""
         found = []
         for begin, piece in self._starts:
@@ -148,17 +148,24 @@ class Followed:
         return found
 
 
+def enough(motion: Motion, samples: int) -> bool:
+    """Whether quintic polynomials through so many samples are as good as the steps of a motion.
+
+    An adaptive method takes several steps per swing, so that nothing happens between such samples.
+    """
+    return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
+
+
 def factor_of(motion: Motion, samples: int) -> int:
     """How many times as close samples must be for quintic polynomials to be as good as the steps.
 
-    An adaptive method takes several steps per swing, so that nothing happens between such samples.
     Powers of two, so that motions which are alike are sampled alike.
     """
-    steps, count = motion.cost.get("steps", 0), samples - 1
-    if count < 1 or motion.interrupted or steps > MOST_STEPS:
+    count = samples - 1
+    if count < 1 or motion.interrupted or motion.cost.get("steps", 0) > MOST_STEPS:
         return 1
     factor = 1
-    while factor * count < _PER_STEP * steps and 2 * factor * count <= MOST_SAMPLES:
+    while not enough(motion, factor * count + 1) and 2 * factor * count <= MOST_SAMPLES:
         factor *= 2
     return factor
 
@@ -180,13 +187,14 @@ def resolved_motion(system: System, motion: Motion, settings: Settings) -> Motio
     )
 
 
-def _smooth(series: Series) -> bool:
+def smooth(series: Series) -> bool:
+    """Whether polynomials go through its samples."""
     return series.variable in VARIABLES and VARIABLES[series.variable].smooth
 
 
-def through(values: Floats, places: Floats, smooth: bool) -> Floats:
+def through(values: Floats, places: Floats, smoothly: bool) -> Floats:
     """Values at places, by polynomials through five samples or linearly."""
-    if not smooth or len(values) < len(_FIVE):
+    if not smoothly or len(values) < len(_FIVE):
         return np.interp(places, np.arange(len(values)), values)
     first = np.clip(np.rint(places).astype(int) - 2, 0, len(values) - len(_FIVE))
     found = np.zeros(len(places))
@@ -214,7 +222,7 @@ def unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
     return found
 
 
-def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
+def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
     """A piece of a motion at times between its samples.
 
     Parameters
@@ -223,6 +231,8 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         Sampled.
     interval, part
         Sample before each time, and where in the interval the time lies, from 0 to 1, (times,).
+    numbers
+        Whose motion each time is of, where the piece is of several.
     """
     begun = piece.part(interval)
     step = piece.time[interval + 1] - piece.time[interval]
@@ -253,7 +263,7 @@ def between(piece: Piece, interval: Whole, part: Floats) -> Piece:
         losses=None,
         tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
     )
-    return compiled_accelerated(moved)
+    return compiled_accelerated(moved, numbers)
 
 
 def _tangents(piece: Piece, interval: Whole, part: Floats, step: Floats) -> Tangents:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
@@ -10,11 +11,13 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.followed import Followed, resolved_motion
 from linkages.solution.measuring.reduced import Source, reduced
-from linkages.solution.solution import Solution
 from linkages.solution.values.requests import requested
 from linkages.solution.values.series import TIME, Series, find_series, system_series
 from linkages.spec.grammar import NumberError
 from linkages.spec.measures import Measure, read_measure
+
+if TYPE_CHECKING:
+    from linkages.solution.solution import Solution
 
 
 def measure(solution: Solution, text: str) -> float:

@@ -113,11 +113,10 @@ class March:
         tangent_atol: float = TANGENT_ATOL,
         counting: bool = False,
     ) -> None:
-        directions = system.layout.directions
-        if system.effects is None and tangents > directions:
+        if tangents and system.effects is None and tangents > system.layout.directions:
             raise ValueError(
                 f"{system.mechanism.name}: free coordinates, their rates and internal states are "
-                f"{directions}; expected at most as many tangents, found {tangents}"
+                f"{system.layout.directions}; expected at most as many tangents, found {tangents}"
             )
         self.run, self._passing = run, passes(system, run)
         self._tangent_atol = tangent_atol
@@ -294,7 +293,7 @@ class March:
         Blocks that stopped the motion at this time are some of these, even if their margins do not
         fall now: where it is about to turn back, margins of several fall at once.
         """
-        blocks = len(self.system.topology.solved_blocks)
+        blocks = len(self.system.margin_scale)
         if not (self._looking or movable(self.system)):
             return np.full(blocks, LEAST_MARGIN)
         flipped = {block: np.array([True]) for block in self.flipped}
@@ -418,7 +417,7 @@ class March:
             self._vector,
             self._times[self._taken :],
             start=self.time,
-            **self.run.after(used).integration | {"atol": self._tolerances()},
+            **self.run.integration | {"atol": self._tolerances(), "max_steps": self.run.left(used)},
             angles=self._angles,
             events=[w.event(self._plan, self.system, self.flipped) for w in self._watched],
             tangents=None if tangents is None else tangents.plan(self.layout),
@@ -436,11 +435,9 @@ class March:
     def _keep(self, trajectory: Trajectory) -> None:
         """Keep the samples of an integration, and what was crossed."""
         rows = trajectory.turns, trajectory.angles, trajectory.held
-        samples = self._piece(trajectory.time, trajectory.state, *rows)
         rates = trajectory.acceleration.T
         tangents = self._tangents(trajectory.state.T, rates, trajectory.held.T)
-        acceleration = rates[: len(self._turns)]
-        self._pieces.append(replace(samples, acceleration=acceleration, tangents=tangents))
+        self._pieces.append(self._piece(trajectory.time, trajectory.state, *rows, rates, tangents))
         self._taken += len(trajectory.time)
         if self._renormalised is not None:
             self._renormalised.add(trajectory, self.layout)
@@ -455,21 +452,29 @@ class March:
             self._changes[name] = before.followed_by(piece, rises, found.count)
 
     def _piece(
-        self, time: Floats, state: Floats, turns: NDArray, angles: Floats, held: Floats
+        self,
+        time: Floats,
+        state: Floats,
+        turns: NDArray,
+        angles: Floats,
+        held: Floats,
+        rates: Floats | None = None,
+        tangents: Tangents | None = None,
     ) -> Piece:
-        """States of an integration from the present one on, without accelerations."""
+        """States of an integration from the present one on; accelerations are zero if not given."""
         count = len(self._turns)
         return Piece(
             system=self.system,
             time=time,
             state=self.layout.motion(state.T),
             turns=turns.T[:count] + self._turns[:, None],
-            acceleration=np.zeros((count, len(time))),
+            acceleration=np.zeros((count, len(time))) if rates is None else rates[:count],
             work=self.layout.work_done(state.T),
             losses=self.layout.lost(state.T) if self.layout.losses else None,
             counted=self._counted(angles.T),
             flipped={b: np.ones(len(time), dtype=bool) for b in self.flipped},
             held=held.T[: self.layout.remembered],
+            tangents=tangents,
         )
 
     def _tangents(self, states: Floats, rates: Floats, held: Floats) -> Tangents | None:

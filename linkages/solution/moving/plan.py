@@ -288,7 +288,7 @@ class Plan:
             parameters=kernel.parameters,
             timed_size=kernel.timed,
             coordinates=layout.size,
-            rotates=np.array(self.rotates),
+            rotates=self._rotates,
             margin_scale=system.margin_scale,
             least_margin=least_margin,
             first_carried=layout.moved,
@@ -300,6 +300,10 @@ class Plan:
             wide=wide,
             routines=routines,
         )
+
+    @cached_property
+    def _rotates(self) -> NDArray[np.bool_]:
+        return np.array(self.rotates)
 
     def _switching(self, system: System, parameters: Floats) -> Switching | None:
         """The switches, with what they do to a state bound to numbers."""

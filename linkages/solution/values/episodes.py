@@ -6,6 +6,7 @@ A contact that lasts no longer than twice the impact of a free body at the same 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -122,11 +123,32 @@ def slowest_touch(motion: Motion) -> Touch | None:
 
 def touch_counts(motion: Motion) -> dict[str, int]:
     """How often journals touch bearings, blocks guides, bodies stops; by their names."""
+    return {name: _count(motion, nodes, rigid) for name, nodes, rigid in _touched(motion)}
+
+
+def touches_so_far(motion: Motion) -> Floats:
+    """How often that was up to each sample, shape (samples, contacts).
+
+    There is no number behind the last touch that was kept, of a motion with more of them.
+    """
+    found, forward = [], 1.0 if motion.time[-1] >= motion.time[0] else -1.0
+    for _, nodes, rigid in _touched(motion):
+        changed = motion.changes.get(nodes.touch, Changed.none())
+        times = changed.time[changed.rises] if changed.pieces else np.zeros(0)
+        count = np.searchsorted(forward * times, forward * motion.time, side="right").astype(float)
+        if len(times) < _count(motion, nodes, rigid):
+            count[count == len(times)] = np.nan
+        found.append(count)
+    return np.array(found).T
+
+
+def _touched(motion: Motion) -> Iterator[tuple[str, Nodes, bool]]:
+    """Names of all contacts, what they are made of, and whether they are rigid."""
     system = motion.pieces[0].system
-    contacts = zip(system.model.contacts, system.mechanism.contacts, strict=True)
-    found = {about.name: _count(motion, nodes, _is_rigid(about)) for nodes, about in contacts}
-    ends = zip(system.model.ends, system.mechanism.ends, strict=True)
-    return found | {about.name: _count(motion, nodes, _is_rigid(about)) for nodes, about in ends}
+    for contact, gap in zip(system.mechanism.contacts, system.model.contacts, strict=True):
+        yield contact.name, gap, _is_rigid(contact)
+    for end, way in zip(system.mechanism.ends, system.model.ends, strict=True):
+        yield end.name, way, _is_rigid(end)
 
 
 def _count(motion: Motion, nodes: Nodes, rigid: bool) -> int:

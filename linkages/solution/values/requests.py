@@ -11,6 +11,7 @@ from linkages.reading.wording import suggestion
 REACTION = "joint_reaction"
 STATE = "clearance_state"
 LOSS = "impact_loss"
+TOUCHES = "touches"
 DISSIPATION = ("clearance_normal_dissipation", "clearance_friction_dissipation")
 
 

@@ -23,6 +23,16 @@ if TYPE_CHECKING:
 
 TIME = "time"
 
+SYNONYMS = {
+    "displacement": "position",
+    "rotation": "angle",
+    "torque": "effort",
+    "velocities": "velocity",
+    "omega": "speed",
+    "alpha": "acceleration",
+}
+"""Words that people look for → those of names."""
+
 
 @dataclass(frozen=True)
 class Series:
@@ -36,11 +46,14 @@ class Series:
         Entry of the outputs, or ``time``.
     place
         Dimension → label, in the order of the dimensions.
+    size
+        Whether it is the magnitude of a vector; of those that figures show.
     """
 
     name: str
     variable: str
     place: Mapping[str, str]
+    size: bool = False
 
     @property
     def angle(self) -> bool:
@@ -50,7 +63,15 @@ class Series:
     def of(self, data: xr.Dataset) -> xr.DataArray:
         """The series in a solution's data."""
         array = data[self.variable]
-        return array.sel(dict(self.place)) if self.place else array
+        found = array.sel(dict(self.place)) if self.place else array
+        return (found**2).sum("axis") ** 0.5 if self.size else found
+
+    def words(self, long_name: str) -> str:
+        """What an axis calls it: the variable's name, and whose it is."""
+        elements = [label for dim, label in self.place.items() if dim != "axis"]
+        component = f", {self.place['axis']} component" if "axis" in self.place else ""
+        of = f" of {' by '.join(reversed(elements))}" if elements and self.variable != TIME else ""
+        return f"{long_name}{of}{component}"
 
     def node(self, model: Model) -> Scalar:
         """The series as a node of a model; for variables that are evaluated from nodes."""
@@ -82,6 +103,17 @@ def data_series(data: xr.Dataset) -> dict[str, Series]:
     return _series(dims, lambda dim: [str(label) for label in data[dim].values])
 
 
+def with_sizes(known: Mapping[str, Series]) -> dict[str, Series]:
+    """These and the magnitudes of vectors among them, such as ``B.velocity`` and ``M.reaction``."""
+    found = dict(known)
+    for series in known.values():
+        if "axis" in series.place and VARIABLES[series.variable].magnitude:
+            place = {dim: label for dim, label in series.place.items() if dim != "axis"}
+            name = _name(series.variable, place)
+            found.setdefault(name, Series(name, series.variable, place, size=True))
+    return found
+
+
 def find_series(known: Mapping[str, Series], name: str) -> Series:
     """The series of that name.
 
@@ -95,13 +127,16 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     element, dot, quantity = name.rpartition(".")
     own = [other.rpartition(".")[2] for other in known if other.rpartition(".")[0] == element]
     if dot and own:
-        near = suggestion(quantity, own)
+        words = " ".join(SYNONYMS.get(word, word) for word in quantity.replace("_", " ").split())
+        near = f"; did you mean {words!r}?" if words in own else suggestion(words, own)
         raise ValueError(f"{element} has no {quantity!r}{near or f'; expected {listed(own)}'}")
     elements = list(dict.fromkeys(other.rpartition(".")[0] for other in known if "." in other))
     if dot:
         near = suggestion(element, elements) or f"; expected one of: {listed(sorted(elements))}"
         raise ValueError(f"unknown element {element!r}{near}")
-    near = suggestion(name, known) or f"; expected a name such as {next(iter(known))}"
+    of = [series.name for series in known.values() if series.variable == name]
+    near = f"; expected one of its series: {listed(of)}" if of else suggestion(name, known)
+    near = near or f"; expected a name such as {next(iter(known))}"
     raise ValueError(f"unknown output {name!r}{near}")
 
 

@@ -218,7 +218,9 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
     t, next_carry, factor = pace[FROM], code.variable(pace[NEXT_CARRY]), code.variable(pace[FACTOR])
     h, t_end = code.variable(pace[LENGTH]), code.variable(pace[TO])
     accepted, changing = code.variable(pace[ACCEPTED] > 0.0), code.variable(False)
-    integers(record.counters)[EVALUATIONS] += table.end
+    counters = integers(record.counters)
+    counters[EVALUATIONS] += table.end
+    taken = code.variable(counters[SAMPLES])
     status = code.variable(status_of(system, integers(system.pace)[STATUS]))
     with code.when(accepted & (switching.look != 0)):
         part = call_hook(switching.look, switching.context, t, h, t_end)
@@ -240,8 +242,10 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
                 code.leave(cut_short(system, table, record, t, h, part, EVENT))
         status.set(take_samples(system, table, record, t, h, t_end, 0.0))
     with code.when(status != 0):
-        # A sample that cannot be evaluated belongs to a step that should not be made.
+        # A sample that cannot be evaluated belongs to a step that should not be made, and those
+        # before it belong to the next one.
         pace[TROUBLE] = status.real
+        counters[SAMPLES] = taken
         code.leave(reject(system, record, switching, t, h, t_end, SHRINK_BLOCKED))
     with code.when(~accepted):
         code.leave(reject(system, record, switching, t, h, t_end, factor))

@@ -34,19 +34,28 @@ from linkages.solvers.steps.views import (
     ACTIVE,
     ALONE,
     ANGLES,
+    AT,
     END,
+    EVALUATIONS,
     EVENT_VALUES,
+    FROM,
     FUNCTION,
     FUNCTIONS,
+    LENGTH,
     LEVELS,
     NOW,
+    OF_SAMPLING,
     PACE,
     REJECTED,
     REJECTIONS,
+    SAMPLE,
+    SAMPLES,
     STATUS,
     STEPS,
     STOP,
     TAKEN,
+    THETA,
+    TO,
     TURNS,
     VALUES,
     WORD,
@@ -56,6 +65,10 @@ from linkages.solvers.steps.views import (
 )
 
 NOBODY = -1
+# Of a lane whose samples are taken: whether some are left, whether rows behind the end have been
+# counted and whether they cannot be evaluated, whether the next sample is before the end, and what
+# was there at first.
+OPEN, KNOWN, BROKEN, BETWEEN, FIRST_SAMPLE, FIRST_EVALUATION, FIRST_TIME = range(7)
 
 
 @printed
@@ -114,6 +127,16 @@ def enter(_code: Procedure, lanes: Lanes, lane: Whole, system: SystemView, atol:
     spread(integers(system.frame)[LEVELS], lanes.levels, lanes.events, lane, lanes.lanes)
     put_functions(lanes, lane, system)
     put(lanes, lane, system)
+
+
+def sampling(lanes: Any, lane: Whole) -> Any:
+    """What is known of the samples of a lane: entries from OPEN to FIRST_TIME."""
+    return integers(lanes.sampling + WORD * OF_SAMPLING * lane)
+
+
+def status_in(lanes: Any, lane: Whole) -> Any:
+    """Status of a lane."""
+    return integers(lanes.pace)[STATUS * lanes.lanes + lane]
 
 
 def motion_in(lanes: Any, lane: Whole) -> Any:
@@ -179,6 +202,120 @@ def park(_code: Procedure, lanes: Lanes, lane: Whole) -> None:
 
 
 @printed
+def keep_samples(code: Procedure, lanes: Lanes, lane: Whole) -> None:
+    """Note where the samples of a lane begin, should one of them not be taken."""
+    own, (_, _, record) = sampling(lanes, lane), parts_of(motion_in(lanes, lane))
+    counters, pace = integers(record.counters), integers(lanes.pace)
+    own[OPEN], own[KNOWN] = code.value(1), code.value(0)
+    own[FIRST_SAMPLE], own[FIRST_EVALUATION] = counters[SAMPLES], counters[EVALUATIONS]
+    own[FIRST_TIME] = pace[SAMPLE * lanes.lanes + lane]
+
+
+@printed
+def give_up_samples(code: Procedure, lanes: Lanes, lane: Whole) -> None:
+    """Leave all samples of a step to the motion alone."""
+    own, (_, _, record) = sampling(lanes, lane), parts_of(motion_in(lanes, lane))
+    counters, pace = integers(record.counters), integers(lanes.pace)
+    counters[SAMPLES], counters[EVALUATIONS] = own[FIRST_SAMPLE], own[FIRST_EVALUATION]
+    pace[SAMPLE * lanes.lanes + lane] = own[FIRST_TIME]
+    own[OPEN] = code.value(0)
+
+
+@printed
+def aim(code: Procedure, lanes: Lanes, lane: Whole) -> Whole:
+    """Say where a lane is evaluated next; returns whether its sample is before the end."""
+    pace, own = floats(lanes.pace + WORD * lane), sampling(lanes, lane)
+    width = lanes.lanes
+    t, h, end = pace[FROM * width], pace[LENGTH * width], pace[TO * width]
+    time = pace[SAMPLE * width]
+    pace[THETA * width], pace[AT * width] = 1.0, end
+    with code.when((own[OPEN] == 0) | (time == end)):
+        code.leave(0)
+    pace[THETA * width] = smaller_of((time - t) / h, 1.0)
+    pace[AT * width] = time
+    return code.value(1)
+
+
+@printed
+def take_sample(code: Procedure, lanes: Lanes, lane: Whole, row: Whole) -> None:
+    """Write a row of the workspace as the next sample of a lane."""
+    own, (system, table, record) = sampling(lanes, lane), parts_of(motion_in(lanes, lane))
+    size = WORD * system.width
+    target = system.rows + size * table.rows
+    collect(lanes.rows + size * row * lanes.lanes, target, system.width, lane, lanes.lanes)
+    collect(lanes.turns, record.final_turns, system.n, lane, lanes.lanes)
+    code.call_at(system.sample, Whole, system.frame, target)
+    pace, width = floats(lanes.pace + WORD * lane), lanes.lanes
+    following = floats(system.pace)[SAMPLE]
+    pace[SAMPLE * width] = following
+    left = pace[TO * width] - following
+    ahead = choose(pace[LENGTH * width] >= 0.0, left, -left)
+    with code.when(~(ahead >= 0.0)):
+        own[OPEN] = code.value(0)
+
+
+@printed
+def sample_lane(code: Procedure, lanes: Lanes, lane: Whole, between: Whole) -> Truth:
+    """Take the sample of a lane that has been evaluated; returns whether that was possible."""
+    own, (_, table, record) = sampling(lanes, lane), parts_of(motion_in(lanes, lane))
+    with code.when(between == 0) as case:
+        take_sample(lanes, lane, table.end)
+    with case.otherwise():
+        with code.when((own[BROKEN] != 0) | (status_in(lanes, lane) != 0)):
+            give_up_samples(lanes, lane)
+            code.leave(False)
+        counters = integers(record.counters)
+        with code.when(own[KNOWN] == 0):
+            counters[EVALUATIONS] += table.rows - 1 - table.end
+        own[KNOWN] = code.value(1)
+        counters[EVALUATIONS] += 1
+        take_sample(lanes, lane, table.rows)
+    return code.value(True)
+
+
+@printed
+def compute_rows(code: Procedure, lanes: Lanes) -> None:
+    """Compute the rows behind the ends of all steps."""
+    code.call_at(lanes.further, Whole, lanes.frame)
+    with code.count(lanes.lanes) as lane:
+        sampling(lanes, lane)[BROKEN] = status_in(lanes, lane)
+
+
+@printed
+def sample_lanes(code: Procedure, lanes: Lanes, bits: Whole) -> Whole:
+    """Take all samples within the steps of some lanes; both are bits, one for each lane.
+
+    Returns those in which one cannot be evaluated, with all as it was: they are finished alone.
+    """
+    failed, running, computed = code.variable(0), code.variable(True), code.variable(False)
+    with code.count(lanes.lanes) as lane:
+        sampling(lanes, lane)[OPEN] = code.value(0)
+        with code.when((bits >> lane) & 1 != 0):
+            keep_samples(lanes, lane)
+    with code.during(lambda: running):
+        any_between = code.variable(False)
+        with code.count(lanes.lanes) as lane:
+            between = aim(lanes, lane)
+            sampling(lanes, lane)[BETWEEN] = between
+            any_between.set(any_between | (between != 0))
+        with code.when(any_between):
+            with code.when(~computed):
+                compute_rows(lanes)
+                computed.set(True)
+            code.call_at(lanes.between, Whole, lanes.frame)
+        running.set(False)
+        weight = code.variable(1)
+        with code.count(lanes.lanes) as lane:
+            own = sampling(lanes, lane)
+            with code.when(own[OPEN] != 0):
+                with code.when(~sample_lane(lanes, lane, own[BETWEEN])):
+                    failed.set(failed + weight)
+                running.set(running | (own[OPEN] != 0))
+            weight.set(weight * 2)
+    return code.value(failed)
+
+
+@printed
 def conclude(code: Procedure, lanes: Lanes, lane: Whole) -> None:
     """Finish a step that needs more than arithmetic."""
     context = motion_in(lanes, lane)
@@ -192,6 +329,15 @@ def conclude(code: Procedure, lanes: Lanes, lane: Whole) -> None:
     put(lanes, lane, system)
     with code.when((outcome != DONE) | (pace[T] == pace[END])):
         leave(lanes, lane, outcome)
+
+
+@printed
+def has_ended(code: Procedure, lanes: Lanes, lane: Whole) -> Truth:
+    """Whether a lane has come to the last time of its motion by itself."""
+    pace, width = floats(lanes.pace + WORD * lane), lanes.lanes
+    with code.when(integers(lanes.places)[lane] == NOBODY):
+        code.leave(False)
+    return pace[T * width] == pace[END * width]
 
 
 @printed
@@ -242,8 +388,11 @@ def advance_lanes(code: Procedure, lanes: Lanes) -> Whole:
             flagged.set(found & LOWER)
         running.set(False)
         with code.count(lanes.lanes) as lane:
-            with code.when((flagged >> lane) & 1 != 0):
+            with code.when((flagged >> lane) & 1 != 0) as case:
                 conclude(lanes, lane)
+            with case.otherwise(), code.when(has_ended(lanes, lane)):
+                take_out(lanes, lane, 1)
+                leave(lanes, lane, DONE)
             with code.when(integers(lanes.places)[lane] == NOBODY):
                 following.set(refill(lanes, lane, following))
             running.set(running | (integers(lanes.places)[lane] != NOBODY))

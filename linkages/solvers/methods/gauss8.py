@@ -6,8 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-import numpy as np
-
 from linkages.solvers.coefficients.collocation import Collocation
 from linkages.solvers.job import Job
 from linkages.solvers.methods.method import Method, run, step_count
@@ -32,20 +30,21 @@ class Gauss(Method):
 
         assert job.step is not None
         # The explicit method of the nearest order locates the end of reach and singular positions.
-        tableau, memory = VERN9.tableau, arrays.Memory()
-        rows = arrays.workspace(tableau, job.flow, job.state)
-        first = len(rows)
-        rows = np.concatenate([rows, np.zeros((2 * self.collocation.stages, rows.shape[1]))])
-        record = arrays.record(memory, job)
-        system = arrays.system(memory, job, rows, arrays.pace(job), VERN9.code(job), record)
+        tableau, memory, room = VERN9.tableau, arrays.Memory(), job.room
+        first = len(tableau.extended_c) + 1
+        rows = arrays.workspace(first + 2 * self.collocation.stages, room.jobs)
+        record = arrays.record(memory, room)
+        pace = arrays.pace(room.jobs)
+        system = arrays.system(memory, room, rows, pace, VERN9.code(job), record)
         table = arrays.table(memory, tableau, job.flow)
-        record = arrays.observed(memory, job, system, record)
+        record = arrays.observed(memory, room, system, record)
         nodes = arrays.nodes(memory, self.collocation, job.flow, first)
-        hook = hooks.hook(memory, hooks.events(memory, job), system, table, record)
-        places = [memory.integers(words) for words in (system, nodes, table, record, hook)]
+        hook = hooks.hook(memory, hooks.events(memory, room), system, table, record)
+        views = (system, nodes, table, record, hook)
+        places = [memory.words(words) for words in views]
         span = (job.start, job.end, step_count(job), job.max_steps)
         loop = partial(IMPLICIT_STEPS, *places, *span)
-        return partial(run, loop, job, rows, memory)
+        return partial(run, loop, job, rows[0], memory)
 
 
 GAUSS8 = Gauss(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from linkages.kernel.code.machine import MachineCode
 from linkages.solvers.coefficients.tableau import Tableau
-from linkages.solvers.job import Job
+from linkages.solvers.job import Job, Room
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.printed.step import compiled_step
 from linkages.solvers.steps.loaded import Loaded
@@ -29,12 +29,7 @@ from linkages.solvers.steps.views import (
     STOP,
     TAKEN,
     WORD,
-    Hook,
-    Record,
-    SwitchingView,
-    SystemView,
     T,
-    TableView,
 )
 
 ADAPTIVE_STEPS, BEGIN_MOTION, CONCLUDE_STEP = (
@@ -107,11 +102,13 @@ class RungeKutta(Method):
 
     def prepare(self, job: Job) -> Callable[[], int]:
         """Bind the loop with steps of ``job.step``, or that by tolerance where there is none."""
-        motion = self.motion(job)
+        motions = self.motions(job.room)
+        motion = motions.of(job)
         if job.step is None:
             loop = partial(adapted, self.code(job), job, motion)
         else:
-            shared = (*motion.places, job.start, job.end)
+            places = (motion.context + WORD * place for place in motions.places)
+            shared = (*places, job.start, job.end)
             loop = partial(FIXED_STEPS, *shared, step_count(job), job.max_steps)
         return partial(run, loop, job, motion.rows, motion)
 
@@ -119,24 +116,31 @@ class RungeKutta(Method):
         """The printed steps."""
         return compiled_step(self.tableau, job.shape, self.memory)
 
-    def motion(self, job: Job) -> PreparedMotion:
-        """What a loop takes of a job."""
+    def motions(self, room: Room) -> PreparedMotions:
+        """What loops take of the jobs of a room."""
         # Listing methods need not wait for it.
         from linkages.solvers import arrays, hooks
 
-        tableau, store = self.tableau, arrays.Memory()
-        rows, pace = arrays.workspace(tableau, job.flow, job.state), arrays.pace(job)
-        events, code, record = hooks.events(store, job), self.code(job), arrays.record(store, job)
-        system = arrays.system(store, job, rows, pace, code, record, events)
+        tableau, job, jobs = self.tableau, room.jobs[0], room.jobs
+        store, code = arrays.Memory(len(jobs)), self.code(job)
+        rows, pace = arrays.workspace(len(tableau.extended_c) + 1, jobs), arrays.pace(jobs)
+        events, record = hooks.events(store, room), arrays.record(store, room)
+        system = arrays.system(store, room, rows, pace, code, record, events)
         table = arrays.table(store, tableau, job.flow)
-        record = arrays.observed(store, job, system, record)
+        record = arrays.observed(store, room, system, record)
         hook = hooks.hook(store, events, system, table, record)
-        switching = hooks.switching(store, job, events, system, table, record, tableau.quarters)
+        switching = hooks.switching(store, room, events, system, table, record, tableau.quarters)
         words = (system, table, record, hook, switching)
-        control = arrays.control(store, job, code) if job.step is None else ()
-        context = store.integers([*chain(*words, control)])
-        places = tuple(accumulate((WORD * len(word) for word in words[:-1]), initial=context))
-        return PreparedMotion(rows, words, places, context, pace, store)
+        control = arrays.control(store, room, code) if job.step is None else ()
+        return PreparedMotions(
+            rows=rows,
+            pace=pace,
+            frames=np.atleast_1d(system.frame),
+            contexts=np.atleast_1d(store.words([*chain(*words, control)])),
+            places=tuple(accumulate((len(word) for word in words[:-1]), initial=0)),
+            stages=table.end,
+            memory=store,
+        )
 
 
 def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
@@ -145,17 +149,17 @@ def adapted(code: MachineCode, job: Job, motion: PreparedMotion) -> int:
     The loop is compiled where it is needed: printed code has a motion that nothing watches for
     itself, unless a step needs more than arithmetic.
     """
-    system, counters, pace, flagged = motion.words[0], job.counters, motion.pace, 0
-    if pace[PLAIN] and code.function("begin")(system.frame) == 0:
+    counters, pace, flagged = job.counters, motion.pace, 0
+    if pace[PLAIN] and code.function("begin")(motion.frame) == 0:
         advance = code.function("advance")
         while not flagged and pace[T] != job.end:
             left = job.max_steps - int(counters[STEPS] + counters[REJECTED])
             if job.control[STOP] or left <= 0:
                 return Outcome.INTERRUPTED if job.control[STOP] else Outcome.STEP_BUDGET
-            flagged = advance(system.frame, min(left, TICKS)) & 1
+            flagged = advance(motion.frame, min(left, TICKS)) & 1
             made = pace[[TAKEN, REJECTIONS]].astype(np.int64)
             counters[[STEPS, REJECTED]] += made
-            counters[EVALUATIONS] += motion.words[1].end * made.sum()
+            counters[EVALUATIONS] += motion.stages * made.sum()
             pace[[TAKEN, REJECTIONS]] = 0.0
             job.control[NOW] = pace[T]
         if not flagged:
@@ -170,25 +174,51 @@ class PreparedMotion(NamedTuple):
     ----------
     rows
         Its workspace, with the state in row 0.
-    words
-        A `SystemView`, `TableView`, `Record`, `Hook` and `SwitchingView`; see
-        `linkages.solvers.steps.views`.
-    places
-        Their addresses.
-    context
-        Address of the same, one behind the other; for adaptive steps a `Control` is behind them.
     pace
         How it goes on; see `linkages.solvers.steps.views`.
+    frame, context
+        Addresses: of the addresses named by `FRAME`; of a `SystemView`, `TableView`, `Record`,
+        `Hook` and `SwitchingView`, one behind the other, and for adaptive steps a `Control` behind
+        them.
+    stages
+        Evaluations of a step.
     memory
         Keeps everything alive.
     """
 
     rows: NDArray[np.float64]
-    words: tuple[SystemView, TableView, Record, Hook, SwitchingView]
-    places: tuple[int, ...]
-    context: int
     pace: NDArray[np.float64]
+    frame: int
+    context: int
+    stages: int
     memory: object
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedMotions:
+    """The jobs of a room as compiled loops take them; all arrays have a row for each job.
+
+    Parameters
+    ----------
+    rows, pace, frames, contexts, stages, memory
+        As a `PreparedMotion` has them.
+    places
+        Where the parts of a context begin, in words.
+    """
+
+    rows: NDArray[np.float64]
+    pace: NDArray[np.float64]
+    frames: NDArray[np.int64]
+    contexts: NDArray[np.int64]
+    stages: int
+    memory: object
+    places: tuple[int, ...]
+
+    def of(self, job: Job) -> PreparedMotion:
+        """That of one of the jobs."""
+        k = job.row
+        frame, context = int(self.frames[k]), int(self.contexts[k])
+        return PreparedMotion(self.rows[k], self.pace[k], frame, context, self.stages, self.memory)
 
 
 def step_count(job: Job) -> int:

@@ -1,9 +1,10 @@
 """Steps one after the other, written out, until one of them needs more than arithmetic.
 
 A lane whose step does raises its flag with its state unchanged: where something watches the motion,
-a singular position may lie ahead, a block cannot be assembled, or the step has become too small. Of
-several lanes, one with a sample within its step does so, too. That step is finished by the loop of
-the motion itself.
+a singular position may lie ahead, a block cannot be assembled, or the step has become too small.
+That step is finished by the loop of the motion itself. Of several lanes, one with a sample within
+its step does so only where something watches it, or dependent angles are counted; other samples are
+taken by `linkages.solvers.loops.lanes.sample_lanes`.
 """
 
 from __future__ import annotations
@@ -106,11 +107,11 @@ class Advance:
         flagged, halved = self._needs_more(modes, trial, judged, sound, accepted)
         flagged, halved = (code.all_of([active, where]) for where in (flagged, halved))
         sampled = code.all_of([active, self._is_sampled(trial), accepted, code.opposite(halved)])
-        set_whole(code, status, memory["pace"], STATUS)
         memory.set_pace(judged.error, ERROR)
         memory.set_pace(judged.factor, FACTOR)
         memory.set_pace(code.select(accepted, code.constant(1.0), code.constant(0.0)), ACCEPTED)
         flagged = self._sample(sampled, flagged)
+        set_whole(code, status, memory["pace"], STATUS)
         goes_on = code.all_of([active, code.opposite(flagged)])
         factor = code.select(halved, code.constant(SHRINK_TURNING), judged.factor)
         accepted = code.all_of([accepted, code.opposite(halved)])
@@ -139,7 +140,7 @@ class Advance:
         code = self._code
         if code.lanes == 1:
             return code.give("call i64 @attempt(ptr %frame)")
-        code.say("call void @attempt(ptr %frame)")
+        code.say("call i64 @attempt(ptr %frame)")
         return whole_row(code, self._memory["pace"], STATUS)
 
     def _begin(self) -> Trial:
@@ -190,21 +191,38 @@ class Advance:
         return code.compare("oge", left, code.constant(0.0))
 
     def _sample(self, sampled: str, flagged: str) -> str:
-        """Take samples of a single motion that nobody watches; others raise their flag."""
+        """Take samples of motions that nobody watches; others raise their flag.
+
+        So do several lanes whose dependent angles are counted.
+        """
         code = self._code
-        if code.lanes > 1:
+        if code.lanes > 1 and self._shape.counted:
             return code.any_of(sampled, flagged)
         own = code.all_of([sampled, code.opposite(flagged), self._above(PLAIN)])
         elsewhere = code.all_of([sampled, code.opposite(own)])
         take, on, before = code.new_label("take"), code.new_label("on"), code.block
-        code.branch(own, take, on)
+        code.branch(code.in_any_lane(own), take, on)
         code.begin(take)
-        status = code.give("call i64 @samples(ptr %frame)")
-        failed = code.give(f"icmp ne i64 {status}, 0")
+        failed = self._taken(own)
         code.say(f"br label %{on}")
         code.begin(on)
-        refused = code.give(f"phi i1 [ false, %{before} ], [ {failed}, %{take} ]")
+        none = "false" if code.lanes == 1 else "zeroinitializer"
+        refused = code.give(f"phi {code.truth} [ {none}, %{before} ], [ {failed}, %{take} ]")
         return code.any_of(code.any_of(flagged, elsewhere), refused)
+
+    def _taken(self, own: str) -> str:
+        """Take samples in some lanes; returns where one cannot be evaluated."""
+        code, memory = self._code, self._memory
+        if code.lanes == 1:
+            status = code.give("call i64 @samples(ptr %frame)")
+            return code.give(f"icmp ne i64 {status}, 0")
+        narrow = f"i{code.lanes}"
+        bits = code.give(f"bitcast {code.truth} {own} to {narrow}")
+        bits = code.give(f"zext {narrow} {bits} to i64")
+        called = f"{memory['sampler']}(ptr {memory['lanes']}, i64 {bits})"
+        found = code.give(f"call i64 {called}")
+        found = code.give(f"trunc i64 {found} to {narrow}")
+        return code.give(f"bitcast {narrow} {found} to {code.truth}")
 
     def _margins_fall(self, trial: Trial) -> str:
         """Whether a margin is too small at the end, or may have passed through zero on the way."""

@@ -22,6 +22,7 @@ from linkages.solvers.printed.shape import (
 )
 from linkages.solvers.printed.stages import is_sound, wrap
 from linkages.solvers.steps.views import (
+    AT,
     BEFORE,
     END,
     EVALUATIONS,
@@ -31,6 +32,7 @@ from linkages.solvers.steps.views import (
     RTOL,
     SAMPLE,
     SAMPLES,
+    STATUS,
     THETA,
     TO,
     H,
@@ -43,7 +45,23 @@ ELSEWHERE = 1
 
 def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> None:
     """Write the state at the fraction `THETA` of a step into the last row, by the dense output."""
-    memory, n = StepMemory(code, shape), shape.n
+    _interpolate(code, tableau, shape, StepMemory(code, shape))
+    code.say("ret i64 0")
+
+
+def write_between(code: Instructions, tableau: Tableau, shape: Shape) -> None:
+    """Write the same for several lanes, evaluated at the times `AT`, and statuses into the pace."""
+    memory = StepMemory(code, shape)
+    _interpolate(code, tableau, shape, memory)
+    timed = call_clock(code, memory, memory.pace(AT))
+    found = call_rates(code, memory, len(tableau.extended_c), shape.n)
+    fine = code.give(f"icmp eq {code.integer} {timed}, {code.whole(0)}")
+    set_whole(code, code.select(fine, found, timed, code.integer), memory["pace"], STATUS)
+    code.say("ret i64 0")
+
+
+def _interpolate(code: Instructions, tableau: Tableau, shape: Shape, memory: StepMemory) -> None:
+    n = shape.n
     theta, h = memory.pace(THETA), memory.pace(LENGTH)
     begun, target = memory.row(0), memory.row(len(tableau.extended_c))
     terms = [(w, memory.row(row, n)) for w, row in _dense_weights(code, tableau, theta)]
@@ -56,7 +74,6 @@ def write_interpolation(code: Instructions, tableau: Tableau, shape: Shape) -> N
         return []
 
     fold(code, 2 * n, (), entry)
-    code.say("ret i64 0")
 
 
 def _dense_weights(code: Instructions, tableau: Tableau, theta: str) -> list[tuple[str, int]]:

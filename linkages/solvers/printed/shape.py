@@ -58,7 +58,7 @@ class Shape:
             carried=flow.carried,
             counted=flow.counted,
             width=2 * flow.coordinates + flow.written,
-            rotates=tuple(bool(rotates) for rotates in flow.rotates),
+            rotates=tuple(flow.rotates.tolist()),
             active=() if flow.switching is None else flow.switching.active,
         )
 

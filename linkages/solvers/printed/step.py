@@ -13,6 +13,7 @@ from linkages.solvers.coefficients.tableau import Tableau
 from linkages.solvers.printed.advance import Advance
 from linkages.solvers.printed.samples import (
     write_begin,
+    write_between,
     write_first,
     write_interpolation,
     write_sample,
@@ -31,7 +32,8 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     status; ``int64 further(frame)`` computes the further rows of the dense output. Tableaus with an
     error estimate have ``int64 advance(frame, ticks)``, which goes on until a step needs more than
     arithmetic, and returns the number of trials in the upper half, below a bit for each lane that
-    does. Several lanes have that alone, and all their arrays consist of rows of W entries.
+    does. All arrays of several lanes consist of rows of W entries, their statuses stand in the
+    pace, and ``int64 between(frame)`` evaluates states within a step.
 
     Parameters
     ----------
@@ -44,8 +46,7 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
     """
     module = Module(lanes)
     rows, last = len(tableau.extended_c) - 1, tableau.stages
-    spans = [("attempt", 1, last), ("further", last + 1, rows)]
-    for name, first, end in spans[: 1 if lanes > 1 else 2]:
+    for name, first, end in (("attempt", 1, last), ("further", last + 1, rows)):
         code = module.instructions()
         memory = StepMemory(code, shape)
         status = Stages(code, tableau, shape, memory).write(first, end)
@@ -54,10 +55,14 @@ def write_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1
             module.define(f"i64 @{name}(ptr %frame)", code)
         else:
             set_whole(code, status, memory["pace"], STATUS)
-            code.say("ret void")
-            module.define(f"internal void @{name}(ptr %frame)", code)
+            code.say("ret i64 0")
+            module.define(f"i64 @{name}(ptr %frame)", code)
     if lanes == 1:
         _single(module, tableau, shape)
+    else:
+        code = module.instructions()
+        write_between(code, tableau, shape)
+        module.define("i64 @between(ptr %frame)", code)
     if tableau.error.size:
         code = module.instructions()
         Advance(code, tableau, shape, gain).write()
@@ -75,7 +80,7 @@ def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
     module.define("i64 @first(ptr %frame)", code)
     code = module.instructions()
     write_sample(code, shape)
-    module.define("internal i64 @sample(ptr %frame, ptr %row)", code)
+    module.define("i64 @sample(ptr %frame, ptr %row)", code)
     code = module.instructions()
     write_samples(code, tableau, shape)
     module.define("internal i64 @samples(ptr %frame)", code)

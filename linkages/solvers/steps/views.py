@@ -44,6 +44,7 @@ class SystemView(NamedTuple):
     further: int
     interpolate: int
     first: int
+    sample: int
 
 
 class TableView(NamedTuple):
@@ -95,6 +96,9 @@ class Lanes(NamedTuple):
     functions: int  # (e, 4) of int64: as `Events.functions`, for W lanes
     function_sizes: int  # (e,) of int64: numbers of their parameters
     advance: int  # address of the printed function that makes steps
+    further: int  # of those that compute the rows behind the end of a step
+    between: int  # and evaluate states within it
+    sampling: int  # (W, OF_SAMPLING) of int64: see `sample_lanes`
     begin: int  # of the functions of `loops.adaptive_steps` that begin a motion
     conclude: int  # and finish a step that needs more than arithmetic
     motions: int  # (number,) of int64: their contexts, see `adaptive_steps`
@@ -256,6 +260,8 @@ class SwitchingView(NamedTuple):
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.
 NOW, STOP, ALONE = range(3)
+# Entries of a lane of `Lanes.sampling`.
+OF_SAMPLING = 7
 # Entries per event of `Events.functions` and `Events.values`.
 FUNCTION, VALUES = 4, 5
 # Arrays of a frame.
@@ -263,9 +269,11 @@ FUNCTION, VALUES = 4, 5
 SINGLE = (
     "counters", "times", "states", "sampled_turns", "accelerations", "sampled",
 )  # fmt: skip
+# Of several lanes: what takes their samples, and its context.
+SEVERAL = ("sampler", "lanes")
 FRAME = (
     "clock", "rates", "parameters", "held", "timed", "rows", "pace", "atol", "scale", "smallest",
-    "turns", "angles", "ahead", "functions", "values", "levels", *SINGLE,
+    "turns", "angles", "ahead", "functions", "values", "levels", *SINGLE, *SEVERAL,
 )  # fmt: skip
 TURNS, ANGLES, FUNCTIONS, EVENT_VALUES, LEVELS = map(
     FRAME.index, ("turns", "angles", "functions", "values", "levels")
@@ -288,9 +296,9 @@ TROUBLE, FRESH, KIND = range(16, 19)
 ALWAYS, ACTIVE, RTOL, TAKEN, REJECTIONS = range(19, 24)
 # Whether nothing watches the motion, so that printed code takes its samples; at which fraction of a
 # step the state is interpolated; how often the step has been halved to see what modes do (an
-# integer).
-PLAIN, THETA, HALVED = range(24, 27)
-PACE = 27
+# integer); at which time lanes are evaluated there.
+PLAIN, THETA, HALVED, AT = range(24, 28)
+PACE = 28
 # Steps below this many units in the last place of time no longer move it reliably.
 SMALLEST_STEP = 16 * 2.220446049250313e-16
 NOT_FINITE = -1

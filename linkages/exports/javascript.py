@@ -1,0 +1,23 @@
+"""JavaScript: equations, an integrator, and how both follow from numbers of the definition file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from linkages.exports import Subject
+
+
+def javascript(subject: Subject) -> Mapping[str, str]:
+    """Write a module without imports that exports the equations and an adaptive integrator.
+
+    Parameters
+    ----------
+    subject
+        What is exported.
+    """
+    from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+
+    return {f"{subject.name}.js": javascript_module(subject.system) + javascript_integrator()}
+
+
+EXPORT = javascript

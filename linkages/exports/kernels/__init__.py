@@ -1,0 +1,1 @@
+"""What other programs compute with: equations, and how they follow from a definition file."""

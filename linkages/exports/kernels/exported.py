@@ -1,0 +1,227 @@
+"""The equations of a mechanism as routines in no particular language, with names and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.components.contributed.terms import Path
+from linkages.exports.kernels.numbers import REFUSED, Feed, feed_of
+from linkages.kernel.assembly.hints import turning
+from linkages.kernel.code.program import Program, write_routines
+from linkages.kernel.code.statements import Routine
+from linkages.kernel.graph.scalars import Scalar, reachable
+from linkages.kernel.model import Model
+from linkages.kernel.numbers.layout import Layout
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
+from linkages.kernel.transitions import transition_nodes
+from linkages.solution.moving.plan import kernel_source, switching_of
+from linkages.solution.remarks.stops import block_alignment
+from linkages.solution.values.requests import available
+from linkages.solution.values.series import TIME, Series, system_series
+from linkages.solvers.flow import Switching
+from linkages.topology.blocks import ITERATED
+
+Floats = NDArray[np.float64]
+
+STEP_TOO_SMALL, NOT_FOLLOWED, SINGULAR = -2, -3, 1000
+"""Statuses with which motions end; that of a singular block is added to its number."""
+
+_LEFT_OUT = ("joint_jerk", "closure_residual")
+"""Outputs that cost more than all others together, and that say nothing of another program."""
+
+_RATES = (
+    "equations",
+    "Accelerations, settled coordinates, functions of modes, margins, rates.",
+)
+_SETTLE = "settle", "Whole turns of angles that springs feel."
+_OUTPUTS = "quantities", "Outputs; accelerations stand behind the state."
+
+_CHANGE = "become", "What is remembered, and new rates, where a mode changes."
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """An output of a program.
+
+    Parameters
+    ----------
+    name, variable, unit, label
+        As solutions have them.
+    """
+
+    name: str
+    variable: str
+    unit: str
+    label: str
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What is written in a language.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+    feed
+        How parameters and initial state follow from numbers of the definition file.
+    program
+        ``prepare(p)``, ``clock(t, p, timed)``, ``equations(y, p, timed, out)``, and with the same
+        arguments ``settle``, ``quantities`` and ``become``.
+    parameters
+        Paths of parameters.
+    state
+        The initial state.
+    p
+        All that stands in the array of parameters at the start.
+    quantities
+        What ``quantities`` writes.
+    margin_scale
+        Sizes of the margins of blocks at the start.
+    turned
+        Places of the parameters that ``settle`` writes.
+    switching
+        Contacts and friction that change the equations; None if there are none.
+    """
+
+    system: System
+    feed: Feed
+    program: Program
+    parameters: tuple[Path, ...]
+    state: Floats
+    p: Floats
+    quantities: tuple[Quantity, ...]
+    margin_scale: Floats
+    turned: tuple[int, ...]
+    switching: Switching | None
+
+    @property
+    def blocks(self) -> tuple[int, ...]:
+        """Numbers of the blocks that have margins."""
+        return tuple(block.index for block in self.system.topology.solved_blocks)
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of what changes the equations."""
+        return () if self.switching is None else self.switching.names
+
+    @property
+    def routines(self) -> tuple[Routine, ...]:
+        """All that is written, in the order of its calls."""
+        return (self.feed.routine, *self.program.routines)
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Array → number of its entries."""
+        return {
+            array: size
+            for routine in self.routines
+            for array, size in routine.arguments.items()
+            if array not in ("out", "t")
+        }
+
+    @property
+    def written(self) -> int:
+        """Number of entries that ``equations`` writes."""
+        return self.program.routines[2].arguments["out"]
+
+    @property
+    def statuses(self) -> dict[int, str]:
+        """Status → what it means."""
+        found = {
+            REFUSED: "these numbers do not lead to the same equations",
+            STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
+            NOT_FOLLOWED: f"this program does not follow so far: {', '.join(self.modes) or 'this'}",
+        }
+        for block in self.system.topology.solved_blocks:
+            model, apex = self.system.model, block.loops[0].apex
+            names = " and ".join(block.unknowns)
+            text = f"the mechanism cannot be assembled: joint {apex}, {block.title} of {names}"
+            if block.kind != ITERATED:
+                text += f" (at the limit {block_alignment(model, block.index)})"
+            found[1 + block.index] = text
+            place = f"joint {apex}, {block.title} of {names}"
+            found[SINGULAR + block.index] = (
+                f"this position is singular, the motion can go on in two ways: {place}, where "
+                f"{block_alignment(model, block.index)}"
+            )
+        return found
+
+
+def exported(system: System, variables: Sequence[str] | None = None) -> Exported:
+    """All that programs need of a mechanism.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+    variables
+        Outputs that follow from the motion at one time; all of them but jerks if not given.
+    """
+    source = kernel_source(system.topology)
+    model = source.model
+    margins = [*model.margins, *model.margin_rates]
+    equations = [*source.accelerations, *model.settled, *source.switched, *margins]
+    changed = transition_nodes(model, Layout.of(system.topology))
+    turned = turning(model)
+    turns = [_whole_turns(node) for node in turned.values()]
+    found = _quantities(system, variables)
+    outputs = [series.node(model) for series in found.values()]
+    wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
+    program = write_routines(model, wanted, "what the routine says")
+    used = [
+        node
+        for node in reachable([*equations, *turns, *outputs, *changed])
+        if node.operation in ("input", "spline")
+    ]
+    places = model.inputs.parameters
+    count, held = program.parameters[0], program.held
+    p = np.zeros(sum(program.parameters) + held)
+    p[:count] = system.parameters
+    if held:
+        p[-held:] = system.starting_held()
+    return Exported(
+        system=system,
+        feed=feed_of(system, [node for node in used if node.operation == "input"]),
+        program=program,
+        parameters=tuple(places),
+        state=system.state.copy(),
+        p=p,
+        quantities=tuple(_described(model, series) for series in found.values()),
+        margin_scale=system.margin_scale,
+        turned=tuple(places["turns", load] for load in turned),
+        switching=switching_of(model, Layout.of(system.topology)),
+    )
+
+
+def _whole_turns(angle: Scalar) -> Scalar:
+    """The multiple of 2π that is nearest to an angle."""
+    graph = angle.graph
+    return graph.apply("floor", angle / (2 * np.pi) + 0.5) * (2 * np.pi)
+
+
+def _quantities(system: System, variables: Sequence[str] | None) -> dict[str, Series]:
+    names = [name for name in available(system) if name not in _LEFT_OUT]
+    wanted = set(names if variables is None else variables)
+    return {
+        name: series
+        for name, series in system_series(system).items()
+        if series.variable != TIME
+        and series.variable in wanted
+        and not VARIABLES[series.variable].whole
+        and VARIABLES[series.variable].reduced is None
+    }
+
+
+def _described(model: Model, series: Series) -> Quantity:
+    variable: Any = VARIABLES[series.variable]
+    unit, label = variable.described(model)
+    if variable.unit_of is not None:
+        unit = variable.unit_of(model)[series.index(model)]
+    return Quantity(series.name, series.variable, unit, label)

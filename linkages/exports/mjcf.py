@@ -1,0 +1,28 @@
+"""MJCF: models of MuJoCo, with loops closed by constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from linkages.exports import Subject
+
+
+def mjcf(subject: Subject) -> Mapping[str, str]:
+    """Write a model of MuJoCo; its keyframe ``start`` has the speeds at t = 0.
+
+    Parameters
+    ----------
+    subject
+        What is exported.
+
+    Raises
+    ------
+    InputError
+        With everything that MuJoCo cannot express.
+    """
+    from linkages.exports.trees.mujoco import mjcf_text
+
+    return {f"{subject.name}.xml": mjcf_text(subject.system)}
+
+
+EXPORT = mjcf

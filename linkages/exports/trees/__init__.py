@@ -1,0 +1,1 @@
+"""Linkages as trees of bodies with loops that constraints close: what simulators of bodies take."""

@@ -1,0 +1,299 @@
+"""Mechanisms as models of MuJoCo (MJCF): a tree of bodies, loops closed by equality constraints.
+
+References
+----------
+MuJoCo: XML reference, https://mujoco.readthedocs.io/en/stable/XMLreference.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import assert_never
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+import numpy as np
+
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Load,
+    Slide,
+    Turn,
+)
+from linkages.exports.trees.expressed import line_in, polynomial, refuse
+from linkages.exports.trees.placed import frames_of, slides_of
+from linkages.exports.trees.tree import WORLD, Branch, Gap, Pin, Rail, Tree, tree_of
+from linkages.kernel.system import System
+
+STEP = 1e-4
+"""Of MuJoCo's integration in seconds; constraints need two of them to come back to zero."""
+
+CLOCK = "clock"
+"""The coordinate that counts seconds: drives follow it."""
+
+INERT = 1e12
+"""Mass of the clock in kg: drives do not slow it down."""
+
+LEAST = 1e-12
+"""Inertia in kg·m² of a body that has none: MuJoCo needs one."""
+
+
+def mjcf_text(system: System) -> str:
+    """The text of a model.
+
+    Parameters
+    ----------
+    system
+        The mechanism.
+
+    Raises
+    ------
+    InputError
+        With everything that MuJoCo cannot express.
+    """
+    root = _Writer(system).written()
+    indent(root)
+    return tostring(root, encoding="unicode") + "\n"
+
+
+class _Writer:
+    def __init__(self, system: System) -> None:
+        self.system, self.mechanism = system, system.mechanism
+        refuse(system)
+        self.tree: Tree = tree_of(self.mechanism)
+        self.frames, self.slides = frames_of(system), slides_of(system)
+        self.places = system.places()
+        self.nodes: dict[str, Element] = {}
+        self.speeds: dict[str, float] = {}
+
+    # --- the model ---
+
+    def written(self) -> Element:
+        """The whole model."""
+        root = Element("mujoco", model=self.mechanism.name)
+        SubElement(root, "compiler", angle="radian", autolimits="true")
+        gravity = [self.mechanism.gravity.x.value, self.mechanism.gravity.y.value, 0.0]
+        SubElement(root, "option", timestep=repr(STEP), gravity=_row(gravity), integrator="RK4",
+                   tolerance="1e-14", iterations="100")  # fmt: skip
+        defaults = SubElement(root, "default")
+        SubElement(defaults, "equality", solref=f"{2 * STEP!r} 1", solimp="0.9999 0.9999 0.001")
+        SubElement(defaults, "geom", contype="0", conaffinity="0", rgba="0.3 0.4 0.6 1")
+        world = SubElement(root, "worldbody")
+        self.nodes[WORLD] = world
+        if self.mechanism.prescribed:
+            self._clock(world)
+        for branch in self.tree.branches:
+            self._body(branch)
+        self._sites()
+        equality = SubElement(root, "equality")
+        tendon, actuator = SubElement(root, "tendon"), SubElement(root, "actuator")
+        for pin in self.tree.loops:
+            self._loop(equality, pin)
+        for relation in self.mechanism.relations:
+            parts = {relation.body: 1.0}
+            for name, ratio in relation.parts:
+                parts[name] = parts.get(name, 0.0) - ratio.value
+            self._held(tendon, equality, f"relation.{relation.body}", parts)
+        for name in self.mechanism.prescribed:
+            self._drive(tendon, equality, name)
+        for place, load in enumerate(self.mechanism.loads):
+            if not load.absent:
+                self._load(tendon, actuator, f"load.{place}", load)
+        for part in (equality, tendon, actuator):
+            if not len(part):
+                root.remove(part)
+        # MuJoCo counts joints as they stand in its tree
+        speeds = [self.speeds[str(joint.get("name"))] for joint in world.iter("joint")]
+        keyframe = SubElement(root, "keyframe")
+        SubElement(keyframe, "key", name="start", qvel=_row(speeds))
+        return root
+
+    def _clock(self, world: Element) -> None:
+        body = SubElement(world, "body", name=CLOCK)
+        SubElement(body, "joint", name=CLOCK, type="slide", axis="0 0 1")
+        SubElement(body, "inertial", pos="0 0 0", mass=repr(INERT), diaginertia="1 1 1")
+        self.speeds[CLOCK] = 1.0
+
+    def _body(self, branch: Branch) -> None:
+        own, parent = self.frames[branch.body], self.frames[branch.parent]
+        body = self.mechanism.bodies[branch.body]
+        node = SubElement(self.nodes[branch.parent], "body", name=branch.body,
+                          pos=_point(parent.local(own.origin)),
+                          euler=_row([0.0, 0.0, own.angle - parent.angle]))  # fmt: skip
+        self.nodes[branch.body] = node
+        self._joints(node, branch)
+        inertia = max(body.inertia.value, LEAST)
+        centre = [number.value for number in body.centre]
+        SubElement(node, "inertial", pos=_point(centre), mass=repr(float(body.mass.value)),
+                   diaginertia=_row([inertia] * 3))  # fmt: skip
+        points = [np.array([number.value for number in point]) for point in body.points.values()]
+        size = repr(0.02 * self._size)
+        SubElement(node, "geom", type="sphere", size=size, pos=_point(points[0]))
+        for point in points[1:]:
+            if np.linalg.norm(point - points[0]) > 0.0:
+                ends = f"{_point(points[0])} {_point(point)}"
+                SubElement(node, "geom", type="capsule", size=size, fromto=ends)
+        for term in self.mechanism.point_masses:
+            if self.mechanism.carrier(term.joint) == branch.body and term.mass.value:
+                place = _point(own.local(self.places[term.joint]))
+                mass = SubElement(node, "body", pos=place)
+                SubElement(mass, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
+                           diaginertia=_row([LEAST] * 3))  # fmt: skip
+
+    @property
+    def _size(self) -> float:
+        return float(np.ptp(np.array([*self.places.values()]), axis=0).max())
+
+    def _joints(self, node: Element, branch: Branch) -> None:
+        own, parent = self.frames[branch.body], self.frames[branch.parent]
+        match branch.joining:
+            case Pin(joint):
+                self._hinge(node, branch.body, own.local(self.places[joint]))
+                self.speeds[branch.body] = own.speed - parent.speed
+            case Rail(slider):
+                sign = 1.0 if slider == branch.body else -1.0
+                axis = own.axes.T @ self.frames[slider].axes[:, 0]
+                SubElement(node, "joint", name=branch.body, type="slide", axis=_point(sign * axis))
+                self.speeds[branch.body] = self.slides[slider]
+            case Gap(term, _, other):
+                ends = [self.places[term.joint], self.places[term.renamed]]
+                first, second = ends if other == branch.body else ends[::-1]
+                link = self.frames[term.links[0].name]
+                self._hinge(node, term.links[0].name, own.local(first))
+                self._hinge(node, branch.body, own.local(second))
+                self.speeds[term.links[0].name] = link.speed - parent.speed
+                self.speeds[branch.body] = own.speed - link.speed
+            case _:
+                assert_never(branch.joining)
+
+    def _hinge(self, node: Element, name: str, place: object) -> None:
+        SubElement(node, "joint", name=name, type="hinge", axis="0 0 1", pos=_point(place))
+
+    def _loop(self, equality: Element, pin: Pin) -> None:
+        """Bodies of a joint that the tree has opened."""
+        named = {"body1": pin.other}
+        if pin.one != WORLD:
+            named["body2"] = pin.one
+        place = self.frames[pin.other].local(self.places[pin.joint])
+        named |= {"name": f"{pin.joint}.{pin.other}", "anchor": _point(place)}
+        SubElement(equality, "connect", named)
+
+    # --- coordinates as sums of joints ---
+
+    def _coordinate(self, name: str) -> dict[str, float]:
+        """Joint → factor, whose sum is what a body's coordinate has changed by."""
+        if self.mechanism.bodies[name].rotates:
+            return self._angle(name)
+        joinings = ((branch.joining, branch.body) for branch in self.tree.branches)
+        return {body: 1.0 for own, body in joinings if isinstance(own, Rail) and own.slider == name}
+
+    def _angle(self, name: str) -> dict[str, float]:
+        """Hinges below a body, or below the link of a clearance and its own."""
+        above = {b.joining.term.links[0].name: b for b in self.tree.branches
+                 if isinstance(b.joining, Gap)}  # fmt: skip
+        if name in above:
+            return {**self._angle(above[name].parent), name: 1.0}
+        found: dict[str, float] = {}
+        for branch in self.tree.path(name):
+            if isinstance(branch.joining, Gap):
+                found[branch.joining.term.links[0].name] = 1.0
+            if not isinstance(branch.joining, Rail):
+                found[branch.body] = 1.0
+        return found
+
+    def _sum(self, parts: dict[str, float]) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for name, factor in parts.items():
+            for joint, own in self._coordinate(name).items():
+                found[joint] = found.get(joint, 0.0) + factor * own
+        return {joint: factor for joint, factor in found.items() if factor}
+
+    def _fixed(self, tendon: Element, name: str, parts: dict[str, float], **more: str) -> None:
+        """A sum of coordinates."""
+        node = SubElement(tendon, "fixed", {"name": name, **more})
+        for joint, factor in self._sum(parts).items():
+            SubElement(node, "joint", joint=joint, coef=repr(factor))
+
+    def _held(self, tendon: Element, equality: Element, name: str, parts: dict[str, float]) -> None:
+        """A sum of coordinates that stays what it is."""
+        self._fixed(tendon, name, parts)
+        SubElement(equality, "tendon", name=name, tendon1=name, polycoef="0 0 0 0 0")
+
+    def _drive(self, tendon: Element, equality: Element, name: str) -> None:
+        followed = polynomial(self.system, name)
+        assert followed is not None
+        own, clock = f"drive.{name}", f"drive.{name}.{CLOCK}"
+        self._fixed(tendon, own, {name: 1.0})
+        node = SubElement(tendon, "fixed", name=clock)
+        SubElement(node, "joint", joint=CLOCK, coef="1")
+        SubElement(equality, "tendon", name=own, tendon1=own, tendon2=clock,
+                   polycoef=_row([0.0, *followed, 0.0, 0.0]))  # fmt: skip
+
+    # --- loads ---
+
+    def _load(self, tendon: Element, actuator: Element, name: str, load: Load) -> None:
+        """A spring and damper along a tendon, or a constant force: an actuator without control."""
+        line = line_in(load)
+        assert line is not None
+        if isinstance(load.measure, Coordinate):
+            gear = [0.0] * 6
+            gear[load.measure.axis] = 1.0
+            along = {"site": f"site.{load.measure.joint}", "refsite": "site.", "gear": _row(gear)}
+        else:
+            along = {"tendon": name}
+            relaxed = line.constant / line.stiffness if line.stiffness else 0.0
+            numbers = {"stiffness": line.stiffness, "damping": line.damping}
+            self._tendon(tendon, name, load, relaxed, {n: repr(v) for n, v in numbers.items() if v})
+        if not line.stiffness:
+            along |= {"name": name, "gainprm": "0", "biastype": "affine"}
+            SubElement(actuator, "general", along, biasprm=_row([line.constant, 0.0, 0.0]))
+
+    def _tendon(
+        self, tendon: Element, name: str, load: Load, relaxed: float, numbers: dict[str, str]
+    ) -> None:
+        """What a load acts along; sums of joints count from the start."""
+        spring = {"springlength": repr(relaxed)} if "stiffness" in numbers else {}
+        from_start = {key: repr(relaxed - self._at(load)) for key in spring}
+        match load.measure:
+            case Distance(first, second):
+                node = SubElement(tendon, "spatial", {"name": name, **numbers, **spring})
+                SubElement(node, "site", site=f"site.{first}")
+                SubElement(node, "site", site=f"site.{second}")
+            case Turn(body, reference):
+                parts = {body: 1.0} | ({} if reference is None else {reference: -1.0})
+                self._fixed(tendon, name, parts, **numbers, **from_start)
+            case Slide(body):
+                self._fixed(tendon, name, {body: 1.0}, **numbers, **from_start)
+            case Coordinate() | BodyAxis():
+                raise AssertionError(load.measure)  # has no tendon, or is refused
+            case _:
+                assert_never(load.measure)
+
+    def _at(self, load: Load) -> float:
+        """The value of what a load acts along, at the start."""
+        nodes = self.system.model.loads[self.mechanism.loads.index(load)]
+        return float(self.system.evaluate([nodes.displacement])[0, 0])
+
+    def _sites(self) -> None:
+        joints: list[str] = []
+        for measure in (load.measure for load in self.mechanism.loads):
+            if isinstance(measure, Distance):
+                joints += [measure.first, measure.second]
+            elif isinstance(measure, Coordinate):
+                joints.append(measure.joint)
+        if joints:
+            SubElement(self.nodes[WORLD], "site", name="site.", pos="0 0 0")
+        for joint in dict.fromkeys(joints):
+            body = self.mechanism.carrier(joint) or WORLD
+            place = self.frames[body].local(self.places[joint])
+            SubElement(self.nodes[body], "site", name=f"site.{joint}", pos=_point(place))
+
+
+def _row(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _point(place: object) -> str:
+    x, y = np.asarray(place, dtype=float)
+    return _row([x, y, 0.0])

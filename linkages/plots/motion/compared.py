@@ -1,0 +1,264 @@
+"""Series of one or several motions over time or over another series, and their differences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.kernel.outputs import VARIABLES
+from linkages.solution.measuring.followed import through
+from linkages.solution.measuring.located import largest_between
+from linkages.solution.solution import Solution
+from linkages.solution.values.peaks import ROUND_OFF
+from linkages.solution.values.requests import available
+from linkages.solution.values.series import (
+    TIME,
+    data_series,
+    find_series,
+    system_series,
+    with_sizes,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One series of one motion.
+
+    Parameters
+    ----------
+    source
+        What tells the motion from others; empty if there is one.
+    name, quantity, units
+        What the series is called, what it is one of, and its unit.
+    time, x, y
+        Shape (samples,), in SI. Over time, `x` is `time`.
+    least, greatest
+        Of `y`.
+    """
+
+    source: str
+    name: str
+    quantity: str
+    units: str
+    time: Array
+    x: Array
+    y: Array
+    least: float
+    greatest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Curves over the same quantity.
+
+    Parameters
+    ----------
+    curves
+        At least one.
+    across, units
+        What they are drawn over, and its unit.
+    heading
+        Of the figure.
+    """
+
+    curves: tuple[Curve, ...]
+    across: str
+    units: str
+    heading: str = ""
+
+    @property
+    def over_time(self) -> bool:
+        """Whether they are drawn over time."""
+        return self.across == TIME
+
+
+class Viewed:
+    """A motion whose series are asked for by name: a solution at close samples, or data."""
+
+    def __init__(self, source: Solution | xr.Dataset, names: Sequence[str]) -> None:
+        self.solution = source if isinstance(source, Solution) else None
+        if isinstance(source, Solution):
+            known = with_sizes(system_series(source.system))
+        else:
+            known = with_sizes(data_series(source))
+        self.series = {name: find_series(known, name) for name in names}
+        self.data = source if not isinstance(source, Solution) else self._dense(source)
+        for series in self.series.values():
+            if series.variable not in self.data and series.variable != TIME:
+                raise ValueError(f"the data have no {series.variable}; expected it in outputs")
+        if not self.data.sizes.get(TIME):
+            raise ValueError("there are no samples to draw")
+        self.time = self.data[TIME].to_numpy().astype(float)
+
+    def _dense(self, source: Solution) -> xr.Dataset:
+        names = dict.fromkeys(s.variable for s in self.series.values() if s.variable != TIME)
+        has = {*map(str, source.data.data_vars)}
+        has |= {name for name in available(source.system) if not VARIABLES[name].whole}
+        return source.dense([name for name in names if name in has])
+
+    def values(self, name: str) -> Array:
+        """A series at the samples."""
+        found = self.series[name]
+        return self.time if found.variable == TIME else found.of(self.data).to_numpy().astype(float)
+
+    def at(self, name: str, times: Array) -> Array:
+        """A series at times within the motion."""
+        if self.series[name].variable == TIME:
+            return times
+        order = 1 if self.time[-1] >= self.time[0] else -1
+        count = np.arange(len(self.time), dtype=float)
+        return self._between(name, np.interp(times, self.time[::order], count[::order]))
+
+    def extremes(self, name: str) -> tuple[float, float]:
+        """Least and largest value of a series, between samples where those are close enough."""
+        values = self.values(name)
+        if self.solution is None or not self.solution.closely.close or name == TIME:
+            return float(np.nanmin(values)), float(np.nanmax(values))
+        if np.ptp(values) <= ROUND_OFF * np.abs(values).max():
+            return float(values.min()), float(values.max())
+        low = largest_between(-values[None], lambda _, places: -self._between(name, places))
+        high = largest_between(values[None], lambda _, places: self._between(name, places))
+        return -float(low.value[0]), float(high.value[0])
+
+    def _between(self, name: str, places: Array) -> Array:
+        """A series at places in samples from the first one."""
+        series = self.series[name]
+        if self.solution is None:
+            smooth = series.variable not in VARIABLES or VARIABLES[series.variable].smooth
+            return through(self.values(name), places, smooth)
+        import xarray as xr
+
+        array = self.data[series.variable]
+        found = self.solution.closely.between(series.variable, places)
+        labels = {dim: array[dim] for dim in array.dims[1:]}
+        there = xr.Dataset({series.variable: xr.DataArray(found, labels, array.dims)})
+        return series.of(there).to_numpy().astype(float)
+
+    def words(self, name: str) -> tuple[str, str, str]:
+        """What a series is called, what quantity it is, and its unit."""
+        series = self.series[name]
+        if series.variable == TIME:
+            return TIME, TIME, "s"
+        attrs = self.data[series.variable].attrs
+        quantity = str(attrs.get("long_name", series.variable.replace("_", " ")))
+        return series.words(quantity), quantity, str(attrs.get("units", ""))
+
+
+def compared(
+    sources: Mapping[str, Solution | xr.Dataset],
+    names: Sequence[str],
+    against: str = TIME,
+    *,
+    difference: bool = False,
+) -> Compared:
+    """Series of motions as curves.
+
+    Parameters
+    ----------
+    sources
+        What tells a motion from the others → a solution, or its data.
+    names
+        Of series, such as ``"rocker.angle"``, ``"M.reaction"`` or ``"kinetic_energy"``.
+    against
+        What they are drawn over.
+    difference
+        Whether what the others differ in from the first motion is drawn, at the same time or at the
+        same value of `against`, of which it must be a function then.
+
+    Raises
+    ------
+    ValueError
+        For names that are none, for outputs that data do not have, and where no difference can be
+        told.
+    """
+    if not sources or not names:
+        raise ValueError("nothing to draw; expected at least one motion and one series")
+    wanted = list(dict.fromkeys([*names, against]))
+    viewed = {label: Viewed(source, wanted) for label, source in sources.items()}
+    if difference and len(viewed) < 2:
+        raise ValueError("a difference needs two motions; found one")
+    curves = []
+    for place, (label, view) in enumerate(viewed.items()):
+        if difference and not place:
+            continue
+        for name in names:
+            words, quantity, units = view.words(name)
+            found = Curve(
+                label if len(viewed) > 1 else "", words, quantity, units,
+                view.time, view.values(against), view.values(name), *view.extremes(name),
+            )  # fmt: skip
+            if difference:
+                found = _less(found, next(iter(viewed.values())), name, against)
+            curves.append(found)
+    first = next(iter(viewed.values()))
+    across, _, units = first.words(against)
+    heading = str(first.data.attrs.get("name", ""))
+    if difference:
+        heading = f"{heading}: difference from {next(iter(viewed))}"
+    return Compared(tuple(curves), across, units, heading)
+
+
+def _less(curve: Curve, reference: Viewed, name: str, against: str) -> Curve:
+    """A curve less the same series of another motion where that is at the same place."""
+    own, times = reference.values(against), curve.time
+    if against != TIME:
+        steps = np.diff(own)
+        if not ((steps > 0).all() or (steps < 0).all()):
+            raise ValueError(
+                f"{against} goes back and forth, so that a motion is at one value of it several "
+                "times; expected a difference over time, or over what only grows"
+            )
+        from scipy.interpolate import CubicSpline
+
+        order = 1 if steps[0] > 0 else -1
+        times = CubicSpline(own[::order], reference.time[::order])(curve.x)
+    low, high = sorted((float(own[0]), float(own[-1])))
+    inside = (curve.x >= low) & (curve.x <= high)
+    if not inside.any():
+        raise ValueError(f"the motions have no {against} in common")
+    there = reference.at(name, np.clip(times[inside], *sorted(reference.time[[0, -1]])))
+    less = curve.y[inside] - there
+    return replace(
+        curve, time=curve.time[inside], x=curve.x[inside], y=less,
+        least=float(less.min()), greatest=float(less.max()),
+        quantity=f"difference in {curve.quantity}", name=f"difference in {curve.name}",
+    )  # fmt: skip
+
+
+def vectors(
+    sources: Mapping[str, Solution | xr.Dataset], names: Sequence[str]
+) -> tuple[Compared, ...]:
+    """Vectors of motions, y over x, one set of curves for each: ``M.reaction``, ``P.velocity``.
+
+    Raises
+    ------
+    ValueError
+        For series that are no vectors.
+    """
+    found = []
+    for name in names:
+        curves = []
+        for label, source in sources.items():
+            view = Viewed(source, [name])
+            series = view.series[name]
+            if not series.size:
+                raise ValueError(f"{name} has no direction; expected a vector such as M.reaction")
+            array = view.data[series.variable].sel(dict(series.place)).transpose("time", "axis")
+            x, y = array.to_numpy().astype(float).T
+            words, quantity, units = view.words(name)
+            shown = label if len(sources) > 1 else ""
+            curves.append(
+                Curve(shown, words, quantity, units, view.time, x, y, *view.extremes(name))
+            )
+        heading = str(view.data.attrs.get("name", ""))
+        found.append(Compared(tuple(curves), f"{curves[0].name}, x", curves[0].units, heading))
+    return tuple(found)

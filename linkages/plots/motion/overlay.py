@@ -1,0 +1,222 @@
+"""Figures of series that lie over each other, of one motion or of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from linkages.plots.motion.compared import Compared, Curve
+from linkages.plots.motion.curves import (
+    DENSE,
+    draw_curve,
+    mark_place,
+    show_steady,
+    swings_about,
+    thinned,
+)
+from linkages.plots.motion.free_axes import show_degrees
+from linkages.plots.motion.phase_curve import wrapped
+from linkages.plots.motion.time_page import Group, page
+from linkages.plots.prefixes import Scale, axis_scale, scale_of
+from linkages.plots.style import (
+    BLACK,
+    diagrams,
+    fitted,
+    legend_above,
+    line_style,
+    panels,
+    styled,
+)
+from linkages.solution.resolved import turning_points
+
+VEILED = 0.55
+"""Opacity of an envelope that lies over another one."""
+
+THIN = 0.6
+"""Width of a line that is denser than the paper, over what is not time."""
+
+
+@styled
+def figure(found: Compared, *, wrap: bool = False) -> Figure:
+    """A panel for each unit, with a few swings beside where curves over time are dense."""
+    groups: dict[str, list[int]] = {}
+    for k, curve in enumerate(found.curves):
+        groups.setdefault(curve.units, []).append(k)
+    made = [
+        Group(tuple(lines), found.over_time and any(dense(found.curves[k]) for k in lines))
+        for lines in groups.values()
+    ]
+    if is_place(found) and len(made) == 1:
+        entries = entries_of(found.curves)
+        result, (ax,) = panels(1, 1, 4.6, 0.34 + 0.16 * len(entries) * (len(entries) > 1))
+        draw(ax, found, wrap=wrap)
+        return result
+    axes = page(made, 1)
+    for group, panel in zip(made, axes, strict=True):
+        part = replace(found, curves=tuple(found.curves[k] for k in group.lines))
+        draw(panel.whole, part, wrap=wrap)
+        if panel.swings is not None:
+            _draw_swings(panel.whole, panel.swings, part)
+    made_figure = axes[0].whole.get_figure(root=True)
+    assert made_figure is not None
+    return made_figure
+
+
+def dense(curve: Curve) -> bool:
+    """Whether a curve is denser than the paper."""
+    return turning_points(curve.y) > DENSE
+
+
+def is_place(found: Compared) -> bool:
+    """Whether lengths are drawn over lengths, with equal scales."""
+    return {found.units, *(curve.units for curve in found.curves)} == {"m"}
+
+
+def draw(ax: Axes, found: Compared, *, wrap: bool = False) -> Axes:
+    """Draw curves of one unit.
+
+    Parameters
+    ----------
+    ax
+        Where to draw.
+    found
+        What to draw.
+    wrap
+        Whether angles to the right are taken within half a turn either way.
+
+    Raises
+    ------
+    ValueError
+        For curves of several units, which have no common axis.
+    """
+    units = {curve.units for curve in found.curves}
+    if len(units) > 1:
+        shown = " and ".join(repr(unit) for unit in units)
+        raise ValueError(f"series in {shown} have no common axis; expected those of one unit")
+    scales = scales_of(found)
+    lines, many = [], len(found.curves) > 1
+    for k, curve in enumerate(found.curves):
+        look = line_style(k)
+        if found.over_time:
+            opacity = {"alpha": VEILED} if many and dense(curve) else {}
+            lines.append(draw_curve(ax, curve.x, curve.y, scales, **look, **opacity))
+        else:
+            lines.append(_draw_over(ax, curve, scales, look, wrap and found.units == "rad"))
+    _finish(ax, found, scales)
+    entries = entries_of(found.curves)
+    if many:
+        ax.legend(lines, [fitted(e, 5.0, 8.0) for e in entries], **legend_above(found.heading))
+    else:
+        ax.set_title(fitted(found.heading, ax.bbox.width / ax.figure.dpi))
+    return ax
+
+
+def scales_of(found: Compared) -> tuple[Scale, Scale]:
+    """Scales of both axes; one for both where lengths are drawn over lengths."""
+    x = np.concatenate([curve.x for curve in found.curves])
+    y = np.concatenate([curve.y for curve in found.curves])
+    if is_place(found):
+        both = scale_of(np.concatenate([x, y]), "m")
+        return both, both
+    return axis_scale(x, found.units), axis_scale(y, found.curves[0].units)
+
+
+def _draw_over(
+    ax: Axes, curve: Curve, scales: tuple[Scale, Scale], look: dict[str, object], wrap: bool
+) -> Line2D:
+    """Draw a curve over something else than time."""
+    x, y = curve.x * scales[0].factor, curve.y * scales[1].factor
+    if wrap:
+        x, y = wrapped(curve.x, y)
+    if dense(curve):
+        look = look | {"linewidth": THIN, "linestyle": "-", "alpha": VEILED}
+    (line,) = ax.plot(x, y, marker="." if len(x) == 1 else "", **look)  # type: ignore[arg-type]
+    return line
+
+
+def _finish(ax: Axes, found: Compared, scales: tuple[Scale, Scale]) -> None:
+    ax.set_xlabel(scales[0].label(found.across))
+    ax.set_ylabel(scales[1].label(_common(found.curves)))
+    if is_place(found):
+        ax.set_aspect("equal", adjustable="datalim")
+        return
+    show_steady(ax, np.concatenate([curve.y for curve in found.curves]) * scales[1].factor)
+    if found.over_time:
+        ends = np.concatenate([curve.x[[0, -1]] for curve in found.curves]) * scales[0].factor
+        if np.ptp(ends) > 0:
+            ax.set_xlim(ends.min(), ends.max())
+    elif found.units == "rad":
+        drawn = [line.get_xdata() for line in ax.lines]
+        show_degrees(ax, np.concatenate([np.asarray(x, dtype=float) for x in drawn]))
+        ax.margins(x=0)
+
+
+def _common(curves: Sequence[Curve]) -> str:
+    """What curves have in common: the name of a series, or that of a quantity."""
+    for words in ({c.name for c in curves}, {c.quantity for c in curves}):
+        if len(words) == 1:
+            return words.pop()
+    return " or ".join(dict.fromkeys(curve.quantity for curve in curves))
+
+
+def entries_of(curves: Sequence[Curve]) -> list[str]:
+    """What curves differ in: the series, or the motion, or both."""
+    series = len({curve.name for curve in curves}) > 1
+    return [
+        ", ".join(part for part in ((curve.name if series else ""), curve.source) if part)
+        for curve in curves
+    ]
+
+
+def _draw_swings(whole: Axes, ax: Axes, found: Compared) -> None:
+    """A few swings of all curves where the first dense one is largest."""
+    scales = scales_of(found)
+    first = next(curve for curve in found.curves if dense(curve))
+    at = float(first.time[np.nanargmax(np.abs(first.y))])
+    low, high = swings_about(first.time, first.y, at)
+    for k, curve in enumerate(found.curves):
+        inside = (curve.time >= low) & (curve.time <= high)
+        x, y = thinned(curve.time[inside], curve.y[inside])
+        ax.plot(x * scales[0].factor, y * scales[1].factor, **line_style(k))
+    ax.set_xlim(low * scales[0].factor, high * scales[0].factor)
+    ax.margins(y=0.14)
+    ax.xaxis.set_major_locator(MaxNLocator(3, prune="both"))
+    ax.yaxis.tick_right()
+    ax.ticklabel_format(axis="y", scilimits=(-3, 5))
+    ax.set_xlabel(scales[0].label("time"))
+    ax.set_title("a few swings")
+    mark_place(whole, 0.5 * (low + high) * scales[0].factor)
+
+
+@styled
+def polar_figure(found: Sequence[Compared]) -> Figure:
+    """A diagram for each vector: the way of its tip around zero."""
+    result, axes = diagrams(len(found))
+    for ax, one in zip(axes, found, strict=True):
+        draw_vectors(ax, one)
+    return result
+
+
+def draw_vectors(ax: Axes, found: Compared) -> Axes:
+    """Draw the tips of vectors around zero, with equal scales."""
+    size = np.concatenate([np.hypot(curve.x, curve.y) for curve in found.curves])
+    scale = axis_scale(size, found.units)
+    for k, curve in enumerate(found.curves):
+        look = line_style(k) | ({"linewidth": THIN, "alpha": VEILED} if dense(curve) else {})
+        ax.plot(curve.x * scale.factor, curve.y * scale.factor, label=curve.source, **look)
+    ax.plot([0], [0], "+", color=BLACK, markersize=7, zorder=3)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel(scale.label(found.across))
+    ax.set_ylabel(scale.label("y"))
+    name = fitted(found.heading, ax.bbox.width / ax.figure.dpi)
+    if len(found.curves) > 1:
+        ax.legend(fontsize=7, title=name, title_fontsize=8, loc="best")
+    else:
+        ax.set_title(name)
+    return ax

@@ -1,0 +1,149 @@
+"""Tables of a run in the units of their readers: CSV, and XLSX with what it was computed from."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.reading.replacing import replaced
+from linkages.reports.units import Wanted, wanted
+from linkages.solution.origin import DEFINITION, origin_of
+from linkages.solution.solution import Solution
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_ROWS = 1_048_576
+"""Of a sheet, its head among them."""
+
+Columns = dict[str, NDArray[np.float64]]
+
+
+def save_table(solution: Solution, path: str | Path, units: Sequence[str] | str = ()) -> Path:
+    """Write all series of a run as a table, a row for each sample.
+
+    Parameters
+    ----------
+    solution
+        Of `linkages.simulate`.
+    path
+        Ends in ``.csv`` or ``.xlsx``. The latter has sheets with largest values, options and the
+        definition besides, and needs XlsxWriter: ``pip install 'linkages[xlsx]'``.
+    units
+        Units to use instead of SI, such as ``("mm", "deg", "rpm")``: they stand in the heads.
+
+    Raises
+    ------
+    ValueError
+        For another ending, for units that no series has, and for more rows than a sheet holds.
+    ImportError
+        If XlsxWriter is not installed.
+
+    Examples
+    --------
+    >>> import linkages, tempfile
+    >>> solution = linkages.simulate(linkages.load("slider-crank"), outputs=["slider_position"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = linkages.save_table(solution, f"{folder}/run.csv", units=["mm", "ms"])
+    ...     print(path.read_text().splitlines()[0])
+    time (ms),slider_position[piston] (mm)
+    """
+    file, chosen = Path(path), wanted(units) if units else Wanted()
+    columns = columns_of(solution.data, chosen)
+    if file.suffix == ".csv":
+        with replaced(file) as temporary, temporary.open("w", encoding="utf-8", newline="") as text:
+            writer = csv.writer(text, lineterminator="\n")
+            writer.writerow(columns)
+            writer.writerows(np.stack(list(columns.values()), axis=1).tolist())
+    elif file.suffix == ".xlsx":
+        _write_workbook(file, solution, columns, chosen)
+    else:
+        raise ValueError(f"path must end in .csv or .xlsx, found {file.name!r}")
+    return file
+
+
+def columns_of(data: xr.Dataset, units: Wanted) -> Columns:
+    """Head → values of each series, in the units that are wanted; time first."""
+    found: list[tuple[str, str, NDArray[np.float64]]] = [("time", "s", data["time"].to_numpy())]
+    for name, array in data.data_vars.items():
+        values = array.to_numpy().astype(float)
+        for place in np.ndindex(*values.shape[1:]):
+            labels = (data[dim].to_numpy() for dim in array.dims[1:])
+            element = ".".join(str(own[i]) for own, i in zip(labels, place, strict=True))
+            head = f"{name}[{element}]" if element else str(name)
+            found.append((head, str(array.attrs["units"]), values[:, *place]))
+    units.check(own for _, own, _ in found)
+    columns: Columns = {}
+    for head, own, values in found:
+        name, factor = units.of(own)
+        columns[f"{head} ({name})"] = values if factor == 1.0 else values * factor
+    return columns
+
+
+def rows_of_maxima(solution: Solution, units: Wanted) -> list[list[Any]]:
+    """Rows of least and largest values: quantity, element, both with their times, the units."""
+    clock, factor_of_time = units.of("s")
+    rows: list[list[Any]] = []
+    for row in solution.maxima:
+        name, factor = units.of(row["units"])
+        ends = [
+            number
+            for end in ("least", "greatest")
+            for number in (row[end] * factor, row[f"{end}_time"] * factor_of_time)
+        ]
+        rows.append([row["long_name"], row["element"], *ends, name, clock])
+    return rows
+
+
+def _write_workbook(path: Path, solution: Solution, columns: Columns, units: Wanted) -> None:
+    try:
+        import xlsxwriter
+    except ImportError:
+        message = "XLSX needs XlsxWriter, which is not installed: pip install 'linkages[xlsx]'"
+        raise ImportError(message) from None
+    count = solution.data.sizes["time"]
+    if count + 1 > MOST_ROWS:
+        raise ValueError(f"a sheet has {MOST_ROWS} rows at most, found {count} samples; write CSV")
+    origin = origin_of(solution.mechanism, solution.options)
+    about = [
+        ["mechanism", solution.mechanism.name],
+        *(["differs from its file", text] for text in solution.mechanism.changes),
+        *([name, str(value)] for name, value in json.loads(origin["options"]).items()),
+        ["computed by", origin["version"]],
+        ["libraries", origin["libraries"]],
+        *(["note", note] for note in solution.notes),
+    ]
+    heads = ["quantity", "of", "least", "at", "largest", "at", "unit", "unit of time"]
+    with replaced(path) as temporary:
+        plain = {"strings_to_formulas": False, "strings_to_urls": False, "nan_inf_to_errors": True}
+        with xlsxwriter.Workbook(temporary, plain) as book:
+            bold = book.add_format({"bold": True, "text_wrap": True, "valign": "top"})
+            sheet = book.add_worksheet("series")
+            sheet.write_row(0, 0, list(columns), bold)
+            sheet.set_column(0, len(columns) - 1, 16)
+            sheet.freeze_panes(1, 1)
+            for index, values in enumerate(columns.values()):
+                sheet.write_column(1, index, values.tolist())
+            _fill(book.add_worksheet("maxima"), [heads, *rows_of_maxima(solution, units)], bold)
+            _fill(book.add_worksheet("run"), [["what", "value"], *about], bold)
+            lines = [[line] for line in origin[DEFINITION].splitlines()]
+            _fill(book.add_worksheet(DEFINITION), [["YAML"], *lines], bold)
+
+
+def _fill(sheet: Any, rows: Sequence[Sequence[Any]], bold: Any) -> None:
+    """Write rows under a head."""
+    sheet.write_row(0, 0, rows[0], bold)
+    for index, row in enumerate(rows[1:], start=1):
+        for column, cell in enumerate(row):
+            (sheet.write_string if isinstance(cell, str) else sheet.write_number)(
+                index, column, cell
+            )
+    sheet.set_column(0, 0, 32)
+    sheet.set_column(1, len(rows[0]) - 1, 18)
+    sheet.freeze_panes(1, 0)

@@ -1,0 +1,196 @@
+"""A motion at samples so close that they show all that it does, whatever was asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkages.errors import InputError
+from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
+from linkages.solution.measuring.compiled import compiled_values
+from linkages.solution.measuring.followed import PER_STEP, Followed, denser, enough, through
+from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.resolved import PER_SWING, samples_per_swing
+from linkages.solution.values.episodes import states
+from linkages.solution.values.reactions import joint_reactions
+from linkages.solution.values.requests import REACTION, STATE, requested
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+
+MOST = 400_000
+"""Samples; a motion that needs more would take too much memory."""
+
+FEWEST = 2000
+"""Intervals of a motion that is not integrated: a load may change wherever it likes."""
+
+PER_TURN = 128
+"""Samples of a turn of a drive: what a turn repeats swings a few times in it."""
+
+
+class Dense:
+    """A motion between its samples: at closer ones, and anywhere between these.
+
+    Parameters
+    ----------
+    system, settings
+        What moves, and how it was computed.
+    motion
+        At close samples.
+    close
+        Whether they are close enough for polynomials through them to be the motion.
+    data
+        Outputs that follow from a whole motion, at whatever samples were asked for.
+    """
+
+    def __init__(
+        self, system: System, settings: Settings, motion: Motion, close: bool, data: xr.Dataset
+    ) -> None:
+        self.system, self.motion, self.close = system, motion, close
+        self._settings, self._data = settings, data
+        self._found: dict[str, Floats] = {}
+        self.rows: dict[str, list[dict[str, Any]]] = {}
+        """Variable → what is known of its extremes."""
+
+    @classmethod
+    def of(cls, system: System, settings: Settings, motion: Motion, data: xr.Dataset) -> Dense:
+        """A motion that has been computed, computed again at samples that are close enough."""
+        found = _resolved(system, motion, settings)
+        return cls(system, settings, found, _close(found), data)
+
+    @property
+    def time(self) -> Floats:
+        """Shape (samples,)."""
+        return self.motion.time
+
+    def values(self, name: str) -> Floats:
+        """A variable at the samples, shape (samples, …)."""
+        if name not in self._found:
+            self._found[name] = self._values(name)
+        return self._found[name]
+
+    def between(self, name: str, places: Floats) -> Floats:
+        """A variable at places in samples from the first one, shape (places, …)."""
+        variable = VARIABLES[name]
+        if variable.compared and self._ideal is not None:
+            return self.between(variable.compared, places) - self._ideal.between(
+                variable.compared, places
+            )
+        samples = self.values(name)
+        found = np.empty((len(places), *samples.shape[1:]))
+        open_ = np.ones(len(places), dtype=bool)
+        if self.close and (not variable.whole or name == REACTION):
+            for inside, piece in self._followed.within(places):
+                found[inside] = _evaluated(Motion(pieces=(piece,)), name)
+                open_[inside] = False
+        if open_.any():
+            columns = samples.reshape(len(samples), -1).T
+            rows = [through(column, places[open_], variable.smooth) for column in columns]
+            found[open_] = np.reshape(np.transpose(rows), (-1, *samples.shape[1:]))
+        return found
+
+    def _values(self, name: str) -> Floats:
+        variable = VARIABLES[name]
+        if not variable.whole or name == REACTION:
+            return _evaluated(self.motion, name)
+        if name == STATE:
+            return np.asarray(states(self.motion), dtype=float)
+        if variable.compared and self._ideal is not None:
+            own, ideal = (one.values(variable.compared) for one in (self, self._ideal))
+            return own[: len(ideal)] - ideal
+        given = self._data[name].to_numpy().astype(float)
+        if len(given) == len(self.time):
+            return given
+        return self._as_sampled(given, variable.smooth)
+
+    def _as_sampled(self, values: Floats, smooth: bool) -> Floats:
+        """Values at the samples that were asked for, at those of the motion here."""
+        time = self._data["time"].to_numpy()
+        order = 1 if time[-1] >= time[0] else -1
+        places = np.interp(self.time, time[::order], np.arange(len(time))[::order].astype(float))
+        columns = values.reshape(len(values), -1).T
+        rows = [through(column, places, smooth) for column in columns]
+        return np.reshape(np.transpose(rows), (len(places), *values.shape[1:]))
+
+    @cached_property
+    def _followed(self) -> Followed:
+        return Followed(self.system, self.motion, {})
+
+    @cached_property
+    def _ideal(self) -> Dense | None:
+        """The same mechanism without clearances at the same samples, where it comes as far."""
+        try:
+            ideal = System(self.system.mechanism.ideal())
+        except InputError:
+            return None
+        if ideal.topology.free and self.system.time:
+            return None
+        settings = _plain(self._settings, self.time)
+        motion = compute_motion(ideal, settings)
+        if len(motion.time) < len(self.time):
+            return None
+        return Dense(ideal, settings, motion, self.close, self._data)
+
+
+def _evaluated(motion: Motion, name: str) -> Floats:
+    with np.errstate(all="ignore"):  # at a singular position values are infinite
+        if name == REACTION:
+            return joint_reactions(motion)
+        return evaluate_variables(motion, [name], compiled_values)[name]
+
+
+def _plain(settings: Settings, times: Floats) -> Settings:
+    return replace(settings, times=times, work=False, losses=False, watch=None, events=())
+
+
+def _close(motion: Motion) -> bool:
+    """Whether nothing happens between samples that polynomials through them do not follow."""
+    count = len(motion.time)
+    return count > 1 and not motion.interrupted and enough(motion, count)
+
+
+def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
+    """A motion with samples as close as it needs, computed again where these are closer."""
+    count = len(motion.time)
+    if count < 2 or motion.interrupted:
+        return motion
+    if motion.method:
+        wanted = ceil(PER_STEP * motion.cost.get("steps", 0) / (count - 1))
+        factor = min(wanted, MOST // (count - 1))
+        return motion if factor <= 1 else _again(system, motion, settings, factor)
+    known = [name for name in requested(system, None) if not VARIABLES[name].whole]
+    names = [name for name in known if not VARIABLES[name].noise]
+    factor = ceil(max(FEWEST, PER_TURN * _turns(system, motion)) / (count - 1))
+    found = motion
+    while factor > 1 and factor * (count - 1) <= MOST:
+        found = _again(system, motion, settings, factor)
+        values = [_evaluated(found, name) for name in names]
+        short = ceil(PER_SWING / samples_per_swing(values))
+        if short <= 1:
+            break
+        factor *= short
+    return found
+
+
+def _again(system: System, motion: Motion, settings: Settings, factor: int) -> Motion:
+    return compute_motion(system, _plain(settings, denser(motion.time, factor)))
+
+
+def _turns(system: System, motion: Motion) -> float:
+    """Turns of the drive that turns most, there and back counted."""
+    angles = [name for name in system.topology.driven if system.mechanism.bodies[name].rotates]
+    nodes = [system.model.positions.angle(name) for name in angles]
+    rows = [system.evaluate(nodes, piece.time) for piece in motion.pieces if nodes]
+    if not rows:
+        return 0.0
+    whole = np.concatenate(rows, axis=1)
+    return float(np.abs(np.diff(whole)).sum(axis=1).max() / (2 * np.pi))

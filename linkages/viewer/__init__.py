@@ -1,0 +1,1 @@
+"""One page that shows a motion: offline, in a single file."""

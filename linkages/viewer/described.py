@@ -1,0 +1,139 @@
+"""A mechanism as a page carries it: what can be gripped, enlarged, and drawn as an arrow."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from math import atan2, dist
+from typing import Any, assert_never
+
+from linkages.components.contributed.measures import (
+    BodyAxis,
+    Coordinate,
+    Distance,
+    Measure,
+    Slide,
+    Turn,
+)
+from linkages.components.contributed.terms import PLAYING, Body
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.outputs import coordinate_of
+from linkages.kernel.system import System
+from linkages.plots.mechanism.bodies import clearance_ends
+from linkages.solution.values.series import system_series
+
+ACTING = {"force": "load_force", "torque": "load_torque", "spring": "spring_force",
+          "torsional_spring": "torsional_spring_torque"}  # fmt: skip
+"""Kind of a load → the output that says how much it exerts."""
+
+
+def described(system: System) -> dict[str, Any]:
+    """What a page must know of a mechanism besides its motion."""
+    mechanism, topology = system.mechanism, system.topology
+    return {
+        "name": mechanism.name,
+        "mobility": topology.mobility,
+        "driven": [_coordinate(system, name) for name in topology.driven],
+        "free": [_coordinate(system, name) for name in topology.free],
+        "ground": sorted(mechanism.ground),
+        "bodies": _bodies(mechanism),
+        "clearances": _clearances(mechanism),
+        "loads": _loads(system),
+    }
+
+
+def _coordinate(system: System, body: str) -> str:
+    """The name of the series that is the coordinate of a body."""
+    variable = coordinate_of(system.mechanism.bodies[body].kind)
+    return _series(system)[(variable, body)]
+
+
+def _series(system: System) -> dict[tuple[str, str], str]:
+    """Output and element → name of the series, of outputs with one value for each element."""
+    found = {}
+    for series in system_series(system).values():
+        if len(series.place) == 1:
+            (element,) = series.place.values()
+            found[(series.variable, element)] = series.name
+    return found
+
+
+def _bodies(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """Bodies: the joints by which they are gripped, and how it is told how they are turned."""
+    return [
+        {
+            "name": name,
+            "joints": [] if body.kind in PLAYING else list(body.points),
+            "guide": None if body.guide is None
+            else {"body": body.guide.body, "angle": body.guide.angle.value},
+            "pair": _pair(body),
+            "follows": _follows(mechanism, name),
+        }
+        for name, body in mechanism.bodies.items()
+    ]  # fmt: skip
+
+
+def _pair(body: Body) -> tuple[str, str, float] | None:
+    """The two joints of a body that are farthest apart, and their direction in its own frame."""
+    own = {name: (x.value, y.value) for name, (x, y) in body.points.items()}
+    pairs = [(dist(own[a], own[b]), a, b) for a, b in combinations(own, 2)]
+    far, first, second = max(pairs, default=(0.0, "", ""))
+    if body.guide is not None or not far:
+        return None
+    (ax, ay), (bx, by) = own[first], own[second]
+    return first, second, atan2(by - ay, bx - ax)
+
+
+def _follows(mechanism: Mechanism, name: str) -> dict[str, Any] | None:
+    """The weld or gear that says how a body follows others."""
+    for relation in mechanism.relations:
+        if relation.body == name and mechanism.bodies[name].rotates:
+            parts = [(other, ratio.value) for other, ratio in relation.parts]
+            return {"offset": relation.offset.value, "parts": parts}
+    return None
+
+
+def _clearances(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """Journals and bearings: the joint, the centre of the bearing, the radial clearance."""
+    found = []
+    for hole, joint in clearance_ends(mechanism).items():
+        name = hole.removeprefix(f"{joint}.")
+        own = next(own for own in mechanism.clearances if own.name == name)
+        found.append({"name": name, "joint": joint, "bearing": hole, "size": own.size,
+                      "force": f"{name}.force"})  # fmt: skip
+    return found
+
+
+def _loads(system: System) -> list[dict[str, Any]]:
+    """Loads with what they act along, and the series that says how much."""
+    known, model = _series(system), system.model
+    found = []
+    for load in model.loads:
+        series = known.get((ACTING[load.dimension], load.label))
+        where = _acting(system.mechanism, load.load.measure)
+        if series is not None and where is not None:
+            found.append({"series": series, **where})
+    return found
+
+
+def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
+    """Where a load acts and which way; None where the joints of a body do not tell."""
+    match measure:
+        case Distance(first, second):
+            return {"kind": "between", "joints": [first, second]}
+        case Coordinate(joint, axis):
+            return {"kind": "fixed", "joint": joint, "axis": axis}
+        case BodyAxis(joint, body, axis):
+            return {"kind": "turning", "joint": joint, "body": body, "axis": axis}
+        case Slide(body):
+            guide, points = mechanism.bodies[body].guide, mechanism.bodies[body].points
+            if guide is None or not points:
+                return None
+            carrier = guide.body
+            return {"kind": "along", "joint": next(iter(points)), "body": carrier,
+                    "angle": guide.angle.value}  # fmt: skip
+        case Turn(body):
+            points = mechanism.bodies[body].points
+            pivots = [joint for joint in points if joint in mechanism.ground] or [*points]
+            return {"kind": "about", "joint": pivots[0]} if pivots else None
+        case _:
+            assert_never(measure)

@@ -1,0 +1,56 @@
+"""The page itself: text of its parts, joined into one file."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from functools import cache
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+SCRIPTS = (
+    "content.js", "unpack.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
+    "look.js", "shapes.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js", "axes.js",
+    "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
+    "numbers.js", "change.js", "main.js",
+)  # fmt: skip
+"""In the order in which the page reads them."""
+
+_EXPORT = re.compile(r"^export ", re.MULTILINE)
+"""Browsers start no modules beside a page that was opened from a disk, but scripts."""
+
+_PLACE = re.compile(r"\{\{(\w+)\}\}")
+
+
+def page(content: dict[str, Any], kernel: Sequence[str]) -> str:
+    """The whole file.
+
+    Parameters
+    ----------
+    content
+        What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
+    kernel
+        Modules without imports that export ``model`` and ``integrate``.
+    """
+    beside = [*kernel, _asset("worker.js")]
+    parts = {
+        "title": escape(str(content["mechanism"]["name"])),
+        "style": _asset("style.css"),
+        "content": _json(content),
+        "worker": "\n".join(_EXPORT.sub("", text) for text in beside),
+        "script": "\n".join(_asset(name) for name in SCRIPTS),
+    }
+    return _PLACE.sub(lambda found: parts[found[1]], _asset("page.html"))
+
+
+def _json(content: dict[str, Any]) -> str:
+    """JSON that cannot end the element that it stands in."""
+    text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+@cache
+def _asset(name: str) -> str:
+    return files("linkages.viewer").joinpath("assets", name).read_text(encoding="utf-8")

@@ -1,0 +1,209 @@
+"""Mechanisms, states and what kernels and NumPy say of them: what exported programs must say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import linkages
+from linkages.exports.kernels.exported import exported
+from linkages.kernel.numbers.parameters import NEAREST
+from linkages.kernel.system import System
+from linkages.kernel.varying import Varying
+from linkages.solution.values.series import system_series
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = sorted(path.stem for path in (ROOT / "mechanisms").glob("*.yaml"))
+SCENES = {
+    # tables over time and over an angle, an internal state, a function, a clearance that is led
+    "tables": """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 1.2, inertia: 0.08}
+  rod: {joints: [A, B], length: 140 mm, mass: 0.4}
+sliders:
+  piston: {joint: B, through: O, mass: 0.45}
+free: {crank: {angle: 0.3, speed: 100}}
+maxwell:
+  - {slider: piston, stiffness: 20 N/mm, damping: 400 N s/m}
+loads:
+  - slider: piston
+    force: {table: {over: crank.angle, at: [0, 1, 3, 6.2832], values: [-9, -5, 0, -9],
+            periodic: true}}
+  - bar: crank
+    torque: {table: {times: [0, 0.01, 0.03], values: [1, 3, 2], interpolation: pchip}}
+  - {bar: crank, torque: -0.01*tanh(crank.speed/20)*exp(-t)}
+assembly: {B: [180 mm, 0]}
+""",
+    # springs that feel whole turns of dependent angles; a gear, a weld, a cam
+    "wound": """
+gravity: [0, -9.81]
+joints: {O: [0, 0], C: [0.3, 0], Q: [0, 0.4]}
+bars:
+  crank: {joints: [O, A], length: 0.1, mass: 1}
+  coupler: {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [C, B], length: 0.2, mass: 1}
+  wheel: {joints: [Q, W], length: 0.05, mass: 0.2}
+  arm: {joints: [W, V], length: 0.1, mass: 0.1}
+sliders:
+  valve: {joint: P, through: [0, 0.8], angle: 90 deg, mass: 0.1}
+free: {crank: {angle: 1, speed: 2}}
+springs:
+  - {bar: rocker, stiffness: 3, angle: 400 deg}
+  - {between_bars: [coupler, rocker], stiffness: 2, angle: 20 deg, damping: 0.1}
+gears:
+  - {bars: [crank, wheel], ratio: -1.7}
+welds:
+  W: {bars: [wheel, arm], angle: 40 deg}
+cams:
+  - {slider: valve, bar: wheel, angles: [0, 2, 4, 360 deg], lifts: [0, 6 mm, 1 mm, 0],
+     offset: 50 mm}
+assembly: {B: left}
+""",
+    # an impact with restitution, seven times
+    "bounce": """
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+sliders: {ball: {joint: B, through: O, angle: 90 deg, mass: 1}}
+stops: [{slider: ball, lower: 0, restitution: 0.8}]
+free: {ball: {position: 1, speed: 0}}
+""",
+    # Coulomb friction, in which the block sticks in the end
+    "rub": """
+joints: {O: [0, 0]}
+sliders: {block: {joint: B, through: O, mass: 1}}
+springs: [{slider: block, stiffness: 50, position: 0}]
+loads: [{slider: block, force: -2*sign(block.velocity)}]
+free: {block: {position: 0.3, speed: 0}}
+""",
+}  # fmt: skip
+NAMES = [*SHIPPED, *SCENES]
+PARALLELOGRAM = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  a: {joints: [O, A], length: 0.5, mass: 1}
+  b: {joints: [A, B], length: 1, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+drives: {a: {angle: 60 deg, speed: -6}}
+assembly: {B: [1.25, 0.4]}
+simulate: {end: 0.4, samples: 4}
+"""
+CHANGES = np.pi / 3 / 6
+"""When its bars are in line."""
+SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
+"""Mechanisms whose equations change, and for how long they are followed."""
+TIMES = (0.0, 0.013, 0.04)
+
+NEAR = 1e-13
+"""Of the largest value of a variable: libraries differ in last digits of sines, and formulas with
+cancellation carry some of that on."""
+
+
+@cache
+def system(name):
+    """A shipped mechanism or a scene, assembled."""
+    if name in SCENES:
+        return System(linkages.loads(SCENES[name]))
+    return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
+
+
+@cache
+def kernel(name):
+    """The same as it is exported."""
+    return exported(system(name))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A time, a state, and what follows."""
+
+    time: float
+    state: np.ndarray
+    rates: np.ndarray
+    outputs: np.ndarray
+
+
+@cache
+def cases(name):
+    """States about the initial one, whose loops close."""
+    of, random = system(name), np.random.default_rng(5)
+    own = kernel(name).quantities
+    nodes = [system_series(of)[q.name].node(of.model) for q in own]
+    accelerations = of.model.integrated_accelerations(of.model.changes)
+    moved = of.layout.moved
+    half = len(of.layout.coordinates)
+    found = []
+    for time in TIMES:
+        state = of.state.copy()
+        for rows in (slice(0, moved), slice(half, half + moved)):
+            state[rows] += 0.02 * (time > 0) * random.normal(size=moved)
+        held = of.starting_held()[:, None]
+        if of.layout.carried:
+            state[of.layout.carried_rows] = of.evaluate(
+                of.model.settled, time, state[:, None], held=held
+            )[:, 0]
+        second = of.evaluate(accelerations, time, state[:, None], held=held)
+        outputs = of.evaluate(nodes, time, state[:, None], second, held=held)[:, 0]
+        rates = np.concatenate([state[half:], second[:, 0]])
+        rates[len(of.layout.free) : moved] = 0.0
+        if of.layout.free and not kernel(name).modes:  # what compiled code says of it
+            rows = of.layout.state_rows
+            rates[rows] = linkages.compile(of.mechanism)(time, state[rows])
+        found.append(Case(time, state, rates, outputs))
+    return found
+
+
+def assert_near(found, expected, groups=None):
+    """Equal but for round-off of the largest value of a group."""
+    expected = np.array(expected, dtype=float)
+    found = np.array([float(str(value).replace("Infinity", "inf")) for value in found])
+    names = np.array(groups if groups is not None else [""] * len(found))
+    for group in dict.fromkeys(names):
+        rows = names == group
+        sizes = np.abs(expected[rows])
+        near = NEAR * sizes[np.isfinite(sizes)].max(initial=1.0)
+        np.testing.assert_allclose(found[rows], expected[rows], rtol=0, atol=near, err_msg=group)
+
+
+CHANGED = 1.004
+"""By how much numbers are changed: mechanisms can still be assembled, and round-off is far less."""
+
+
+@cache
+def changes(name):
+    """For each number of the file, and for all at once: numbers, parameters, initial state."""
+    own, varying = kernel(name), Varying(system(name).mechanism)
+    values = [number.value for number in own.feed.numbers]
+    # without closed forms each is assembled by a search, which takes its time
+    every = range(0, len(values), 6 if system(name).layout.carried else 1)
+    found = []
+    for changed in (*({place} for place in every), set(every)):
+        numbers = [v * (CHANGED if k in changed else 1.0) for k, v in enumerate(values)]
+        paths = {own.feed.numbers[k].path: numbers[k] for k in changed}
+        other = varying.at(paths)
+        found.append((numbers, other.parameters, other.state))
+    return found
+
+
+def compared_parameters(name):
+    """Places of parameters that follow from numbers: what tells round-off apart does not."""
+    return [k for k, path in enumerate(kernel(name).parameters) if path != NEAREST]
+
+
+FOLLOWED = ("joint_position", "slider_position")
+
+
+def switched(name):
+    """Times, and what `linkages.simulate` says of a mechanism whose equations change."""
+    times = np.linspace(0.0, SWITCHED[name], 31)
+    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
+    return times, np.hstack([data[variable].values.reshape(31, -1) for variable in FOLLOWED])
+
+
+def followed_rows(name):
+    """Places of the same among all outputs."""
+    quantities = kernel(name).quantities
+    return [k for v in FOLLOWED for k, q in enumerate(quantities) if q.variable == v]

@@ -1,0 +1,163 @@
+"""JavaScript in a browser, against the compiled kernel and NumPy."""
+
+import json
+
+import numpy as np
+import pytest
+from browser import Browser, needs_browser
+from exported_states import (
+    CHANGES,
+    NAMES,
+    PARALLELOGRAM,
+    SWITCHED,
+    assert_near,
+    cases,
+    changes,
+    compared_parameters,
+    followed_rows,
+    kernel,
+    switched,
+    system,
+)
+
+import linkages
+from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.kernel.system import System
+
+pytestmark = needs_browser
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    file = tmp_path_factory.mktemp("page") / "empty.html"
+    file.write_text("<!doctype html><title>empty</title>", encoding="utf-8")
+    with Browser() as browser:
+        found = browser.page()
+        found.open(file)
+        yield found
+
+
+def run(page, text, expression):
+    """The value of an expression after the text of modules."""
+    plain = text.replace("export ", "")
+    return page.evaluate(f"(() => {{ {plain}\nreturn ({expression}); }})()")
+
+
+EVALUATED = """
+cases.map(({ time, state }) => {
+  const rates = new Float64Array(2 * model.coordinates.length);
+  const outputs = new Float64Array(model.series.length);
+  const own = Float64Array.from(state);
+  const status = [
+    model.settled(time, own, model.parameters),
+    model.rates(time, own, model.parameters, rates),
+    model.outputs(time, own, model.parameters, outputs),
+  ];
+  return { status, own: [...own], rates: [...rates], outputs: [...outputs].map(String) };
+})
+"""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rates_and_outputs_are_those_of_numpy(name, page):
+    given = [{"time": case.time, "state": case.state.tolist()} for case in cases(name)]
+    text = javascript_module(system(name)) + f"\nconst cases = {json.dumps(given)};"
+    groups = [quantity.variable for quantity in kernel(name).quantities]
+    for found, case in zip(run(page, text, EVALUATED), cases(name), strict=True):
+        assert found["status"] == [0, 0, 0]
+        half = len(case.rates) // 2
+        assert_near(found["own"], case.state)
+        assert_near(found["rates"][half:], case.rates[half:])
+        assert_near(found["rates"][:half], case.rates[:half])
+        assert_near(found["outputs"], case.outputs, groups)
+
+
+def test_two_seconds_of_the_nine_bar_are_those_of_simulate(page):
+    """Tolerances of 1e-12 and below are far beneath 1e-9 of every output's size."""
+    own = system("ninebar")
+    times = np.linspace(0.0, 2.0, 41)
+    data = linkages.simulate(own.mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
+    expected = np.hstack([data[name].values.reshape(41, -1) for name in FOLLOWED])
+    quantities = kernel("ninebar").quantities
+    rows = [k for name in FOLLOWED for k, q in enumerate(quantities) if q.variable == name]
+    text = javascript_module(own) + javascript_integrator()
+    text += f"\nconst times = {json.dumps(times.tolist())};"
+    ended = run(page, text, MOVED)
+    assert ended["status"] == 0
+    found = np.array(ended["values"], dtype=float)[:, rows]  # none where one is infinite
+    assert found.shape == expected.shape
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+FOLLOWED = ("joint_position", "slider_position", "clearance_angle")
+MOVED = """
+(() => {
+  const values = [], state = model.state.slice(), out = new Float64Array(model.series.length);
+  const parameters = model.parameters.slice();
+  const ended = integrate(model, parameters, state, times, { rtol: 1e-12, atol: 1e-14 },
+    (i, t, reached) => {
+      model.outputs(t, reached, parameters, out);
+      values.push([...out]);
+    });
+  return { ...ended, values };
+})()
+"""
+
+
+FED = """
+numbers.map((given) => {
+  const parameters = model.parameters.slice(), state = model.state.slice();
+  const status = model.feed(Float64Array.from(given), parameters, state);
+  return { status, parameters: [...parameters], state: [...state] };
+})
+"""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_numbers_of_the_file_lead_to_its_parameters_and_state(name, page):
+    """A component carried out with nodes is what the changed file says, one number at a time."""
+    given = [numbers for numbers, *_ in changes(name)]
+    text = javascript_module(system(name)) + f"\nconst numbers = {json.dumps(given)};"
+    rows = compared_parameters(name)
+    for found, (_, parameters, state) in zip(run(page, text, FED), changes(name), strict=True):
+        assert found["status"] == 0
+        np.testing.assert_allclose(
+            np.array(found["parameters"], dtype=float)[rows],
+            parameters[rows],
+            rtol=1e-14,
+            atol=1e-15,
+        )
+        np.testing.assert_allclose(found["state"], state, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("tolerances", ["{}", "{rtol: 1e-7, atol: 0}", "{rtol: 1e-7, atol: null}"])
+def test_what_stays_zero_has_no_error(tolerances, page):
+    """A bar at rest in its balance: no tolerance is asked of zeros."""
+    text = "joints: {O: [0, 0]}\nbars: {b: {joints: [O, P], length: 1, mass: 1}}\n"
+    of = System(linkages.loads(text + "free: {b: {angle: 0, speed: 0}}"))
+    still = f"integrate(model, model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
+    ended = run(page, javascript_module(of) + javascript_integrator(), still)
+    assert (ended["status"], ended["time"]) == (0, 1)
+
+
+@pytest.mark.parametrize("name", SWITCHED)
+def test_contacts_and_friction_are_those_of_simulate(name, page):
+    """Touches, impacts, sticking: all changes are located on the dense output, far below 1e-9."""
+    times, expected = switched(name)
+    rows = followed_rows(name)
+    text = javascript_module(system(name)) + javascript_integrator()
+    ended = run(page, text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
+    assert ended["status"] == 0
+    found = np.array(ended["values"], dtype=float)[:, rows]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_change_points_end_driven_motions(page):
+    of = System(linkages.loads(PARALLELOGRAM))
+    times = "[0, 0.4 / 3, 0.8 / 3, 0.4]"
+    followed = f"integrate(model, model.parameters, model.state, {times}, {{}}, () => 0)"
+    said = f"[{followed}].map((e) => [e.time, model.statuses[e.status]])[0]"
+    time, text = run(page, javascript_module(of) + javascript_integrator(), said)
+    assert time == pytest.approx(CHANGES, abs=1e-5)
+    assert "singular" in text
+    assert "joint B" in text

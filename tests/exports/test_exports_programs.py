@@ -1,0 +1,360 @@
+"""C by gcc and Python in a clean namespace, against NumPy and `linkages.simulate`."""
+
+import csv
+import ctypes
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from runpy import run_path
+
+import numpy as np
+import pytest
+from exported_states import (
+    CHANGES,
+    NAMES,
+    PARALLELOGRAM,
+    SCENES,
+    SWITCHED,
+    assert_near,
+    cases,
+    changes,
+    compared_parameters,
+    followed_rows,
+    kernel,
+    switched,
+    system,
+)
+
+import linkages
+from linkages.exports import Subject, files_of
+from linkages.exports.kernels.c import c_files
+from linkages.exports.kernels.javascript import javascript_module
+from linkages.exports.kernels.python import python_module
+from linkages.kernel.system import System
+
+STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+SOME = ["andrews", "class-three", "five-bar", "ninebar", "slider-crank-contact", *SCENES]
+"""Several coordinates, iterated groups, infinite outputs, welds, clearances, modes."""
+
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc on the PATH")
+Doubles = ctypes.POINTER(ctypes.c_double)
+
+
+def in_c(name, stem):
+    return c_files(system(name), stem, system(name).mechanism.simulation)
+
+
+def in_python(of):
+    return python_module(of, of.mechanism.simulation)
+
+
+def groups(name):
+    return [quantity.variable for quantity in kernel(name).quantities]
+
+
+def write(files, folder):
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+@needs_gcc
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(set(NAMES) - set(SOME)))
+def test_c_is_strict_c99(name, tmp_path):
+    write(in_c(name, name), tmp_path)
+    subprocess.run([*STRICT, "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)
+
+
+@pytest.fixture(scope="module", params=SOME)
+def library(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("c")
+    write(in_c(request.param, "model"), folder)
+    options = ["-O0", "-ffp-contract=off", "-DMODEL_WITHOUT_MAIN", "-shared", "-fPIC"]
+    command = [*STRICT, *options, "model.c", "-o", "model.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return request.param, ctypes.CDLL(str(folder / "model.so"))
+
+
+def called(function, *arguments):
+    """The status of a function of C; numbers go by value, arrays by address."""
+    given = [
+        ctypes.c_double(a) if isinstance(a, float) else a.ctypes.data_as(Doubles) for a in arguments
+    ]
+    return function(*given)
+
+
+@needs_gcc
+def test_c_equals_numpy(library):
+    name, code = library
+    p, y = np.zeros(len(kernel(name).p) + 1), np.zeros(len(kernel(name).state) + 1)
+    numbers = np.array([number.value for number in kernel(name).feed.numbers])
+    assert called(code.model_start, numbers, p, y) == 0
+    for case in cases(name):
+        own = np.array([*case.state, 0.0])
+        rates, outputs = np.zeros(len(own)), np.zeros(len(case.outputs))
+        assert called(code.model_settle, case.time, own, p) == 0
+        assert called(code.model_rates, case.time, own, p, rates) == 0
+        assert called(code.model_outputs, case.time, own, p, outputs) == 0
+        assert_near(rates[:-1], case.rates)
+        assert_near(outputs, case.outputs, groups(name))
+
+
+@needs_gcc
+def test_c_follows_numbers_of_the_file(library):
+    name, code = library
+    rows = compared_parameters(name)
+    for numbers, parameters, state in changes(name):
+        p, y = np.zeros(len(kernel(name).p) + 1), np.zeros(len(state) + 1)
+        assert called(code.model_start, np.array(numbers), p, y) == 0
+        np.testing.assert_allclose(p[rows], parameters[rows], rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(y[:-1], state, rtol=1e-12, atol=1e-14)
+
+
+PRINTED = ("joint_position", "bar_angle", "bar_speed", "drive_effort")
+
+
+def simulated(name, end, samples, **values):
+    """Columns of `PRINTED` by name, of a motion by this package."""
+    mechanism = system(name).mechanism.with_values(values)
+    data = linkages.simulate(
+        mechanism, end=end, samples=samples, rtol=1e-12, outputs=PRINTED
+    ).data  # fmt: skip
+    columns = np.hstack([data[v].values.reshape(samples, -1) for v in PRINTED])
+    variables = [q.name for v in PRINTED for q in kernel(name).quantities if q.variable == v]
+    return dict(zip(variables, columns.T, strict=True))
+
+
+def assert_printed(text, expected):
+    """Columns of a table are those of a motion; whole turns of dependent angles are not counted."""
+    heading, *rows = csv.reader(text.splitlines())
+    table = dict(zip(heading, np.array(rows, dtype=float).T, strict=True))
+    for name, values in expected.items():
+        difference = table[name] - values
+        if name.endswith(".angle"):
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        assert np.abs(difference).max() < 1e-9 * max(1.0, np.abs(values).max()), name
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    """Compiles a mechanism as a user would, and runs it."""
+    folder = tmp_path_factory.mktemp("programs")
+
+    def run(name, *arguments):
+        if not (folder / name).exists():
+            write(in_c(name, name), folder)
+            subprocess.run([*STRICT, "-O1", f"{name}.c", "-o", name, "-lm"], cwd=folder, check=True)
+        command = [folder / name, *arguments]
+        return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+
+    return run
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    ("end", "method"),
+    [(2.0, ("--rtol", "1e-12", "--atol", "1e-14")), (0.5, ("--method", "rk4", "--step", "5e-6"))],
+    ids=["dop853", "rk4"],
+)
+def test_a_program_in_c_prints_the_motion_of_simulate(end, method, program):
+    """Steps of rk4 are so short that its error is a few per cent of what is allowed."""
+    done = program("ninebar", "--end", str(end), "--samples", "21", *method)
+    assert done.returncode == 0, done.stderr
+    expected = simulated("ninebar", end, 21)
+    del expected["crank1.effort"], expected["crank4.effort"]  # 1e4 times as sensitive
+    assert_printed(done.stdout, expected)
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", ["four-bar", "class-three"])
+def test_a_driven_mechanism_in_c_prints_positions_speeds_and_efforts(name, program):
+    done = program(name, "--end", "1", "--samples", "11")
+    assert_printed(done.stdout, simulated(name, 1.0, 11))
+
+
+@needs_gcc
+def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
+    done = program("four-bar", "--samples", "5", "bars.crank.length=0.045")
+    expected = simulated("four-bar", 1.0, 5, **{"bars.crank.length": 0.045})
+    assert_printed(done.stdout, expected)
+    far = program("four-bar", "bars.crank.length=3")
+    assert far.returncode == 1
+    assert "cannot be assembled: joint B" in far.stderr
+    wrong = program("four-bar", "bars.crank.lenght=3")
+    assert wrong.returncode == 2
+    assert "bars.crank.length=" in wrong.stderr
+    contact = program("slider-crank-contact", "--method", "rk4")
+    assert contact.returncode == 1
+    assert "does not follow" in contact.stderr
+    assert "gap: touch" in contact.stderr
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", SWITCHED)
+def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
+    _, expected = switched(name)
+    options = [
+        "--end",
+        str(SWITCHED[name]),
+        "--samples",
+        "31",
+        "--rtol",
+        "1e-12",
+        "--atol",
+        "1e-14",
+    ]
+    done = program(name, *options)
+    assert done.returncode == 0, done.stderr
+    table = np.array([*csv.reader(done.stdout.splitlines())][1:], dtype=float)[:, 1:]
+    np.testing.assert_allclose(table[:, followed_rows(name)], expected, rtol=0, atol=1e-9)
+
+
+# --- Python ---
+
+
+def run_module(text, folder):
+    """The names of a module in a namespace of its own."""
+    (folder / "alone.py").write_text(text, encoding="utf-8")
+    return run_path(str(folder / "alone.py"))
+
+
+@pytest.fixture(scope="module")
+def module(tmp_path_factory):
+    """A module in a namespace of its own."""
+    folder = tmp_path_factory.mktemp("modules")
+    known = {}
+
+    def load(name):
+        if name not in known:
+            write(
+                {f"{name}.py": in_python(system(name))},
+                folder,
+            )
+            known[name] = folder / f"{name}.py", run_path(str(folder / f"{name}.py"))
+        return known[name]
+
+    return load
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_python_equals_numpy(name, module):
+    _, found = module(name)
+    p, _ = found["start"]()
+    for case in cases(name):
+        state = found["settled"](case.time, case.state, p)
+        assert_near(state, case.state)
+        assert_near(found["rates"](case.time, state, p), case.rates)
+        assert_near(found["outputs"](case.time, state, p), case.outputs, groups(name))
+
+
+@pytest.mark.parametrize("name", ["class-three", "ninebar"])
+def test_python_follows_numbers_of_the_file(name, module):
+    _, found = module(name)
+    rows = compared_parameters(name)
+    for numbers, parameters, state in changes(name):
+        p, y = found["start"](**dict(zip(found["NUMBERS"], numbers, strict=True)))
+        np.testing.assert_allclose(p[rows], parameters[rows], rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(y, state, rtol=1e-12, atol=1e-14)
+
+
+def test_a_python_module_runs_without_this_package(module):
+    """With no path to this package, in another process."""
+    file, _ = module("four-bar")
+    alone = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    command = [sys.executable, "-c", BARE, str(file), "--end", "1", "--samples", "5"]
+    done = subprocess.run(command, env=alone, cwd=file.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert_printed(done.stdout, simulated("four-bar", 1.0, 5))
+
+
+BARE = """
+import runpy, sys
+del sys.argv[0]
+runpy.run_path(sys.argv[0], run_name="__main__")
+assert not any(name.split(".")[0] == "linkages" for name in sys.modules)
+"""
+
+
+def test_python_refuses_to_follow_contacts(module):
+    _, found = module("slider-crank-contact")
+    with pytest.raises(ArithmeticError, match="gap: touch"):
+        found["integrate"]([0.0, 0.1], *found["start"]())
+
+
+def test_python_integrates_the_double_pendulum(module):
+    """Both with SciPy and with equal steps, whose error falls by 2⁴ as they are halved."""
+    _, found = module("double-pendulum")
+    times = np.linspace(0.0, 0.5, 6)
+    p, y = found["start"]()
+    states = found["integrate"](times, p, y, rtol=1e-12, atol=1e-12)
+    steps = found["_equal_steps"](times, p, y)
+    data = linkages.simulate(
+        system("double-pendulum").mechanism, times=times, rtol=1e-12, outputs=["bar_angle"]
+    ).data
+    np.testing.assert_allclose(states[:, :2], data.bar_angle.values, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(steps, states, rtol=0, atol=1e-9)
+
+
+STRANGE = r"""
+name: 'A */ </script> "\"" \ ??/ %s "Ärm" of 5 µm'
+gravity: [0, -9.81]
+joints: {O: [0, 0]}
+bars: {"große Stange": {joints: [O, "P ü"], length: 1, mass: 1}}
+free: {"große Stange": {angle: 0.3, speed: 0}}
+"""
+
+
+def test_names_of_a_definition_cannot_disturb_programs(tmp_path):
+    """Comments, texts and formats of a language may stand in names; they come out as they are."""
+    of = System(linkages.loads(STRANGE))
+    found = run_module(in_python(of), tmp_path)
+    assert found["COORDINATES"] == ["große Stange"]
+    text = javascript_module(of)
+    assert "</script>" not in text
+    assert json.dumps(of.mechanism.name).replace("<", "\\u003c") in text
+    if shutil.which("gcc") is None:
+        return
+    write(c_files(of, "5 odd-names", of.mechanism.simulation), tmp_path)
+    compiled = [*STRICT, "5 odd-names.c", "-o", "odd", "-lm"]
+    subprocess.run(compiled, cwd=tmp_path, check=True)
+    command = [tmp_path / "odd", "--samples", "2"]
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=True)
+    assert done.stdout.startswith("time,große Stange.angle,")
+
+
+def test_formats_are_found_and_take_the_options_of_the_motion(tmp_path):
+    mechanism = linkages.load("four-bar")
+    names = {
+        to: [file.name for file in linkages.export(mechanism, to, tmp_path, name="bar")]
+        for to in ("c", "python", "javascript", "mjcf")
+    }
+    assert names == {
+        "c": ["bar.h", "bar.c"], "python": ["bar.py"], "javascript": ["bar.js"],
+        "mjcf": ["bar.xml"],
+    }  # fmt: skip
+    subject = Subject(mechanism, "bar", None, {"end": 0.25, "samples": 7})
+    (text,) = files_of(subject, "python", {}).values()
+    assert "END, SAMPLES = 0.25, 7" in text
+
+
+def test_programs_end_at_change_points(tmp_path):
+    """Between two samples, with the joint; where the margin is 1e-7 its time is known to 1e-6."""
+    of = System(linkages.loads(PARALLELOGRAM))
+    found = run_module(in_python(of), tmp_path)
+    with pytest.raises(ArithmeticError, match=r"singular.*joint B") as refusal:
+        found["integrate"](np.linspace(0.0, 0.4, 4), *found["start"]())
+    (time,) = re.findall(r"t = ([\d.]+) s", str(refusal.value))
+    assert float(time) == pytest.approx(CHANGES, abs=1e-5)
+    if shutil.which("gcc") is None:
+        return
+    write(c_files(of, "p", of.mechanism.simulation), tmp_path)
+    subprocess.run([*STRICT, "p.c", "-o", "p", "-lm"], cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "p"], capture_output=True, text=True, encoding="utf-8")
+    assert done.returncode == 1
+    assert "singular" in done.stderr
+    (time,) = re.findall(r"t = ([\d.]+) s", done.stderr)
+    assert float(time) == pytest.approx(CHANGES, abs=1e-5)
+    assert len(done.stdout.splitlines()) == 3  # the heading, and two times before

@@ -1,0 +1,63 @@
+"""Reports say what was computed, from what, and can be computed again."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+import linkages
+from linkages.reports.inputs import MARK, input_rows
+from linkages.reports.report import LATE, OPEN, report_of
+
+
+@pytest.fixture(scope="module")
+def solution():
+    mechanism = linkages.load("ninebar", set={"clearances.r1.size": "0.2 mm"})
+    return linkages.simulate(mechanism, end=0.02, samples=41)
+
+
+def test_inputs_are_all_entries_and_mark_what_differs(solution):
+    rows = dict(input_rows(solution.mechanism))
+    assert "size 0.2 mm" in rows[f"{MARK} clearances.r1"]
+    assert sum(name.startswith(MARK) for name in rows) == 1
+    bars = {bar.name for bar in solution.mechanism.components if bar.section == "bars"}
+    assert {f"bars.{name}" for name in bars} <= rows.keys()
+
+
+def test_values_beyond_the_horizon_are_marked(solution):
+    late = report_of(replace(solution, data=solution.data.assign_attrs(horizon=1e-9)))
+    ends = [row[place : place + 2] for row in late.maxima for place in (2, 4)]
+    assert {LATE in value for value, time in ends if time != "0"} == {True}
+    assert any(text.startswith(LATE) for text in late.marks)
+    assert "predictable to t = 1e-09 s" in late.facts
+    assert not any(LATE in row[2] + row[4] for row in report_of(solution).maxima)
+
+
+def test_least_and_largest_values_are_those_of_the_run(solution):
+    ends = [
+        (row[2].rstrip(LATE + OPEN), row[4].rstrip(LATE + OPEN))
+        for row in report_of(solution).maxima
+    ]
+    assert ends == [(f"{row['least']:.6g}", f"{row['greatest']:.6g}") for row in solution.maxima]
+
+
+def test_a_page_needs_no_other_file_and_is_computed_again(solution, tmp_path):
+    path = linkages.save_report(solution, tmp_path / "report.html")
+    text = path.read_text(encoding="utf-8")
+    assert "clearances.r1.size = 0.2 mm" in text
+    assert not re.findall(r'(?:src|href)="(?!data:)', text)
+    assert str(tmp_path) not in text
+    assert linkages.load(path) == solution.mechanism
+
+
+def test_sheets_are_computed_again(solution, tmp_path):
+    path = linkages.save_report(solution, tmp_path / "report.pdf")
+    content = path.read_bytes()
+    sizes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", content)
+    assert {tuple(map(float, size)) for size in sizes} == {(595.44, 841.68)}  # A4 in points
+    assert linkages.load(path) == solution.mechanism
+
+
+def test_an_ending_is_refused(solution, tmp_path):
+    with pytest.raises(ValueError, match=r"\.html or \.pdf"):
+        linkages.save_report(solution, tmp_path / "report.doc")

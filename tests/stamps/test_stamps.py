@@ -1,0 +1,123 @@
+"""Texts in files of results: they are read back, and programs that show files pass over them."""
+
+import io
+import json
+import struct
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from PIL import Image
+
+from linkages.reading.document import read
+from linkages.solution.files import netcdf_bytes
+from linkages.stamps import FORMATS, stamp, stamped
+
+DEFINITION = 'name: "Ünïcode <b> & ]]> </script> ; 中"\nbars: {}\n' + "# long\n" * 300
+ORIGIN = {"definition": DEFINITION, "options": '{"end": 0.1}', "version": "linkages 1"}
+
+
+def _figure(kind):
+    figure, stream = Figure(), io.BytesIO()
+    figure.add_axes((0.1, 0.1, 0.8, 0.8)).plot([0, 1], [1, 0])
+    figure.savefig(stream, format=kind)
+    return stream.getvalue()
+
+
+def _film(kind):
+    stream = io.BytesIO()
+    first, *others = (Image.new("RGB", (8, 8), colour) for colour in ("red", "green", "blue"))
+    first.save(stream, format=kind, save_all=True, append_images=others, duration=40)
+    return stream.getvalue()
+
+
+def _mp4():
+    boxes = ((b"ftyp", b"isom\0\0\2\0isom"), (b"mdat", b"frames"), (b"moov", b"tables"))
+    return b"".join(struct.pack(">I", 8 + len(data)) + kind + data for kind, data in boxes)
+
+
+CONTENTS = {
+    ".nc": lambda: bytes(netcdf_bytes(xr.Dataset({"x": ("t", np.arange(3.0))}))),
+    ".png": lambda: _figure("png"),
+    ".svg": lambda: _figure("svg"),
+    ".pdf": lambda: _figure("pdf"),
+    ".html": lambda: b"<!DOCTYPE html>\n<html>\n<head>\n<title>x</title>\n</head>\n</html>\n",
+    ".json": lambda: b'{"verdict": "periodic"}',
+    ".gif": lambda: _film("gif"),
+    ".webp": lambda: _film("webp"),
+    ".mp4": _mp4,
+}
+
+
+@pytest.fixture(params=sorted(FORMATS))
+def file(request, tmp_path):
+    path = tmp_path / f"result{request.param}"
+    path.write_bytes(CONTENTS[request.param]())
+    return path
+
+
+def test_what_is_written_is_read_again_and_takes_the_place_of_what_was_before(file):
+    assert (stamped(file) or {}).get("definition") is None
+    assert stamp(file, ORIGIN | {"definition": "old"})
+    assert stamp(file, ORIGIN)
+    assert stamped(file).items() >= ORIGIN.items()
+    assert b"old" not in file.read_bytes() or file.suffix == ".nc"
+
+
+def test_a_file_of_results_defines_a_mechanism(file):
+    stamp(file, ORIGIN | {"changes": '["bars.a.length=2"]'})
+    document = read(file)
+    assert document.content["name"].startswith("Ünïcode")
+    assert document.changes == ("bars.a.length=2",)
+
+
+@pytest.mark.parametrize("kind", [".png", ".gif", ".webp"])
+def test_pictures_look_as_before(kind, tmp_path):
+    path = tmp_path / f"x{kind}"
+    path.write_bytes(CONTENTS[kind]())
+
+    def frames():
+        with Image.open(path) as image:
+            found = []
+            for index in range(getattr(image, "n_frames", 1)):
+                image.seek(index)
+                found.append(image.convert("RGB").tobytes())
+            return found
+
+    before = frames()
+    stamp(path, ORIGIN)
+    assert frames() == before
+
+
+def test_documents_stay_well_formed(tmp_path):
+    drawing, data = tmp_path / "x.svg", tmp_path / "x.json"
+    drawing.write_bytes(CONTENTS[".svg"]())
+    data.write_bytes(CONTENTS[".json"]())
+    for path in (drawing, data):
+        stamp(path, ORIGIN)
+    texts = [node.text for node in ElementTree.parse(drawing).iter() if node.get("id")]
+    assert json.dumps(ORIGIN, ensure_ascii=False) in texts
+    assert json.loads(data.read_text(encoding="utf-8"))["verdict"] == "periodic"
+
+
+def test_references_of_a_document_lead_to_its_objects(tmp_path):
+    """The offsets that a reader follows: from the end to the table, from there to the object."""
+    path = tmp_path / "x.pdf"
+    path.write_bytes(CONTENTS[".pdf"]())
+    before = path.read_bytes()
+    stamp(path, ORIGIN)
+    content = path.read_bytes()
+    assert content.startswith(before)
+    table = int(content.rsplit(b"startxref\n", 1)[1].split()[0])
+    word, first, count, offset = content[table:].split()[:4]
+    assert (word, count) == (b"xref", b"1")
+    assert content[int(offset) :].startswith(first + b" 0 obj\n<< /linkages <FEFF")
+
+
+def test_tables_hold_nothing(tmp_path):
+    (tmp_path / "x.csv").write_text("a,b\n")
+    assert not stamp(tmp_path / "x.csv", ORIGIN)
+    assert stamped(tmp_path / "x.csv") is None
+    assert (tmp_path / "x.csv").read_text() == "a,b\n"

@@ -1,0 +1,225 @@
+"""Motions that the page computes itself, for numbers that somebody changes there."""
+
+import json
+
+import numpy as np
+import pytest
+from browser import needs_browser
+
+import linkages
+from linkages.solution.values.series import data_series
+
+pytestmark = needs_browser
+
+FACTOR = 1.03
+
+# A fully driven loop, an iterated group, clearances, free coordinates with loads, sliders alone.
+CHANGED = [
+    ("four-bar", "bars.rocker.length"),
+    ("class-three", "bars.leg2.length"),
+    ("ninebar", "bars.link3.length"),
+    ("ninebar", "clearances.r1.size"),
+    ("andrews", "springs[0].stiffness"),
+    ("double-pendulum", "gravity[1]"),
+    ("scotch-yoke", "bars.crank.length"),
+    ("toggle-press", "drives.crank.speed"),
+    ("slider-crank-contact", "bars.rod.mass"),
+]
+
+
+def change(page, **numbers):
+    """Set numbers by their path, in SI, and wait until the motion is there."""
+    return page.evaluate(
+        f"(async () => {{ const set = {json.dumps(numbers)}; const {{ model, change }} = v.live;"
+        " const all = model.numbers.map((one) => set[one.path] ?? one.value);"
+        " v.live.numbers.set(all); await v.live.shown; })()"
+    )
+
+
+def number(page, path):
+    return page.evaluate(
+        f"v.live.model.numbers.find((one) => one.path === {json.dumps(path)}).value"
+    )
+
+
+def motion(page):
+    """Time, and name → values, of what is shown."""
+    time, series = page.evaluate(
+        "[Array.from(v.stage.motion.time), v.stage.motion.series.map((one) =>"
+        " [one.name, Array.from(one.values)])]"
+    )
+    return np.array(time), {name: np.array(values, dtype=float) for name, values in series}
+
+
+@pytest.mark.parametrize(("name", "path"), CHANGED)
+def test_a_changed_motion_is_that_of_simulate(opened, name, path):
+    page = opened(name)
+    value = FACTOR * number(page, path)
+    change(page, **{path: value})
+    time, found = motion(page)
+    mechanism = linkages.load(name, set={path: value})
+    outputs = ["joint_position", "bar_angle", *(["drive_effort"] if mechanism.prescribed else [])]
+    data = linkages.simulate(mechanism, times=time, outputs=outputs).data
+    known = data_series(data)
+    compared = [label for label in found if label in known]
+    assert len(compared) >= 4
+    # what is integrated has the tolerances of the file, about 1e-10, and a motion on which errors
+    # grow, at each impact by some times; a motion that drives alone determine differs by round-off
+    impacts = 1e-4 if mechanism.contacts else 1e-5
+    tolerance = impacts if data.attrs.get("free") else 1e-11
+    for label in compared:
+        own = known[label].of(data).to_numpy()
+        shown = found[label]
+        if known[label].angle:  # whole turns of angles that are not integrated are not counted
+            own, shown = np.exp(1j * own), np.exp(1j * shown)
+        size = np.abs(own).max(initial=1e-3)
+        np.testing.assert_allclose(shown, own, rtol=0, atol=tolerance * size)
+    assert page.complaints == []
+
+
+def test_what_cannot_be_assembled_is_said_and_nothing_else_happens(opened):
+    page = opened("four-bar")
+    before = motion(page)[1]["B.x position"]
+    change(page, **{"bars.rocker.length": 0.01})
+    message = page.evaluate("document.getElementById('message').textContent")
+    assert message.startswith("The mechanism cannot be assembled: joint B, RRR dyad of coupler and")
+    np.testing.assert_array_equal(motion(page)[1]["B.x position"], before)
+    change(page)
+    assert page.evaluate("document.getElementById('message').hidden")
+
+
+def test_a_motion_that_stops_is_shown_up_to_there(opened):
+    """With so short a rocker the crank cannot turn round."""
+    page = opened("four-bar")
+    change(page, **{"bars.rocker.length": 0.058})
+    message = page.evaluate("document.getElementById('message').textContent")
+    mechanism = linkages.load("four-bar", set={"bars.rocker.length": 0.058})
+    solution = linkages.simulate(mechanism, throw=False)
+    stop = solution.motion.stop_time
+    assert not solution.completed
+    assert message.startswith("Stops at t = 0.")
+    assert "joint B" in message
+    last = page.evaluate("v.stage.motion.end")
+    step = page.evaluate("v.recorded.time[1]")
+    assert stop - 1.01 * step < last <= stop
+    assert page.evaluate("v.player.time") <= last
+
+
+def test_the_definition_that_is_downloaded_has_what_was_changed(opened):
+    page = opened("ninebar")
+    change(page, **{"clearances.r1.size": 2e-4, "drives.crank4.speed": 4.0})
+    mechanism = linkages.loads(page.evaluate("v.live.numbers.yaml"))
+    wanted = linkages.load("ninebar", set={"clearances.r1.size": 2e-4, "drives.crank4.speed": 4.0})
+    assert mechanism.name == wanted.name
+    assert mechanism.components == wanted.components
+
+
+@pytest.mark.parametrize("name", ["ninebar", "jansen", "andrews", "slider-crank-contact"])
+def test_a_definition_without_changes_is_that_of_the_file(name):
+    from linkages.viewer.template import template
+
+    mechanism = linkages.load(name)
+    parts = template(mechanism)
+    text = "".join(part if isinstance(part, str) else part["text"] for part in parts)
+    assert linkages.loads(text) == mechanism
+    assert sum(isinstance(part, dict) for part in parts) > 10
+
+
+def test_fields_and_sliders_change_numbers_in_the_units_of_the_file(opened):
+    page = opened("four-bar")
+    page.evaluate("v.tabs.open('numbers')")
+    field = "document.querySelector('[aria-label=\"bars.rocker.length in mm\"]')"
+    assert page.evaluate(f"{field}.value") == "80"
+    page.evaluate(f"{field}.value = '85'; {field}.dispatchEvent(new Event('change'));"
+                  "v.live.shown")  # fmt: skip
+    assert page.evaluate("v.live.numbers.values.includes(0.085)")
+    assert page.evaluate("document.getElementById('tab-numbers').textContent") == "Change1"
+    said = page.evaluate("v.live.numbers.note.textContent")
+    assert said.startswith("One number differs from the file: bars.rocker.length. Not computed for")
+    assert "joint reaction" in said
+    slider = "document.querySelector('[aria-label=\"bars.rocker.length\"]')"
+    page.evaluate(f"{slider}.value = '0.5'; {slider}.dispatchEvent(new Event('input'));"
+                  "v.live.shown")  # fmt: skip
+    assert page.evaluate(f"{field}.value") == "160"  # half way to four times as much
+    page.evaluate("v.live.numbers.reset.click()")
+    assert page.evaluate("v.stage.motion === v.recorded")
+    assert page.evaluate("document.getElementById('tab-numbers').textContent") == "Change"
+
+
+def test_the_newest_change_is_the_one_that_is_shown(opened):
+    page = opened("ninebar")
+    page.evaluate(
+        "(async () => { const all = v.live.model.numbers.map((one) => one.value);"
+        " const k = v.live.model.numbers.findIndex((one) => one.path === 'bars.link3.length');"
+        " for (let i = 1; i <= 6; i++) { all[k] = 0.962 + 0.002 * i;"
+        " v.live.numbers.set(all); } await v.live.shown; })()"
+    )
+    places = motion(page)[1]
+    length = np.hypot(*(places[f"B.{a} position"] - places[f"C.r1.{a} position"] for a in "xy"))
+    np.testing.assert_allclose(length, 0.974, rtol=1e-12)
+
+
+def test_what_takes_too_long_is_given_up_and_the_page_goes_on(opened):
+    page = opened("ninebar")
+    page.evaluate("Live.limit = 0")
+    change(page, **{"bars.link3.length": 0.97})
+    message = page.evaluate("document.getElementById('message').textContent")
+    assert message == "Not computed within 0 s. The motion before is still shown."
+    assert page.evaluate("v.stage.motion === v.recorded")
+    page.evaluate("Live.limit = 1000")
+    change(page, **{"bars.link3.length": 0.97})
+    assert page.evaluate("document.getElementById('message').hidden")
+    assert page.evaluate("v.stage.motion !== v.recorded")
+
+
+def test_a_motion_without_tolerances_of_its_own_starts_at_rest(browser, tmp_path):
+    """Nothing moves: errors are measured against a tolerance that is none of nothing."""
+    mechanism = linkages.loads(
+        "{joints: {O: [0, 0]}, bars: {rod: {joints: [O, A], length: 1, mass: 1}},"
+        " free: {rod: {angle: 0, speed: 0}}}"
+    )
+    page = browser.page()
+    page.open(linkages.view(mechanism, tmp_path / "rest.html"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    change(page, **{"bars.rod.length": 2.0})
+    assert page.evaluate("document.getElementById('message').hidden")
+    assert set(motion(page)[1]["A.x position"]) == {2.0}
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"end": -0.5, "samples": 51}, {"times": [0.0, 0.1, 0.3]}, {"times": [0.3]}],
+    ids=["back in time", "own times", "one time"],
+)
+def test_any_times_are_shown_and_computed_again(browser, tmp_path, options):
+    solution = linkages.simulate(linkages.load("double-pendulum"), **options)
+    page = browser.page()
+    page.open(linkages.view(solution, tmp_path / "page.html"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    time = solution.data["time"].to_numpy()
+    assert page.evaluate("[v.recorded.start, v.recorded.end]") == pytest.approx([time[0], time[-1]])
+    page.press("End")
+    assert page.evaluate("v.player.time") == pytest.approx(time[-1])
+    if len(time) > 1:
+        change(page, **{"gravity[1]": -9.0})
+        found, values = motion(page)
+        again = linkages.load("double-pendulum", set={"gravity[1]": -9.0})
+        data = linkages.simulate(again, end=float(time[-1]), samples=len(found)).data
+        own = data["joint_position"].sel(joint="Q", axis="x").to_numpy()
+        np.testing.assert_allclose(values["Q.x position"], own, atol=1e-6)
+    assert page.complaints == []
+
+
+def test_it_computes_in_the_frame_of_a_notebook(browser, solved, tmp_path):
+    """A frame without an origin of its own: no storage, no access to what is around it."""
+    file = tmp_path / "notebook.html"
+    file.write_text(f"<!doctype html><title>n</title>{solved('four-bar')._repr_html_()}")
+    page = browser.page()
+    page.open(file)
+    frame = page.frame()
+    frame.evaluate(
+        "new Promise((done) => { const look = () => window.viewer ? viewer.then(() => done())"
+        " : requestAnimationFrame(look); look(); })"
+    )
+    assert frame.evaluate("document.querySelectorAll('#numbers .number').length") == 15
+    assert page.complaints == frame.complaints == []

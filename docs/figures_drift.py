@@ -101,7 +101,8 @@ def rows() -> Iterator[str]:
         error = multipliers(mechanism, rate)
         yield f"| coordinates of all bodies, Lagrange multipliers{words} | {error:.0e} m |"
     if find_spec("mujoco") is not None:
-        yield f"| MuJoCo, soft constraints, steps of {1e3 * STEP:g} ms | {mujoco_error(mechanism):.0e} m |"
+        words = f"MuJoCo, soft constraints, steps of {1e3 * STEP:g} ms"
+        yield f"| {words} | {mujoco_error(mechanism):.0e} m |"
 
 
 def main() -> None:

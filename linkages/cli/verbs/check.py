@@ -33,6 +33,8 @@ def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
+    if mechanism.changes:
+        content["changes"] = list(mechanism.changes)
     if kernel:
         content["kernel"] = _kernel(system)
     if modes or out is not None:

@@ -186,7 +186,7 @@ def _registry() -> Any:
 
     try:
         # parsed definitions of units are kept in the user's cache folder: it saves 0.15 s a run
-        registry = pint.UnitRegistry(cache_folder=":auto:")
+        registry: Any = pint.UnitRegistry(cache_folder=":auto:")
     except Exception:
         # Another process may be writing there (pint does it in place), or have been stopped
         # meanwhile, and half a pickle raises anything. The definitions themselves need no cache.

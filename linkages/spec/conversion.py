@@ -91,7 +91,7 @@ def _measure(text: str, dimension: Dimension) -> Unit:
     """Return the unit if it measures the dimension."""
     if not dimension.unit:
         raise UnitError(f"this number has no unit, found {shown(text)}")
-    found = unit(dict(dimension.meant).get(text, text))
+    found = unit(text)
     accepted = [unit(name).exponents for name in (dimension.unit, *dimension.accepts)]
     if found.exponents in accepted:
         return found

@@ -22,8 +22,6 @@ class Dimension:
     accepts
         Further unit texts of the same scale that mean this dimension too: SI counts the radian
         in torsional stiffness and damping as one, and it is often left out.
-    meant
-        Pairs of a unit text that would measure something else, and what those who write it mean.
     largest
         Magnitude of the largest one that means something.
     """
@@ -32,7 +30,6 @@ class Dimension:
     unit: str = ""
     spoken: str = ""
     accepts: tuple[str, ...] = ()
-    meant: tuple[tuple[str, str], ...] = ()
     largest: float = math.inf
 
     @property
@@ -63,9 +60,7 @@ class Bound(enum.Enum):
 NUMBER = Dimension("number")
 LENGTH = Dimension("length", "m", "metres")
 ANGLE = Dimension("angle", "rad", "radians", largest=1e8)
-PER_MINUTE = (("1/min", "rpm"), ("min**-1", "rpm"), ("min^-1", "rpm"))
-"""Per minute nothing but turns is counted; 1/s and Hz could be radians as well, and are refused."""
-ANGULAR_SPEED = Dimension("angular speed", "rad/s", "radians per second", meant=PER_MINUTE)
+ANGULAR_SPEED = Dimension("angular speed", "rad/s", "radians per second")
 SPEED = Dimension("speed", "m/s", "metres per second")
 MASS = Dimension("mass", "kg", "kilograms")
 INERTIA = Dimension("inertia", "kg*m**2", "kg·m²")

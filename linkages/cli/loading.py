@@ -38,9 +38,12 @@ _OF_PLACES = ("store", "to", "out")
 
 
 def results_in(file: str) -> str:
-    """Of a folder of results, the file to compute from: that of `simulate`, or the only one."""
+    """Of a folder of results, the file to compute from: that of `simulate`, or the only one.
+
+    A store of a sweep is what it is: `sweep --status` describes it.
+    """
     folder = Path(file)
-    if not folder.is_dir() or file in shipped():
+    if not folder.is_dir() or file in shipped() or (folder / "manifest.json").is_file():
         return file
     found = sorted(folder.glob("*.nc"))
     wanted = [path for path in found if path.stem == "simulate"] or found

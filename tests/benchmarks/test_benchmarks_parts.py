@@ -14,7 +14,7 @@ import pytest
 import linkages
 from linkages.benchmark.problem import derivative
 from linkages.kernel.system import System
-from linkages.plots.figures import FIGURES
+from linkages.plots.figures import FIGURES, OF_ALL
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.march import integrated_motion
 from linkages.solution.moving.plan import build_flow, kernel_source
@@ -114,7 +114,7 @@ def test_a_driven_mechanism_from_start_to_end(timed):
 MISSING = ("drive_force", "load_force", "load_torque", "clearance_orbit", "clearance_state")
 
 
-@pytest.mark.parametrize("name", [name for name in FIGURES if name not in MISSING])
+@pytest.mark.parametrize("name", [name for name in OF_ALL if name not in MISSING])
 def test_figure(timed, solution, name):
     def draw():
         figure = FIGURES[name](solution.data, solution.mechanism)

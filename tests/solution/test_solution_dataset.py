@@ -156,8 +156,9 @@ def test_maxima(everything):
         if series.dims[-1] == "axis":
             values = np.linalg.norm(values, axis=-1)
         # located between samples: samples of a few degrees may miss a few per cent of a peak
-        # to round-off, which compiled functions and NumPy do not share
-        assert values.max() * (1 - 1e-12) <= abs(row["value"]) <= values.max() * 1.1
+        # to round-off, which compiled functions and NumPy do not share, of differences of numbers
+        # that are ten times larger
+        assert values.max() * (1 - 1e-11) <= abs(row["value"]) <= values.max() * 1.1
         assert row["units"] == series.attrs["units"]
 
 

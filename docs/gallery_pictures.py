@@ -89,8 +89,9 @@ def curves(name: str, solution: Solution) -> Figure:
         overlay.draw(ax, compared({"": solution}, [series], over))
         label = ax.get_ylabel()
         if curve.startswith("path of "):
-            label = f"{curve} {label[label.rindex('[') :]}"
             ax.set_xlabel("")
+        if "component" in label:  # too long for a panel
+            label = f"{curve} {label[label.rindex('[') :]}"
         ax.set_title(label)
         ax.set_ylabel("")
     return figure

@@ -65,12 +65,12 @@ def write_small(figure: Figure, path: Path, colours: int = 64) -> None:
 
 
 def write_table(name: str, text: str) -> None:
-    """Put a table between its markers into all pages that have them."""
+    """Put a table between its markers into all pages that have them, README.md among them."""
     begin, end = f"<!-- table: {name} -->", "<!-- end of table -->"
     marked = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.DOTALL)
     block = f"{begin}\n\n{text.strip()}\n\n{end}"
     known = False
-    for page in (ROOT / "docs").rglob("*.md"):
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
         found = page.read_text(encoding="utf-8")
         if begin in found:
             known = True

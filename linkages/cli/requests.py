@@ -24,7 +24,14 @@ from linkages.cli.loading import (
     results_in,
 )
 from linkages.cli.published import EndedError, Published, published
-from linkages.cli.terminal import console, print_json, print_notes, progress
+from linkages.cli.terminal import (
+    changes_in_words,
+    console,
+    print_changes,
+    print_json,
+    print_notes,
+    progress,
+)
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
 from linkages.options.given import options_in
@@ -119,7 +126,7 @@ class Request:
     @property
     def differences(self) -> str:
         """In what the mechanism differs from its file, in words; empty if in nothing."""
-        return ", ".join(text.replace("=", " = ", 1) for text in self.mechanism.changes)
+        return changes_in_words(self.mechanism.changes)
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -236,9 +243,7 @@ class Request:
             print_json({**content, **said, "files": [str(path) for path in files]})
         else:
             screen = console()
-            if self.mechanism.changes:
-                whole = f"with {self.differences}"
-                screen.print(whole, markup=False, soft_wrap=True)
+            print_changes(self.mechanism.changes, screen)
             show(screen)
             print_notes(self.notes, screen)
             if files and listed:

@@ -129,6 +129,18 @@ def print_notes(notes: Sequence[str], screen: Console) -> None:
         screen.print(f"{len(notes) - MOST_NOTES} more notes; --json lists all of them")
 
 
+def changes_in_words(changes: Sequence[str]) -> str:
+    """In what a mechanism differs from its file: ``"a.b = 1, a.c = 2"``."""
+    return ", ".join(change.replace("=", " = ", 1) for change in changes)
+
+
+def print_changes(changes: Sequence[str], screen: Console) -> None:
+    """Print in what a mechanism differs from its file; nothing if in nothing."""
+    if changes:
+        whole = f"with {changes_in_words(changes)}"
+        screen.print(whole, markup=False, soft_wrap=True)
+
+
 def number(value: float) -> str:
     """Six significant digits."""
     return f"{value:.6g}"

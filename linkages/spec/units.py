@@ -24,10 +24,11 @@ _LONGEST = 80
 _SMALLEST = 1e-100
 _TOKEN = re.compile(r"\s*(?:(\*\*|[*/()])|([-+]?[0-9]+(?:\.[0-9]+)?)|([^\W\d]\w*|°))")
 _SPELLINGS = {"·": "*", "⋅": "*", "×": "*", "^": "**", "²": "**2", "³": "**3"}
+_STROKES = "spm = turn / minute"  # strokes per minute of pumps and presses: one per turn
 _USUAL = (
     "m", "mm", "cm", "km", "um", "in", "ft", "meter", "metre", "millimeter", "millimetre",
     "centimeter", "centimetre", "kilometer", "inch", "foot", "rad", "deg", "radian", "degree",
-    "turn", "rpm", "s", "ms", "us", "second", "minute", "min", "hour", "kg", "g", "gram",
+    "turn", "rpm", "spm", "s", "ms", "us", "second", "minute", "min", "hour", "kg", "g", "gram",
     "kilogram", "N", "kN", "newton", "N*m", "lbf",
 )  # fmt: skip
 
@@ -185,8 +186,10 @@ def _registry() -> Any:
 
     try:
         # parsed definitions of units are kept in the user's cache folder: it saves 0.15 s a run
-        return pint.UnitRegistry(cache_folder=":auto:")
+        registry: Any = pint.UnitRegistry(cache_folder=":auto:")
     except Exception:
         # Another process may be writing there (pint does it in place), or have been stopped
         # meanwhile, and half a pickle raises anything. The definitions themselves need no cache.
-        return pint.UnitRegistry()
+        registry = pint.UnitRegistry()
+    registry.define(_STROKES)
+    return registry

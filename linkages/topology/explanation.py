@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from linkages.components.contributed.terms import Hint, Path
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
@@ -34,7 +36,10 @@ def _misspelt(mechanism: Mechanism) -> Finding | None:
     used = _used(mechanism)
     singles = single_joints(mechanism)
     joints = {joint for body in mechanism.bodies.values() for joint in body.points}
-    for joint, name in reversed(singles.items()):  # of two names, the later one is the odd one
+    styles = Counter(joint.isupper() for joint in joints)
+    # of two names the odd one has unusual capitals, or comes later
+    later_first = [*reversed(singles.items())]
+    for joint, name in sorted(later_first, key=lambda single: styles[single[0].isupper()]):
         body = mechanism.bodies[name]
         near = nearest(joint, sorted((joints | set(mechanism.ground)) - set(body.points)))
         if near is not None and joint not in used:

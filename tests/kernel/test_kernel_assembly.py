@@ -156,6 +156,18 @@ def test_links_that_cannot_meet(coupler, rocker, between):
     )
 
 
+def test_a_point_without_a_name_is_said_in_words():
+    """A driven cylinder: the barrel's length is given, and its lever is too far away."""
+    text = """joints: {O: [0, 0], D: [2, 0]}
+bars: {lever: {joints: [O, A], length: 0.5}, barrel: {joints: [D, E], length: 0.2}}
+sliders: {rod: {joint: A, on: barrel}}
+drives: {rod: {position: 0.3, speed: 0}}
+"""
+    message = refusal(text)
+    assert "lever and barrel (0.5 m and 0.3 m) cannot meet at the axis of rod: " in message
+    assert ".axis" not in message
+
+
 def test_a_rod_that_cannot_reach_the_axis():
     text = SLIDER_CRANK.replace("length: 0.8", "length: 0.2")
     assert refusal(text) == (

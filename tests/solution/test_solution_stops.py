@@ -301,3 +301,16 @@ free: {other: {angle: 0}, one: {angle: 0}, two: {angle: 0}}
 """
     with pytest.raises(InputError, match="no mass moves with one and two at t = 0"):
         linkages.simulate(mechanism(text), end=1.0, samples=3)
+
+
+def test_a_driven_cylinder_at_its_longest_is_named_by_its_pin():
+    """Lever and barrel in line: 0.5 m and the distance of their ground joints; told to 1 ns."""
+    boom = mechanism("""joints: {O: [0, 0], D: [0.4, -0.1]}
+bars: {lever: {joints: [O, A], length: 0.5, mass: 3}, barrel: {joints: [D, E], length: 0.2}}
+sliders: {rod: {joint: A, on: barrel}}
+drives: {rod: {position: 0.3, speed: 0.7}}
+assembly: {A: left}
+""")
+    stop = stop_of(boom, end=1.0, samples=11)
+    time = (0.5 + np.hypot(0.4, 0.1) - 0.3) / 0.7
+    assert f"at t = {time:.9g} s, joint A, block 0" in str(stop)

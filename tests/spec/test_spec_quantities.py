@@ -32,6 +32,8 @@ from linkages.spec.quantities import QuantityError, parse_quantity
         ("2*pi/3 rad", d.ANGLE, 2 * math.pi / 3),
         ("pi/2", d.ANGLE, math.pi / 2),
         ("30 rpm", d.ANGULAR_SPEED, math.pi),
+        ("30 spm", d.ANGULAR_SPEED, math.pi),
+        ("30 1/min", d.FREQUENCY, 0.5),
         ("-1.5*pi rad/s", d.ANGULAR_SPEED, -1.5 * math.pi),
         ("−pi", d.ANGULAR_SPEED, -math.pi),
         ("36 km/hour", d.SPEED, 10.0),

@@ -23,6 +23,16 @@ def test_a_joint_named_once_before_any_sentence_about_mobility():
     assert problem.index(named) < problem.index("Otherwise: mobility is 3")
 
 
+def test_of_two_names_the_one_with_unusual_capitals_is_the_odd_one():
+    (problem,) = refusal(FOUR_BAR.replace("[A, C]", "[A, c]") + ONE, System)
+    assert "bars.rod.joints: joint 'c' is on one body only, rod; did you mean 'C'?" in problem
+    lower = (
+        FOUR_BAR.replace("[A, C]", "[a, C]").replace("[D, C]", "[D, c]").replace("[O, A]", "[O, a]")
+    )
+    (problem,) = refusal(lower.replace("O", "o").replace("D", "d") + ONE, System)
+    assert "bars.rod.joints: joint 'C' is on one body only, rod; did you mean 'c'?" in problem
+
+
 @pytest.mark.parametrize("drives", [TWO, TWO + "free: {rod: {angle: 0, speed: 0}}\n"])
 def test_a_joint_named_once_where_coordinates_are_in_the_way_of_each_other(drives):
     """As many coordinates as the mobility by count, or fewer: but at the wrong places."""

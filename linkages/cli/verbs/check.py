@@ -20,6 +20,7 @@ from linkages.reading.paths import dotted
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
+from linkages.solution.remarks.stops import joint_of
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.graph import bodies_at
 from linkages.topology.jacobian import numerical_mobility
@@ -33,6 +34,8 @@ def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     options_of(SimulationOptions, mechanism, {})
     system = System(mechanism)
     content = check_content(system)
+    if mechanism.changes:
+        content["changes"] = list(mechanism.changes)
     if kernel:
         content["kernel"] = _kernel(system)
     if modes or out is not None:
@@ -104,17 +107,10 @@ def _block(system: System, block: Block, condition: float) -> dict[str, Any]:
         "block": block.index,
         "kind": f"{block.title}, {'iterated' if block.kind == ITERATED else 'closed form'}",
         "unknowns": list(block.unknowns),
-        "apex": joint_of(system, block),
+        "apex": joint_of(system.model, block),
         "side": side_of(system.assembly, block),
         "condition": condition,
     }
-
-
-def joint_of(system: System, block: Block) -> str:
-    """The joint at which a block closes; the pin of a slider that closes at its axis."""
-    apex = block.loops[0].apex
-    pins = {b.axis: next(iter(b.points)) for b in system.mechanism.bodies.values() if b.points}
-    return apex if apex in system.topology.joints else pins.get(apex, apex)
 
 
 def side_of(assembly: Assembly, block: Block) -> str | None:

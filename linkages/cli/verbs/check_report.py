@@ -7,11 +7,12 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 
-from linkages.cli.terminal import print_notes, table
+from linkages.cli.terminal import print_changes, print_notes, table
 
 
 def print_report(content: dict[str, Any], screen: Console) -> None:
     """Print everything that `check` found."""
+    print_changes(content.get("changes", ()), screen)
     screen.print(f"[bold]{escape(content['mechanism'])}[/bold]")
     _print_bodies(content, screen)
     _print_contributions(content, screen)

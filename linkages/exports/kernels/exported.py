@@ -21,7 +21,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.transitions import transition_nodes
 from linkages.solution.moving.plan import kernel_source, switching_of
-from linkages.solution.remarks.stops import block_alignment
+from linkages.solution.remarks.stops import block_alignment, joint_of
 from linkages.solution.values.requests import available
 from linkages.solution.values.series import TIME, Series, system_series
 from linkages.solvers.flow import Switching
@@ -140,13 +140,14 @@ class Exported:
             NOT_FOLLOWED: f"this program does not follow so far: {', '.join(self.modes) or 'this'}",
         }
         for block in self.system.topology.solved_blocks:
-            model, apex = self.system.model, block.loops[0].apex
+            model = self.system.model
+            joint = joint_of(model, block)
             names = " and ".join(block.unknowns)
-            text = f"the mechanism cannot be assembled: joint {apex}, {block.title} of {names}"
+            text = f"the mechanism cannot be assembled: joint {joint}, {block.title} of {names}"
             if block.kind != ITERATED:
                 text += f" (at the limit {block_alignment(model, block.index)})"
             found[1 + block.index] = text
-            place = f"joint {apex}, {block.title} of {names}"
+            place = f"joint {joint}, {block.title} of {names}"
             found[SINGULAR + block.index] = (
                 f"this position is singular, the motion can go on in two ways: {place}, where "
                 f"{block_alignment(model, block.index)}"

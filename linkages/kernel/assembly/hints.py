@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import point_words
 from linkages.errors import InputError
 from linkages.kernel.assembly.modes import Assembly, Choice, Place
 from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
@@ -127,6 +128,7 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
         return
     mechanism, loop = place.mechanism, block.loops[0]
     one, other = block.unknowns
+    apex, start, end = (point_words(p, "") for p in (loop.apex, loop.start, loop.end))
     if np.isinf(place.values([dyad.margin_scale], assembly)[0]):
         message = f"{one} and {other} are too long for double precision. {TOO_LARGE}"
     elif isinstance(dyad, TwoLinks):
@@ -136,20 +138,20 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
         if bridge == 0:
             expected = "expected two places: nothing says in which direction they are"
         message = (
-            f"{one} and {other} ({first:.6g} m and {second:.6g} m) cannot meet at {loop.apex}: "
-            f"their other ends {loop.start} and {loop.end} are {bridge:.6g} m apart at t = 0; "
+            f"{one} and {other} ({first:.6g} m and {second:.6g} m) cannot meet at {apex}: "
+            f"their other ends {start} and {end} are {bridge:.6g} m apart at t = 0; "
             f"{expected}"
         )
     elif isinstance(dyad, LinkAndSlider):
         across, length = place.values([dyad.across, dyad.margin_scale], assembly)
         message = (
-            f"{one} ({length:.6g} m) cannot reach the axis of {other}: {loop.start} is "
+            f"{one} ({length:.6g} m) cannot reach the axis of {other}: {start} is "
             f"{abs(across):.6g} m away from it at t = 0; expected at most {length:.6g} m"
         )
     else:
         square, across = place.values([dyad.gap.square, dyad.gap.square - dyad.radicand], assembly)
         message = (
-            f"the axis of {other} on {one} cannot reach its pin: {loop.start} and {loop.end} are "
+            f"the axis of {other} on {one} cannot reach its pin: {start} and {end} are "
             f"{square**0.5:.6g} m apart at t = 0; expected at least {across**0.5:.6g} m"
         )
     path = mechanism.bodies[one].path

@@ -9,7 +9,7 @@ from linkages.kernel.system import System
 from linkages.solution.remarks.undefined import loads_at_stop
 from linkages.solvers.outcome import Outcome
 from linkages.solvers.trajectory import Trajectory
-from linkages.topology.blocks import ITERATED
+from linkages.topology.blocks import ITERATED, Block
 
 COULD_PASS = "'change_points: pass' takes the smooth one"
 FOUND_NONE = "no smooth way on was found"
@@ -23,10 +23,15 @@ def block_place(model: Model, block: int, time: float) -> str:
     """When and where something happens to a block."""
     found = next(b for b in model.topology.solved_blocks if b.index == block)
     names = " and ".join(found.unknowns)
-    apex = found.loops[0].apex
-    slid = next((n for n in found.unknowns if model.mechanism.bodies[n].axis == apex), None)
-    joint = apex if slid is None else next(iter(model.mechanism.bodies[slid].points))
+    joint = joint_of(model, found)
     return f"at t = {time:.9g} s, joint {joint}, block {block} ({found.title} of {names})"
+
+
+def joint_of(model: Model, block: Block) -> str:
+    """The joint at which a block closes; the pin of a slider that closes at its axis."""
+    apex = block.loops[0].apex
+    pins = {b.axis: next(iter(b.points)) for b in model.mechanism.bodies.values() if b.points}
+    return apex if apex in model.topology.joints else pins.get(apex, apex)
 
 
 def block_alignment(model: Model, block: int) -> str:

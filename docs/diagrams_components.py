@@ -79,11 +79,12 @@ def shown(ax: Axes, pose: Pose, box: Box) -> None:
     write(labels, shapes, place)
 
 
-def shortened(text: str) -> str:
-    """An SVG whose paths have hundredths of a point, which are enough for the eye."""
+def shortened(text: str, digits: int = 2) -> str:
+    """An SVG whose paths have hundredths of a point, which are enough for the eye, or fewer."""
 
     def path(found: re.Match[str]) -> str:
-        return re.sub(r"-?\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", found[0])
+        longer = rf"-?\d+\.\d{{{digits + 1},}}"
+        return re.sub(longer, lambda number: f"{float(number[0]):.{digits}f}", found[0])
 
     return re.sub(r' d="[^"]*"', path, text)
 

@@ -1,9 +1,9 @@
-"""Make the gallery: a film of each shipped mechanism, and the page that shows them.
+"""Make the gallery: film, curves and drawing of each shipped mechanism, and the page of them.
 
     python docs/gallery.py
 
-Films go to docs/_static/gallery, the page to docs/gallery.md; both are committed. What is said of a
-mechanism is what the page on mechanisms says.
+Pictures go to docs/_static/gallery, the page to docs/gallery.md; all are committed. Drawings are
+for the page on mechanisms, which says what the gallery says of a mechanism.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ import re
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+from gallery_pictures import CURVES, outputs_of, write_curves, write_drawing
+
 import linkages
 from linkages.kernel.system import System
 from linkages.plots.films.scenes import SHOWN
@@ -19,14 +21,15 @@ from linkages.reading.locate import shipped
 from linkages.solution.values.requests import requested
 
 DOCS = Path(__file__).resolve().parent
-FILMS = DOCS / "_static" / "gallery"
-MOST_BYTES = 3_800_000
+PICTURES = DOCS / "_static" / "gallery"
+MOST_BYTES = 4_500_000
 FPS, DPI = 7.0, 45.0
 HEAD = """# Gallery
 
-The mechanisms that are shipped with the package, as `python -m linkages animate NAME --format webp`
-draws them. [The page on mechanisms](mechanisms.md) says where their numbers come from.
-`docs/gallery.py` makes this page.
+The mechanisms that are shipped with the package: each as
+`python -m linkages animate NAME --format webp` draws it, with three curves that
+`python -m linkages plot NAME --y SERIES` would draw. Its file runs as it is. [The page on
+mechanisms](mechanisms.md) says where the numbers come from. `docs/gallery.py` makes this page.
 """
 
 
@@ -34,32 +37,37 @@ def described() -> dict[str, str]:
     """Mechanism → the first sentence that the page on mechanisms says of it."""
     text = (DOCS / "mechanisms.md").read_text(encoding="utf-8")
     found = {}
-    entries = r"^- ((?:`[\w-]+`(?:, )?)+):\s+(.*\n(?:  .*\n)*)"
-    for names, said in re.findall(entries, text, re.MULTILINE):
+    for part in text.split("\n### ")[1:]:
+        name, _picture, said, *_ = part.split("\n\n")
         sentence = re.split(r"\. (?=[A-Z\[])", " ".join(said.split()))[0].rstrip(".")
-        found |= dict.fromkeys(re.findall(r"`([\w-]+)`", names), f"{sentence}.")
+        found[name] = f"{sentence}."
     return found
 
 
 def entry(name: str, said: str) -> str:
     """A mechanism on the page."""
     title = linkages.load(name).name
+    shown = ", ".join(CURVES[name])
     return (
         f"## {title}\n\n"
-        f"[![{title}, moving](_static/gallery/{name}.webp)](mechanisms.md)\n\n"
-        f"{said} Its file: `{name}`.\n"
+        f"[![{title}, moving](_static/gallery/{name}.webp)](mechanisms.md#{name})\n\n"
+        f"{said} Its file: [`{name}.yaml`](../mechanisms/{name}.yaml); more of it: "
+        f"[`{name}`](mechanisms.md#{name}).\n\n"
+        f"![{title}: {shown}](_static/gallery/{name}.svg)\n"
     )
 
 
-def film(name: str) -> int:
-    """Write the film of a mechanism; returns its bytes."""
+def pictures(name: str) -> int:
+    """Write film, curves and drawing of a mechanism; returns their bytes."""
     mechanism = linkages.load(name)
-    possible = requested(System(mechanism), "all")
-    outputs = [output for output in SHOWN if output in possible]
-    solution = linkages.simulate(mechanism, samples=721, outputs=outputs, throw=False)
-    path = FILMS / f"{name}.webp"
-    linkages.animate(solution, path, fps=FPS, dpi=DPI)
-    return path.stat().st_size
+    system = System(mechanism)
+    possible = requested(system, "all")
+    outputs = {output for output in SHOWN if output in possible} | outputs_of(system, name)
+    solution = linkages.simulate(mechanism, samples=721, outputs=sorted(outputs), throw=False)
+    film = PICTURES / f"{name}.webp"
+    linkages.animate(solution, film, fps=FPS, dpi=DPI)
+    curves = write_curves(name, solution, PICTURES)
+    return film.stat().st_size + curves + write_drawing(name, PICTURES)
 
 
 def write_page() -> None:
@@ -70,12 +78,12 @@ def write_page() -> None:
 
 
 def main() -> None:
-    """Write films and page."""
-    FILMS.mkdir(exist_ok=True)
+    """Write pictures and page."""
+    PICTURES.mkdir(exist_ok=True)
     with ProcessPoolExecutor() as pool:
-        total = sum(pool.map(film, shipped()))
+        total = sum(pool.map(pictures, shipped()))
     write_page()
-    print(f"{len(shipped())} films, {total} bytes")
+    print(f"{len(shipped())} mechanisms, {total} bytes")
     if total > MOST_BYTES:
         raise SystemExit(f"more than {MOST_BYTES} bytes")
 

@@ -88,7 +88,7 @@ CASES = {
         "length: 0.04", "length: 30,5 mm", 6, "unknown key '5 mm'; decimals are written with a p",
     ),
     "unit-unknown-power": four("length: 0.04", "length: 4 mm5", 6, "unknown unit 'mm5'"),
-    "unit-strokes": four("speed: 6", "speed: 10 spm", 10, "'spm'; did you mean 'rpm'?"),
+    "unit-misspelt": four("speed: 6", "speed: 10 rpn", 10, "'rpn'; did you mean 'rpm'?"),
     # misspelt keys, at every level
     "key-top": four("drives:", "drive:", 9, "unknown key 'drive'; did you mean 'drives'?"),
     "key-bar": four("length: 0.04", "lenght: 0.04", 6, "missing key 'length'", "did you mean"),

@@ -102,11 +102,6 @@ def from_pmks(
     return draft.mechanism()
 
 
-def is_link(text: str) -> bool:
-    """Whether a text looks like a share link and not like the name of a file."""
-    return text.startswith(("http://", "https://")) and "pmks" in text
-
-
 def _query(link: str) -> str:
     text = unquote(urlsplit(link).query or link).strip()
     body, check = text[:-1], text[-1:]

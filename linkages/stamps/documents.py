@@ -30,11 +30,11 @@ def taken_svg(content: bytes) -> str | None:
 
 
 def put_html(content: bytes, text: str) -> bytes:
-    """The page with a text, as data in its head."""
+    """The page with a text, as data at the end of its head: its encoding is said before."""
     rest = _HTML.sub("", content.decode())
     harmless = text.replace("<", "\\u003c")  # nothing in it ends the element
     element = f'<script type="application/json" id="linkages-origin">{harmless}</script>\n'
-    return _after(rest, re.compile(r"<head>\n?"), element).encode()
+    return _after(rest, re.compile(r"<head>.*?(?=</head>)", re.DOTALL), element).encode()
 
 
 def taken_html(content: bytes) -> str | None:

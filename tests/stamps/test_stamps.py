@@ -121,3 +121,12 @@ def test_tables_hold_nothing(tmp_path):
     assert not stamp(tmp_path / "x.csv", ORIGIN)
     assert stamped(tmp_path / "x.csv") is None
     assert (tmp_path / "x.csv").read_text() == "a,b\n"
+
+
+def test_the_encoding_of_a_page_is_said_where_browsers_look_for_it(tmp_path):
+    """Within the first 1024 bytes (HTML Living Standard, section 4.2.5.4)."""
+    path = tmp_path / "x.html"
+    path.write_text('<html>\n<head>\n<meta charset="utf-8">\n</head>\n<body>°</body>\n</html>\n')
+    stamp(path, ORIGIN | {"definition": "name: x\n" * 1000})
+    assert b'<meta charset="utf-8">' in path.read_bytes()[:1024]
+    assert stamped(path)["definition"] == "name: x\n" * 1000

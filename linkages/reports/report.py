@@ -132,7 +132,7 @@ def _row(solution: Solution, row: dict[str, Any]) -> list[str]:
         time = row[f"{which}_time"]
         late = LATE if until is not None and abs(time) > abs(until) else ""
         unresolved = OPEN if row["missed"] > RESOLVED else ""
-        cells += [f"{row[which]:.6g}{late}{unresolved}", f"{time:.6g}"]
+        cells += [f"{row[which]:.6g}{late}{unresolved}", f"{time:.4g}"]
     return [*cells, row["units"]]
 
 

@@ -51,18 +51,21 @@ def test_a_page_needs_no_other_file_and_is_computed_again(solution, tmp_path):
     assert linkages.load(path) == solution.mechanism
 
 
-def test_a_sheet_is_computed_again(solution, tmp_path):
-    path = linkages.save_report(solution, tmp_path / "report.pdf")
-    (sheet,) = PdfReader(path).pages  # one page
-    assert tuple(map(float, sheet.mediabox[2:])) == pytest.approx((1190.88, 841.68))  # A3 in points
-    assert linkages.load(path) == solution.mechanism
+@pytest.fixture(scope="module")
+def sheet(solution, tmp_path_factory):
+    return linkages.save_report(solution, tmp_path_factory.mktemp("reports") / "report.pdf")
 
 
-def test_a_sheet_shows_vectors_and_all_rows(solution, tmp_path):
-    (sheet,) = PdfReader(linkages.save_report(solution, tmp_path / "report.pdf")).pages
-    assert not sheet.images
-    text = sheet.extract_text()
-    found = report_of(solution)
+def test_a_sheet_is_computed_again(solution, sheet):
+    (page,) = PdfReader(sheet).pages
+    assert tuple(map(float, page.mediabox[2:])) == pytest.approx((1190.88, 841.68))  # A3 in points
+    assert linkages.load(sheet) == solution.mechanism
+
+
+def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
+    (page,) = PdfReader(sheet).pages
+    assert not page.images
+    text, found = page.extract_text(), report_of(solution)
     words = {word for row in found.inputs for word in row[0].split()}
     words |= {row[4] for row in found.maxima}
     assert {word for word in words if word not in text} == set()

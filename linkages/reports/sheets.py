@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from linkages.plots.pages import spaced
-from linkages.plots.prefixes import scale_for
 from linkages.plots.style import BLACK, GREY, style
 
 if TYPE_CHECKING:
@@ -153,9 +152,8 @@ def _filled(report: Report) -> list[_Sheet]:
         for half, figure in zip(halves, pair, strict=False):
             half.picture(figure, highest)
         _level(halves)
-    values = [[*row[:-1], scale_for(1.0, row[-1]).units] for row in report.maxima]
-    middle = -(-len(values) // 2)
-    for half, rows in zip(halves, (values[:middle], values[middle:]), strict=True):
+    middle = -(-len(report.maxima) // 2)
+    for half, rows in zip(halves, (report.maxima[:middle], report.maxima[middle:]), strict=True):
         if rows:
             half.heading("Least and largest values" if half is halves[0] else "")
             half.table((25, 10, 12, 10, 12, 10, 8), HEADS, rows)

@@ -22,7 +22,6 @@ from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.shapes import Word
 from linkages.plots.mechanism.view import Box, frame, gravity_arrow
 from linkages.plots.style import styled
 
@@ -68,13 +67,12 @@ def component(mechanism: Mechanism) -> Figure:
 
 
 def shown(ax: Axes, pose: Pose, box: Box) -> None:
-    """Draw a position without names that no file gives, on some pages with lengths."""
+    """Draw a position, on some pages with lengths."""
     scale = frame(ax, box, pose.mechanism, MARGIN)
     labels, place = Labels(ax), pose.scaled(scale.factor)
     shapes = shapes_of(pose, points_per_unit(ax) * scale.factor)
     if pose.mechanism.name in SIZED:
         shapes += [*draw_centres(pose), *length_words(pose, scale)]
-    shapes = [shape for shape in shapes if not (isinstance(shape, Word) and "." in shape.name)]
     Inked(ax, shapes, place).avoided(labels)
     write(labels, shapes, place)
 

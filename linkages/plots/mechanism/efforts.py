@@ -11,7 +11,7 @@ from linkages.components.contributed.measures import BodyAxis, Coordinate, Load,
 from linkages.components.contributed.sensing import named
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.frames import Frame, body_direction, joints
-from linkages.plots.mechanism.guides import grounded, half_length, pin_of, rod_side
+from linkages.plots.mechanism.guides import block_of, grounded, half_length, pin_of, rod_side
 from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.outlining import BLOCK, MASS, SMALL_BLOCK, Stroke
 from linkages.plots.mechanism.pose import Pose
@@ -133,13 +133,14 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     """
     if sense == BOTH:
         return 0
-    angle, shown = pose.angle(name), pose.shown(name)
+    block = block_of(pose, name)
+    angle, shown = pose.angle(name), pose.shown(block)
     along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
     ways = [
         float(np.subtract(other, shown[joint]) @ along)
         for joint in shown
         for body in pose.mechanism.bodies
-        if body != name and joint in pose.shown(body)
+        if body != block and joint in pose.shown(body)
         for other in pose.shown(body).values()
     ]
     balance = sum(ways)

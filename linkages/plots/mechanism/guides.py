@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.components.contributed.terms import Play
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.bodies import body_role
 from linkages.plots.mechanism.frames import Frame, body_direction, mixed, moved
@@ -18,6 +19,9 @@ Array = NDArray[np.float64]
 AXIS_LINE = (9.0, 2.0, 1.5, 2.0)
 RAIL = BLOCK[1] + 1.2  # points from the axis
 BUSHING, APART = (9.0, 3.2), 30.0  # half length and half height; from the last place of the block
+WALL = Look("clearance", 1.3)
+"""What a block with room in its guide may touch."""
+
 ASIDE = 0.12
 """Of the picture: how far the ground lies beside an axis that has rails on the other side only."""
 
@@ -34,9 +38,20 @@ def grounded(pose: Pose, name: str) -> bool:
     return guide is not None and guide.body is None
 
 
+def play_of(pose: Pose, name: str) -> Play | None:
+    """The room of a slider in its guide, if it has some."""
+    return next((play for play in pose.mechanism.plays if play.slider == name), None)
+
+
 def pin_of(pose: Pose, name: str) -> Anchor:
-    """Where the block of a slider is."""
-    return Anchor(((next(iter(pose.mechanism.bodies[name].points)), 1.0),))
+    """Where the block of a slider is: with room in its guide, beside the axis."""
+    return Anchor(((next(iter(pose.mechanism.bodies[block_of(pose, name)].points)), 1.0),))
+
+
+def block_of(pose: Pose, name: str) -> str:
+    """The body that has the joints of a slider."""
+    play = play_of(pose, name)
+    return name if play is None else play.block
 
 
 def half_length(pose: Pose, name: str) -> float:
@@ -61,9 +76,20 @@ def draw_guides(pose: Pose, scale: float) -> list[Shape]:
         if side:
             centre = moved(last if side > 0 else first, side * APART, 0.0)
             found.append(_bushing(frame, centre, name))
+            walls = moved(centre, -BUSHING[0], 0.0), moved(centre, BUSHING[0], 0.0)
+            away = BUSHING[1]
         else:
             found.append(_rails(pose, frame, axis, (first, last), (high - low) * scale, name))
+            walls, away = _beyond_travel(first, last), RAIL
+        if play_of(pose, name) is not None:
+            pair = (tuple(moved(end, 0.0, side * away) for end in walls) for side in (1.0, -1.0))
+            found.append(Strokes(tuple(pair), WALL, frame.direction, name=name))
     return found
+
+
+def _beyond_travel(first: Anchor, last: Anchor) -> tuple[Anchor, Anchor]:
+    """Both ends of rails: the block stays between them."""
+    return moved(first, -2 * BLOCK[0], 0.0), moved(last, 2 * BLOCK[0], 0.0)
 
 
 def _bushing(frame: Frame, centre: Anchor, name: str) -> Strokes:
@@ -82,7 +108,7 @@ def _rails(
     across = [float(np.subtract(place, axis.origin) @ (-along[1], along[0])) for place in places]
     aside = float(np.mean(across or [0.0])) / pose.extent
     solid = 1.0 if aside < -ASIDE else -1.0
-    left, right = moved(ends[0], -2 * BLOCK[0], 0.0), moved(ends[1], 2 * BLOCK[0], 0.0)
+    left, right = _beyond_travel(*ends)
     strokes = [(moved(left, 0.0, solid * RAIL), moved(right, 0.0, solid * RAIL))]
     if abs(aside) <= ASIDE:
         strokes.append((moved(left, 0.0, -solid * RAIL), moved(right, 0.0, -solid * RAIL)))

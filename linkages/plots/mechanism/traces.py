@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.4  # inches
 STILL = 1e-9  # of the picture's size: what moves less is at rest
 COUPLER, LED = 1.8, 0.9  # points
 DOT, AHEAD, HEAD = 2.6, 26.0, (7.0, 3.0)  # points: radius; from there to an arrow, and its size
@@ -37,7 +36,7 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Traces over the run; None for data without joint positions."""
     if not pose_at(data, mechanism, 0).positions:
         return None
-    result, ax = picture(framed(data, mechanism)[1], MARGIN)
+    result, ax = picture(framed(data, mechanism)[1])
     draw(ax, data, mechanism)
     return result
 
@@ -99,7 +98,7 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
         Whose motion it is.
     """
     poses, box = framed(data, mechanism)
-    pose, scale = poses.at(0), frame(ax, box, mechanism, MARGIN)
+    pose, scale = poses.at(0), frame(ax, box, mechanism)
     shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)
     Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)

@@ -16,6 +16,7 @@ from linkages.plots.mechanism.bodies import clearance_ends
 from linkages.plots.mechanism.drawing import framed, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.marks import draw_marks, mark_times, note_marks
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.view import Box, frame, picture, pixels
 from linkages.plots.style import line_style, styled
@@ -85,8 +86,8 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """Draw the trace of each moving joint over the mechanism at the first sample.
 
     Coupler curves are thicker than the arcs and lines that the ground leads joints along. A dot
-    says where each begins, an arrow which way it goes. Every sample is a vertex, in vector
-    graphics, too; the name of a joint is that of its path there.
+    says where each begins, an arrow which way it goes, and marks where it is at equal times. Every
+    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there.
 
     Parameters
     ----------
@@ -103,6 +104,8 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     labels = Labels(ax)
     Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
     names, led = moving_joints(data, mechanism), led_joints(mechanism)
+    time = np.asarray(data["time"], dtype=float)
+    at = mark_times(data, mechanism) if len(time) > 1 and names else np.empty(0)
     finite: dict[str, tuple[Array, str]] = {}
     with rc_context({"path.simplify": False}):
         for index, (name, path) in enumerate(names.items()):
@@ -115,6 +118,9 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
                 finite[name] = known, colour
                 labels.avoid(pixels(ax, known[:: max(1, len(known) // 1000)]))
                 _beginning(ax, known, colour, labels)
+                draw_marks(ax, shown, time, at, colour)
+    if len(at):
+        note_marks(ax, at)
     for name, (known, colour) in finite.items():
         labels.beside_curve(name, known, color=colour, weight="bold")
     return ax

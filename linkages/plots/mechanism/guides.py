@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 AXIS_LINE = (9.0, 2.0, 1.5, 2.0)
 RAIL = BLOCK[1] + 1.2  # points from the axis
+HATCHED = RAIL + 4.0  # points from the axis to the end of hatching
 BUSHING, APART = (9.0, 3.2), 30.0  # half length and half height; from the last place of the block
 WALL = Look("clearance", 1.3)
 """What a block with room in its guide may touch."""
@@ -167,7 +168,7 @@ def _crossings(
         here = float(gap @ along + there * cosine)
         least, most = travel_of(pose, other, way)
         if least - room < there < most + room and own[0] - room < here < own[1] + room:
-            yield here, float((RAIL + RAIL * abs(cosine)) / abs(sine))
+            yield here, HATCHED * float((1.0 + abs(cosine)) / abs(sine))
 
 
 def rod_side(pose: Pose, name: str, axis: SliderAxis, scale: float) -> int:

@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.plots.mechanism.blocks import draw_blocks
-from linkages.plots.mechanism.dimensions import draw_centres, length_words
+from linkages.plots.mechanism.dimensions import (
+    draw_centres,
+    frame_lines,
+    frame_words,
+    length_words,
+)
 from linkages.plots.mechanism.efforts import draw_drives, draw_forces
 from linkages.plots.mechanism.frictions import draw_linings, draw_shoes
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
@@ -184,7 +189,8 @@ def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     factor = scale.factor
     shapes = shapes_of(pose, points_per_unit(ax) * factor)
     if dimensions:
-        shapes += [*draw_centres(pose), *length_words(pose, scale)]
+        shapes = [*frame_lines(pose), *shapes, *draw_centres(pose)]
+        shapes += [*length_words(pose, scale), *frame_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
     Inked(ax, shapes, shown).avoided(labels)
     note_gears(ax, pose)
@@ -201,9 +207,8 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
             places = placed(shown, word.beside, word.direction, point)
             size = {"fontsize": 8.0} if word.look.role == "load" or word.gap < 4.0 else {}
             weight = "bold" if word.strong else "normal"
-            labels.beside(
-                word.text, places, word.gap, color=LIGHT[word.look.role], weight=weight, **size
-            )
+            font = {"color": LIGHT[word.look.role], "weight": weight, **size}
+            labels.beside(word.text, places, word.gap, along=word.along, **font)
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:

@@ -69,10 +69,10 @@ def file(request, tmp_path):
 
 def test_what_is_written_is_read_again_and_takes_the_place_of_what_was_before(file):
     assert (stamped(file) or {}).get("definition") is None
-    assert stamp(file, ORIGIN | {"definition": "old"})
+    assert stamp(file, ORIGIN | {"definition": "earlier text"})
     assert stamp(file, ORIGIN)
     assert stamped(file).items() >= ORIGIN.items()
-    assert b"old" not in file.read_bytes() or file.suffix == ".nc"
+    assert b"earlier text" not in file.read_bytes() or file.suffix == ".nc"
 
 
 def test_a_file_of_results_defines_a_mechanism(file):

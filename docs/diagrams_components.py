@@ -28,7 +28,9 @@ from linkages.plots.style import styled
 DEFINITIONS = Path(__file__).with_suffix(".yaml")
 WIDTH = 3.0  # inches
 LOWEST, HIGHEST = 1.2, 2.6
-MARGIN = 0.6
+MARGIN = 0.4
+ROOM = (72.0 * (WIDTH - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
+"""Points within the margins."""
 TRACED = {"simulation"}
 """Pages whose pictures have paths."""
 SIZED = {"bar"}
@@ -46,7 +48,7 @@ def component(mechanism: Mechanism) -> Figure:
     """A mechanism where it starts; rails are as long as what slides on them travels."""
     data = linkages.simulate(mechanism).data
     pose = pose_at(data, mechanism, 0)
-    box = framed(data, mechanism)[1] if mechanism.name in TRACED else reach(pose)
+    box = framed(data, mechanism)[1] if mechanism.name in TRACED else reach(pose, ROOM)
     inches = (WIDTH - 2 * MARGIN) / max(box.size[0], 1e-3 * box.size[1])  # per metre
     height = min(max(inches * box.size[1] + 2 * MARGIN, LOWEST), HIGHEST)
     figure = Figure(figsize=(WIDTH, height))

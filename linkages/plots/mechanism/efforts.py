@@ -20,6 +20,9 @@ from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Word
 from linkages.plots.prefixes import scale_for
 
 RADII, SPAN = (6.5, 18.0), 1.9  # of the arrow about a driven body's pin
+SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
+"""Points: cranks with an arrow beyond their ends, how far beyond, and how long it is."""
+
 TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
 STRAIGHT = 23.0
 SHAFT = 1.2
@@ -41,6 +44,8 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
             )
             radius = float(np.clip(0.55 * length, *RADII))
             span = min(SPAN, SPAN * length / RADII[0])
+            if length < SHORT:  # no room between its pins: beyond the outer one
+                radius, span = length + OUTSIDE, LONG / (length + OUTSIDE)
             frame = Frame(pose, joints(shown[0], shown[1]))
             found += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
     return found

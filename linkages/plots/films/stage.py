@@ -14,20 +14,14 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
+from linkages.plots.films.insets import Clock, Enlarged, Inset, decimals, enlarged, moment
 from linkages.plots.films.layout import MARGIN, PageLayout, page
+from linkages.plots.films.loads import LONGEST, Push, Pushes
 from linkages.plots.films.moving import framed, parts
 from linkages.plots.films.names import Names
 from linkages.plots.films.strips import Strip
 from linkages.plots.mechanism.drawing import note_gears
 from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.insets import (
-    ClearanceMotion,
-    Clock,
-    Inset,
-    contacts,
-    decimals,
-    moment,
-)
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
@@ -38,6 +32,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Frame = NDArray[np.uint8]
+
+KEY = (50.0, -21.0)
+"""Where the scales of arrows are explained: points from the lower left of the main picture."""
 
 LOOKS = 12
 """Positions of the mechanism that names of traces keep clear of."""
@@ -65,6 +62,9 @@ class Stage:
         Whether joints have their names beside them.
     strips
         Names of series, and the series, drawn over time below.
+    pushes
+        Loads and reactions to draw as long as they are at the time; arrows of loads that rest in
+        their symbols are left out then.
 
     Raises
     ------
@@ -82,15 +82,16 @@ class Stage:
         *,
         names: bool = False,
         strips: Sequence[tuple[str, xr.DataArray]] = (),
+        pushes: Sequence[Push] = (),
     ) -> None:
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
-        found = contacts(data, mechanism)
+        found = enlarged(data, mechanism)
         with style():
             layout, dpi = page(box, len(found), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
-            self._build(self._canvas.figure, layout, box, data, film, found)
+            self._build(self._canvas.figure, layout, box, data, film, found, pushes)
             joints = self._moving.at(0).positions if names else []
             self._names = Names(self._layer, joints)
             self._strips = [
@@ -125,26 +126,33 @@ class Stage:
         box: Box,
         data: xr.Dataset,
         film: Film,
-        found: list[ClearanceMotion],
+        found: list[Enlarged],
+        pushes: Sequence[Push],
     ) -> None:
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
-        scale = frame(ax, box, mechanism, MARGIN)
+        scale = frame(ax, box, mechanism, max(MARGIN, LONGEST / 72.0) if pushes else MARGIN)
         self._factor = scale.factor
         first, labels = self._moving.at(0), Labels(ax)
         still, moving = parts(first, points_per_unit(ax) * scale.factor)
+        if pushes:
+            moving = [shape for shape in moving if shape.look.role != "load"]
         Inked(ax, still, first.scaled(self._factor)).avoided(labels)
         note_gears(ax, first)
         self._draw_traces(ax, data, labels)
         self._write_still(ax, film)
         self._layer = _layer_over(ax)
         self._drawing = Inked(self._layer, moving, first.scaled(self._factor))
+        self._pushes = Pushes(self._layer, pushes, film.samples(self._time))
+        self._pushes.draw_key(ax, *KEY)
         width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
-        near = None if film.near is None else Clock(self._time, film.near.pace, film.near.step)
+        slow = film.near
+        near = None if slow is None else Clock(self._time, slow.pace, slow.step)
+        samples = (film if slow is None else slow).samples(self._time)
         self._insets = [
-            Inset(panel, contact, float(width * panel.bbox.width / ax.bbox.width), near)
-            for contact, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
+            Inset(panel, own, float(width * panel.bbox.width / ax.bbox.width), samples, near)
+            for own, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
         ]
 
     def _draw_traces(self, ax: Axes, data: xr.Dataset, labels: Labels) -> None:
@@ -193,6 +201,7 @@ class Stage:
             line.set_data(*path[: index + 1].T)
         pose = self._moving.at(index).scaled(self._factor)
         self._drawing.show(pose)
+        self._pushes.show(pose, index)
         self._clock.set_text(moment(self._time[index], self._decimals))
         for inset in self._insets:
             inset.show(near)
@@ -201,6 +210,7 @@ class Stage:
         return [
             *(line for line, _ in self._runs),
             *self._drawing.artists,
+            *self._pushes.artists,
             *self._names.shown(pose.positions),
             self._clock,
             *(artist for inset in self._insets for artist in inset.artists),

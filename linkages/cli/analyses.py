@@ -173,6 +173,9 @@ def animate(
         list[str] | None,
         typer.Option(metavar="JOINT", help="Draw the reaction of this joint, to the same scale."),
     ] = None,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
+    ] = False,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from PIL import Image
 
 import linkages
@@ -128,6 +129,27 @@ def test_an_arrow_ends_at_its_tip(length):
     tip = bent[26]
     np.testing.assert_allclose(tip, [10 * np.cos((np.pi + length) / 2),
                                      10 * np.sin((np.pi + length) / 2)])  # fmt: skip
+
+
+def test_a_bare_film_shows_the_mechanism_and_nothing_else():
+    solution = linkages.simulate(linkages.loads(PLAY), outputs="all", samples=5)
+    film = film_of(0.02)
+    full, bare = (
+        Stage(solution.data, solution.mechanism, film, dpi=60.0, bare=bare)
+        for bare in (False, True)
+    )
+    for stage in (full, bare):
+        stage.picture(2)
+    rows, columns = bare._cut
+    assert 0.6 < bare.size[0] * bare.size[1] / (full.size[0] * full.size[1]) < 0.95
+    assert not any(text.get_visible() for text in bare._canvas.figure.findobj(Text))
+    # whatever it shows in dark is in the full picture as well, at the same place; half a pixel of
+    # an edge may lie over the grid there, which is 25 of 255 from white
+    ours = bare.picture(2)[20:-20, 20:-20].astype(int)
+    theirs = np.asarray(full._canvas.buffer_rgba())[rows, columns][: bare.size[1], : bare.size[0]]
+    dark = ours[..., :3].max(axis=2) < 120
+    assert dark.sum() > 500
+    np.testing.assert_allclose(ours[dark], theirs[20:-20, 20:-20][dark], atol=25)
 
 
 def test_films_say_where_they_come_from(tmp_path):

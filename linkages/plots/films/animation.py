@@ -47,6 +47,7 @@ def animate(
     plot: Sequence[str] = (),
     loads: bool = False,
     reactions: Sequence[str] = (),
+    bare: bool = False,
     watch: Callable[[float], None] | None = None,
 ) -> Film:
     """Write an animation of a motion: the mechanism, traces of its joints, enlarged clearances.
@@ -83,6 +84,8 @@ def animate(
         stays the same, and is written below.
     reactions
         Joints whose reactions are drawn, to the same scale.
+    bare
+        Show mechanism and clearances alone, without axes and texts.
     watch
         Called after every frame with the fraction done.
 
@@ -114,6 +117,7 @@ def animate(
         stage = Stage(
             shown.data, solution.mechanism, film, size, dpi, names=names,
             strips=[(series.name, series.of(shown.data)) for series in drawn], pushes=pushes,
+            bare=bare,
         )  # fmt: skip
 
         def frames() -> Iterator[Frame]:

@@ -180,7 +180,9 @@ class Pushes:
             place = ScaledTranslation(x / 72.0, y / 72.0, figure.dpi_scale_trans)
             corner = Affine2D().translate(*ax.bbox.p0.tolist())
             there = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + corner + place
-            figure.add_artist(Polygon(corners, transform=there, color=LOAD, linewidth=0))
+            figure.add_artist(
+                Polygon(corners, transform=there, color=LOAD, linewidth=0, clip_on=False)
+            )
             x += float(corners[:, 0].max()) + 4.0
             place = ScaledTranslation(x / 72.0, y / 72.0, figure.dpi_scale_trans)
             text = scale.text(scale.key) + (f", {ROOT}" if scale.root else "")

@@ -10,6 +10,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
@@ -65,6 +67,8 @@ class Stage:
     pushes
         Loads and reactions to draw as long as they are at the time; arrows of loads that rest in
         their symbols are left out then.
+    bare
+        Whether the mechanism and its clearances are shown alone, without axes and texts.
 
     Raises
     ------
@@ -83,6 +87,7 @@ class Stage:
         names: bool = False,
         strips: Sequence[tuple[str, xr.DataArray]] = (),
         pushes: Sequence[Push] = (),
+        bare: bool = False,
     ) -> None:
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
@@ -98,6 +103,7 @@ class Stage:
                 Strip(self._canvas.figure.add_axes(place), name, series, film)
                 for place, (name, series) in zip(layout.strips, strips, strict=True)
             ]
+            self._cut = self._bared() if bare else (slice(None), slice(None))
             self._canvas.draw()
             self._background: Any = self._canvas.copy_from_bbox(self._canvas.figure.bbox)
 
@@ -105,7 +111,9 @@ class Stage:
     def size(self) -> tuple[int, int]:
         """Width and height in pixels, both even: videos need that."""
         width, height = self._canvas.get_width_height()
-        return width - width % 2, height - height % 2
+        rows, columns = self._cut
+        wide, high = len(range(width)[columns]), len(range(height)[rows])
+        return wide - wide % 2, high - high % 2
 
     def picture(self, index: int, near: int | None = None) -> Frame:
         """The picture of one sample, shape (height, width, 4); valid until the next one.
@@ -117,7 +125,18 @@ class Stage:
             for artist in self._show(index, index if near is None else near):
                 artist.draw(self._canvas.get_renderer())
         width, height = self.size
-        return np.asarray(self._canvas.buffer_rgba())[:height, :width]
+        return np.asarray(self._canvas.buffer_rgba())[self._cut][:height, :width]
+
+    def _bared(self) -> tuple[slice, slice]:
+        """Hide axes and texts; rows and columns of pixels in which anything is left."""
+        figure = self._canvas.figure
+        self._main.set_axis_off()
+        for artist in figure.findobj():
+            if isinstance(artist, Text) or not artist.get_clip_on():  # what explains scales
+                artist.set_visible(False)
+        left, low, right, high = Bbox.union([ax.bbox for ax in figure.axes]).padded(1.0).extents
+        height = self._canvas.get_width_height()[1]
+        return slice(height - round(high), height - round(low)), slice(round(left), round(right))
 
     def _build(
         self,
@@ -132,6 +151,7 @@ class Stage:
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
+        self._main = ax
         scale = frame(ax, box, mechanism, max(MARGIN, LONGEST / 72.0) if pushes else MARGIN)
         self._factor = scale.factor
         first, labels = self._moving.at(0), Labels(ax)

@@ -18,7 +18,7 @@ NARROW = 0.2
 NOTHING = 1e-9
 """Of the largest force: no force."""
 
-SHORTEST = 0.12
+SHORTEST = 0.2
 """Of the longest arrow: as long is that of any force, so that it is seen."""
 
 ROOT = "arrows ∝ √F"

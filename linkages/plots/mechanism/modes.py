@@ -14,14 +14,13 @@ from matplotlib.figure import Figure
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.insets import nice_below
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.names import words_of
 from linkages.plots.mechanism.palette import LIGHT
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Pair
 from linkages.plots.mechanism.view import Box, Positions
-from linkages.plots.prefixes import scale_for
+from linkages.plots.prefixes import nice_below, scale_for
 from linkages.plots.style import DRIVEN, GREY, WIDTH, fitted, styled
 
 MOST = 48

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.numbers.laws import law_values
 from linkages.plots.mechanism.inked import points_per_unit
-from linkages.plots.mechanism.insets import nice_below
-from linkages.plots.prefixes import scale_for
+from linkages.plots.prefixes import nice_below, scale_for
 
 if TYPE_CHECKING:
     import xarray as xr

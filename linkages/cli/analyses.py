@@ -169,6 +169,16 @@ def animate(
         list[str] | None,
         typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
     ] = None,
+    loads: Annotated[
+        bool, typer.Option("--loads", help="Draw loads as large as they are at the time.")
+    ] = False,
+    reactions: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT", help="Draw the reaction of this joint, to the same scale."),
+    ] = None,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
+    ] = False,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 

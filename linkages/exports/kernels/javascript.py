@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 from linkages.exports.kernels.exported import Exported, exported
@@ -17,15 +18,17 @@ _FUNCTIONS = sorted(
 )
 
 
-def javascript_module(system: System) -> str:
+def javascript_module(system: System, variables: Sequence[str] | None = None) -> str:
     """The text of a module that exports ``model``: numbers, states, rates and outputs.
 
     Parameters
     ----------
     system
         The mechanism.
+    variables
+        Outputs, as `exported` takes them.
     """
-    found = exported(system)
+    found = exported(system, variables)
     parts = [
         f"/* {_safe(system.mechanism.name)}: equations of motion, written by linkages. */",
         f"const {{ {', '.join(_FUNCTIONS)} }} = Math;\n",

@@ -123,10 +123,7 @@ function spots(load, scene) {
       const turned = scene.angle(load.body);
       return [[scene.joint(load.joint), turned === null ? null : turned + (load.axis * Math.PI) / 2]];
     }
-    case "along": {
-      const turned = scene.angle(load.body);
-      return [[scene.joint(load.joint), turned === null ? null : turned + load.angle]];
-    }
+    case "along": return [[scene.joint(load.joint), scene.angle(load.body)]];
     default: throw new Error(`unknown kind of load: ${load.kind}`);
   }
 }

@@ -49,8 +49,8 @@ async function start() {
   followTheme(get("theme"));
   get("summary").textContent = CONTENT.summary;
   about(get("about"));
-  const show = (motion, ideal, radii) => {
-    stage.show(motion, ideal, radii);
+  const show = (motion, ideal, radii, given) => {
+    stage.show(motion, ideal, radii, given);
     panels.show(motion);
     values.show(motion);
     player.show(motion, [...driven, ...free]);
@@ -61,9 +61,9 @@ async function start() {
     get("message").textContent = text;
     get("message").hidden = !text;
   };
-  show(recorded, ghost, sizes);
+  show(recorded, ghost, sizes, new Map());
   message(CONTENT.stopped ? `The motion stopped ${CONTENT.stopped}` : "");
-  const page = { stage, player, panels, values, recorded, ghost, sizes, show, message };
+  const page = { stage, player, panels, values, recorded, ghost, aliases, sizes, show, message };
   page.tabs = new Tabs(get("tabs"), {
     plots: "Diagrams", values: "Values", numbers: "Change", about: "About",
   });

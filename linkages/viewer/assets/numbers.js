@@ -2,14 +2,19 @@
 const TIMES = 4; // up to which factor a slider changes a number
 
 class Numbers {
-  /** @param {Function} moved called with all numbers in SI when one has changed */
-  constructor(host, model, size, moved) {
+  /**
+   * @param {string} slow what is to be said of how motions are computed
+   * @param {Function} moved called with all numbers in SI when one has changed
+   */
+  constructor(host, known, size, slow, moved) {
+    const { model } = known;
     this.model = model;
+    this.slow = slow;
     this.moved = moved;
     this.values = model.numbers.map((one) => one.value);
     this.rows = model.numbers.map((one, k) => this.row(one, k, size));
     this.note = element("p");
-    this.missing = missingText(model);
+    this.missing = missingText(known) + slow;
     this.reset = element("button", { type: "button" }, "Reset all");
     this.save = element("button", { type: "button" }, "Download YAML");
     this.reset.addEventListener("click", () => this.set(model.numbers.map((one) => one.value)));
@@ -77,7 +82,7 @@ class Numbers {
     });
     const different = this.changedOnes, count = different.length;
     this.reset.disabled = this.save.disabled = count === 0;
-    this.note.textContent = count === 0 ? "All numbers are those of the file."
+    this.note.textContent = count === 0 ? `All numbers are those of the file.${this.slow}`
       : `${count === 1 ? "One number differs" : `${count} numbers differ`} from the file: ${
         different.map((k) => this.model.numbers[k].path).join(", ")}.${this.missing}`;
     const badge = document.querySelector("#tab-numbers");
@@ -104,9 +109,10 @@ class Numbers {
 }
 
 /** Quantities of the file's motion that are not there for other numbers. */
-function missingText(model) {
+function missingText({ model, ideal }) {
   const live = new Set(model.series.map((one) => one.variable));
-  const gone = new Set(Object.values(CONTENT.series).filter((one) => !live.has(one.variable)).map((one) => one.label));
+  const there = ({ variable, compared }) => live.has(variable) || (ideal && compared && live.has(compared));
+  const gone = new Set(Object.values(CONTENT.series).filter((one) => !there(one)).map((one) => one.label));
   return gone.size ? ` Not computed for other numbers: ${[...gone].join(", ")}.` : "";
 }
 

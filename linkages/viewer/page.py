@@ -14,7 +14,7 @@ SCRIPTS = (
     "content.js", "unpack.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
     "look.js", "shapes.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js", "axes.js",
     "plot.js", "panels.js", "values.js", "player.js", "tabs.js", "hands.js", "live.js",
-    "numbers.js", "change.js", "main.js",
+    "numbers.js", "change.js", "share.js", "main.js",
 )  # fmt: skip
 """In the order in which the page reads them."""
 

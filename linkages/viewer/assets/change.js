@@ -36,7 +36,7 @@ async function liveNumbers(host, page) {
     }
     return state.shown;
   };
-  const slow = live.beside ? "" : " Motions are computed on this page itself, for workers are forbidden here: it stands still meanwhile.";
+  const slow = live.beside ? "" : "Motions are computed on this page itself, for workers are forbidden here: it stands still meanwhile.";
   state.numbers = new Numbers(host, known, Math.max(right - left, high - low), slow, state.change);
   return state;
 }

@@ -10,15 +10,13 @@ function layerChips(host, stage) {
     box.checked = stage.on[key];
     box.addEventListener("change", () => {
       stage.on[key] = box.checked;
+      chip.classList.toggle("on", box.checked);
       stage.words.sides = null;
       changed();
     });
     const chip = element("label", { class: "chip" }, box);
-    if (colour) {
-      const mark = element("i");
-      mark.style.color = CONTENT.palette.light[colour];
-      chip.append(mark);
-    }
+    chip.classList.toggle("on", box.checked);
+    if (colour) chip.append(element("i", { class: colour }));
     chip.append(text);
     return chip;
   }));
@@ -72,17 +70,22 @@ async function start() {
   sizeButtons(stage);
   followKeys(player);
   new ResizeObserver(changed).observe(document.body);
+  const draw = () => {
+    if (!dirty) return;
+    dirty = false;
+    stage.draw(player.place, stage.held && stage.scene(player.place).mean(stage.held.weights));
+    if (page.tabs.chosen === "plots") panels.draw(player.place);
+    values.draw(player.place);
+  };
   const frame = () => {
-    if (dirty) {
-      dirty = false;
-      stage.draw(player.place, stage.held && stage.scene(player.place).mean(stage.held.weights));
-      if (page.tabs.chosen === "plots") panels.draw(player.place);
-      values.draw(player.place);
-    }
+    draw();
     requestAnimationFrame(frame);
   };
   frame();
-  return Object.assign(page, { live });
+  followPrinter(draw);
+  Object.assign(page, { live });
+  await shareAddress(get("share"), get("address"), page);
+  return page;
 }
 
 /** What tests ask, and whoever opens the console. */

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
@@ -75,7 +75,8 @@ def written(
         "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
-    kernel = [javascript_module(system), javascript_integrator()]
+    given = {name: value for name, value in options.items() if name == "change_points"}
+    kernel = [javascript_module(system, options_of(SimulationOptions, mechanism, given))]
     return page({**content, "numbers": packed.text()}, kernel)
 
 

@@ -13,7 +13,7 @@ onmessage = ({ data: { numbers, times, rtol, atol } }) => {
     rows.forEach((row, k) => { row[i] = out[k]; });
     reached = i + 1;
   };
-  if (!status) status = integrate(model, parameters, state, times, { rtol, atol }, visit).status;
+  if (!status) status = integrate(parameters, state, times, { rtol, atol }, visit).status;
   postMessage({ kind: "motion", rows, reached, status: status || failed },
     rows.map((row) => row.buffer));
 };

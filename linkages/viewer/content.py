@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
@@ -76,8 +76,10 @@ def written(
         "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
-    models = {"model": javascript_module(system), "ideal": ideal_module(system)}
-    return page({**content, "numbers": packed.text()}, models, javascript_integrator())
+    given = {name: value for name, value in options.items() if name == "change_points"}
+    passing = options_of(SimulationOptions, mechanism, given)
+    models = {"model": javascript_module(system, passing), "ideal": ideal_module(system, passing)}
+    return page({**content, "numbers": packed.text()}, models)
 
 
 def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:

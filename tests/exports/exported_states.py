@@ -105,8 +105,23 @@ drives: {a: {angle: 60 deg, speed: -6}}
 assembly: {B: [1.25, 0.4]}
 simulate: {end: 0.4, samples: 4}
 """
+PASSED = {
+    "free": (PARALLELOGRAM.replace("drives", "gravity: [0, -9.81]\nfree").replace("-6", "-9"), 1.0),
+    "driven": (f"{PARALLELOGRAM.rstrip().removesuffix('}')}, change_points: pass}}\n", 1.0),
+}
+"""The same moving freely, and led through; and for how long: three and two change points."""
 CHANGES = np.pi / 3 / 6
 """When its bars are in line."""
+STUCK = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  a: {joints: [O, A], length: 0.3, mass: 1}
+  b: {joints: [A, B], length: 1, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+free: {c: {angle: 90 deg, speed: 6}}
+assembly: {A: [0.28, 0.1]}
+"""
+"""A crank that its rocker drives: it reaches a dead centre, where other coordinates are needed."""
 SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)
@@ -119,6 +134,8 @@ cancellation carry some of that on."""
 @cache
 def system(name):
     """A shipped mechanism or a scene, assembled."""
+    if name in PASSED:
+        return System(linkages.loads(PASSED[name][0]))
     if name in SCENES:
         return System(linkages.loads(SCENES[name]))
     return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
@@ -219,10 +236,12 @@ FOLLOWED = ("joint_position", "slider_position")
 
 
 def switched(name):
-    """Times, and what `linkages.simulate` says of a mechanism whose equations change."""
-    times = np.linspace(0.0, SWITCHED[name], 31)
-    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
-    return times, np.hstack([data[variable].values.reshape(31, -1) for variable in FOLLOWED])
+    """Times, and what `linkages.simulate` says of a mechanism whose equations or modes change."""
+    times = np.linspace(0.0, PASSED[name][1] if name in PASSED else SWITCHED[name], 31)
+    outputs = FOLLOWED[:1] if name in PASSED else FOLLOWED
+    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=outputs).data
+    known = [data[variable].values.reshape(31, -1) for variable in outputs]
+    return times, np.hstack(known)
 
 
 def followed_rows(name):

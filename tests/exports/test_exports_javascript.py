@@ -9,7 +9,7 @@ from exported_states import (
     CHANGES,
     NAMES,
     PARALLELOGRAM,
-    PASSED,
+    PASSING,
     SWITCHED,
     assert_near,
     cases,
@@ -141,7 +141,7 @@ def test_what_stays_zero_has_no_error(tolerances, page):
     assert (ended["status"], ended["time"]) == (0, 1)
 
 
-@pytest.mark.parametrize("name", [*SWITCHED, *PASSED])
+@pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_are_those_of_simulate(name, page):
     """Touches, impacts, sticking, change points: all are located far below 1e-9."""
     times, expected = switched(name)

@@ -26,8 +26,8 @@ from PIL import Image
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.figures import FIGURES, write_figure
-from linkages.plots.style import line_style, panels, styled
+from linkages.plots.figures import FIGURES
+from linkages.plots.style import line_style, panels, style, styled
 from linkages.solution.moving.plan import build_flow
 from linkages.solvers.integration import integrate
 
@@ -43,6 +43,9 @@ OVER_TIME = {
 }
 TOLERANCES = [10.0**-k for k in range(6, 14)]
 STEPS = [4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 1.25e-5, 6.25e-6, 3.125e-6, 1.5625e-6]
+PIXELS = 1408
+"""Width of dense figures: twice the text of a page."""
+
 Row = tuple[str, float, int, float]
 
 
@@ -58,8 +61,10 @@ def ninebar_figures() -> None:
 
 
 def write_small(figure: Figure, path: Path, colours: int = 64) -> None:
-    """Write a figure with a palette of its own, at a fraction of the size."""
-    write_figure(figure, path)
+    """Write a dense figure, sharp on any screen, with a palette of its own to keep it small."""
+    with style():
+        dpi = PIXELS / figure.get_figwidth()
+        figure.savefig(path, dpi=dpi, metadata={"Software": None})
     with Image.open(path) as image:
         image.convert("RGB").quantize(colours).save(path, optimize=True)
 
@@ -97,7 +102,7 @@ def work_precision() -> dict[str, list[Row]]:
     return rows
 
 
-def power_of_ten(value: float, _place: int) -> str:
+def power_of_ten(value: float, _place: int = 0) -> str:
     """Tick label in plain text: the style of the project does not parse formulas."""
     digits = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
     return "10" + str(round(float(np.log10(value)))).translate(digits)

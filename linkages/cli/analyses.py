@@ -76,7 +76,10 @@ def simulate(
         str | None, typer.Option(help="Units of the table instead of SI, e.g. 'mm,deg,rpm'.")
     ] = None,
     table: Annotated[Table, typer.Option(help="xlsx: a spreadsheet.")] = Table.CSV,
-    report: Annotated[Page | None, typer.Option(help="Write a report of one page as well.")] = None,
+    reports: Annotated[
+        list[Page] | None,
+        typer.Option("--report", help="Write a report of one page as well (repeatable)."),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 

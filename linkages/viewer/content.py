@@ -22,6 +22,7 @@ from linkages.solution.origin import origin_of
 from linkages.solution.values.series import system_series
 from linkages.viewer.described import described
 from linkages.viewer.drawn import drawn
+from linkages.viewer.ideal import ideal_module
 from linkages.viewer.packed import Packed
 from linkages.viewer.page import page
 from linkages.viewer.recorded import recorded
@@ -58,7 +59,7 @@ def written(
     content = {
         "mechanism": described(system),
         "summary": _summary(system),
-        "motion": recorded(data, mechanism, packed),
+        "motion": recorded(data, system, packed),
         **drawn(data, mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
         "stopped": None if failure is None else str(failure),
@@ -76,8 +77,9 @@ def written(
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}
-    kernel = [javascript_module(system, options_of(SimulationOptions, mechanism, given))]
-    return page({**content, "numbers": packed.text()}, kernel)
+    run = options_of(SimulationOptions, mechanism, given)
+    models = {"model": javascript_module(system, options=run), "ideal": ideal_module(system)}
+    return page({**content, "numbers": packed.text()}, models)
 
 
 def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
@@ -90,7 +92,7 @@ def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
         units, label = variable.described(system.model)
         found[name] = {"variable": series.variable, "place": list(series.place.values()),
                        "unit": units, "label": label, "angle": variable.angle,
-                       "smooth": variable.smooth}  # fmt: skip
+                       "smooth": variable.smooth, "compared": variable.compared}  # fmt: skip
     return found
 
 

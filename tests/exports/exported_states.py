@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,8 @@ from linkages.exports.kernels.exported import exported
 from linkages.kernel.numbers.parameters import NEAREST
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
+from linkages.solution.values.reactions import Statics
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import system_series
 
 ROOT = Path(__file__).parents[2]
@@ -62,6 +64,18 @@ cams:
   - {slider: valve, bar: wheel, angles: [0, 2, 4, 360 deg], lifts: [0, 6 mm, 1 mm, 0],
      offset: 50 mm}
 assembly: {B: left}
+""",
+    # three cranks side by side, one of them redundant: reactions with the least sum of squares
+    "side-by-side": """
+gravity: [0, -9.81]
+joints: {O: [0, 0], C: [1, 0], E: [2, 0]}
+bars:
+  a: {joints: [O, A], length: 0.5, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+  e: {joints: [E, D], length: 0.5, mass: 1}
+  b: {points: {A: [0, 0], B: [1, 0], D: [2, 0]}, mass: 2, center: [0.7, 0.1], inertia: 0.3}
+free: {a: {angle: 60 deg, speed: -1}}
+assembly: {B: [1.25, 0.4]}
 """,
     # an impact with restitution, seven times
     "bounce": """
@@ -163,8 +177,8 @@ class Case:
 def cases(name):
     """States about the initial one, whose loops close."""
     of, random = system(name), np.random.default_rng(5)
-    own = kernel(name).quantities
-    nodes = [system_series(of)[q.name].node(of.model) for q in own]
+    series = [system_series(of)[q.name] for q in kernel(name).quantities]
+    nodes = [one.node(of.model) for one in series if one.variable != REACTION]
     accelerations = of.model.integrated_accelerations(of.model.changes)
     moved = of.layout.moved
     half = len(of.layout.coordinates)
@@ -179,7 +193,15 @@ def cases(name):
                 of.model.settled, time, state[:, None], held=held
             )[:, 0]
         second = of.evaluate(accelerations, time, state[:, None], held=held)
-        outputs = of.evaluate(nodes, time, state[:, None], second, held=held)[:, 0]
+        at = partial(of.evaluate, time=time, state=state[:, None], acceleration=second, held=held)
+        plain = iter(at(nodes)[:, 0])
+        reactions = Statics(of.model, of.topology, 1, at).reactions().ravel()
+        outputs = np.array(
+            [
+                reactions[one.index(of.model)] if one.variable == REACTION else next(plain)
+                for one in series
+            ]
+        )
         rates = np.concatenate([state[half:], second[:, 0]])
         rates[len(of.layout.free) : moved] = 0.0
         if of.layout.free and not kernel(name).modes:  # what compiled code says of it

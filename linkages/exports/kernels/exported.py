@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Path
 from linkages.exports.kernels.numbers import REFUSED, Feed, feed_of
+from linkages.exports.kernels.reactions import reaction_nodes
 from linkages.kernel.assembly.hints import turning
 from linkages.kernel.code.program import Program, write_routines
 from linkages.kernel.code.statements import Routine
@@ -30,7 +31,7 @@ from linkages.solution.remarks.stops import (
     block_stop,
     joint_of,
 )
-from linkages.solution.values.requests import available
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series, system_series
 from linkages.solvers.flow import Switching
 from linkages.solvers.outcome import Outcome
@@ -201,7 +202,13 @@ def exported(
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
     found = _quantities(system, variables)
-    outputs = [series.node(model) for series in found.values()]
+    reactions = reaction_nodes(model) if _asked(REACTION, variables) else []
+    if not reactions:
+        found = {name: one for name, one in found.items() if one.variable != REACTION}
+    outputs = [
+        reactions[series.index(model)] if series.variable == REACTION else series.node(model)
+        for series in found.values()
+    ]
     wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
     program = write_routines(model, wanted, "what the routine says")
     used = [
@@ -237,15 +244,18 @@ def _whole_turns(angle: Scalar) -> Scalar:
     return graph.apply("floor", angle / (2 * np.pi) + 0.5) * (2 * np.pi)
 
 
+def _asked(variable: str, variables: Sequence[str] | None) -> bool:
+    return variable not in _LEFT_OUT if variables is None else variable in variables
+
+
 def _quantities(system: System, variables: Sequence[str] | None) -> dict[str, Series]:
-    names = [name for name in available(system) if name not in _LEFT_OUT]
-    wanted = set(names if variables is None else variables)
+    """What follows from the motion at one time."""
     return {
         name: series
         for name, series in system_series(system).items()
         if series.variable != TIME
-        and series.variable in wanted
-        and not VARIABLES[series.variable].whole
+        and _asked(series.variable, variables)
+        and (series.variable == REACTION or not VARIABLES[series.variable].whole)
         and VARIABLES[series.variable].reduced is None
     }
 

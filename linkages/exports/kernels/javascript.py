@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,17 +22,21 @@ _FUNCTIONS = sorted(
 )
 
 
-def javascript_module(system: System, options: RunOptions | None = None) -> str:
-    """The text of a module that exports ``model``, its numbers and equations, and ``integrate``.
+def javascript_module(
+    system: System, variables: Sequence[str] | None = None, options: RunOptions | None = None
+) -> str:
+    """The text of a module that exports ``model``: numbers, equations, outputs, and its motion.
 
     Parameters
     ----------
     system
         The mechanism.
+    variables
+        Outputs, as `exported` takes them.
     options
         Whether motions pass change points; as the definition says if not given.
     """
-    found = exported(system, run=options)
+    found = exported(system, variables, options)
     tables = {
         name: value.tolist() if isinstance(value, np.ndarray) else value
         for name, value in constants(found).items()

@@ -6,6 +6,7 @@ from linkages.errors import InputError
 from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.solution.values.requests import available
 
 PLACES = "joint_position"
@@ -13,19 +14,18 @@ PLACES = "joint_position"
 
 def ideal_of(system: System) -> System | None:
     """The mechanism without clearances; None where there are none, or it cannot move alike."""
-    ideal = system.mechanism.ideal()
-    if ideal is system.mechanism or not system.mechanism.displacements:
+    if not system.mechanism.clearance_names:
         return None
     try:
-        return System(ideal)
+        return System(system.mechanism.ideal())
     except InputError:  # without clearances it has no mobility left, or too much
         return None
 
 
-def ideal_module(system: System) -> str:
+def ideal_module(system: System, options: RunOptions) -> str:
     """Its module of JavaScript, with what deviations are measured against; empty for none."""
     ideal = ideal_of(system)
     if ideal is None:
         return ""
     compared = [VARIABLES[name].compared for name in available(system)]
-    return javascript_module(ideal, [PLACES, *filter(None, compared)])
+    return javascript_module(ideal, options, [PLACES, *filter(None, compared)])

@@ -10,6 +10,8 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
+from linkages.viewer.packed import deflated
+
 SCRIPTS = (
     "content.js", "unpack.js", "units.js", "motion.js", "scene.js", "pace.js", "camera.js",
     "look.js", "shapes.js", "arrows.js", "glass.js", "ghost.js", "stage.js", "grip.js", "axes.js",
@@ -32,14 +34,15 @@ def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
     content
         What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
     models
-        Name → module without imports that exports ``model``; empty for a model that is not there.
+        Name → module without imports that exports ``model`` and ``integrate``; empty for a model
+        that is not there.
     """
     beside = [*(_named(*item) for item in models.items()), _asset("worker.js")]
     parts = {
         "title": escape(str(content["mechanism"]["name"])),
         "style": _asset("style.css"),
         "content": _json(content),
-        "worker": "\n".join(_EXPORT.sub("", text) for text in beside),
+        "worker": deflated("\n".join(_EXPORT.sub("", text) for text in beside).encode()),
         "script": "\n".join(_asset(name) for name in SCRIPTS),
     }
     return _PLACE.sub(lambda found: parts[found[1]], _asset("page.html"))
@@ -47,11 +50,9 @@ def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
 
 def _named(name: str, module: str) -> str:
     """A module in a scope of its own, and its model under a name."""
-    return (
-        f"const {name} = (() => {{\n{module}\nreturn model;\n}})();"
-        if module
-        else (f"const {name} = null;")
-    )
+    if not module:
+        return f"const {name} = null;"
+    return f"const {name} = (() => {{\n{module}\nreturn {{ ...model, integrate }};\n}})();"
 
 
 def _json(content: dict[str, Any]) -> str:

@@ -1,7 +1,7 @@
 /** Shows the motion for numbers that differ from those of the file. */
 async function liveNumbers(host, page) {
   const { recorded, stage, player } = page;
-  const live = new Live(document.getElementById("worker").textContent);
+  const live = new Live(await inflated(document.getElementById("worker").textContent).text());
   const known = await live.model, { model, ideal } = known;
   const names = [...CONTENT.mechanism.driven, ...CONTENT.mechanism.free];
   const [left, low, right, high] = stage.camera.box;

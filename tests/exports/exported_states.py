@@ -105,11 +105,27 @@ drives: {a: {angle: 60 deg, speed: -6}}
 assembly: {B: [1.25, 0.4]}
 simulate: {end: 0.4, samples: 4}
 """
-PASSED = {
+PASSING = {
     "free": (PARALLELOGRAM.replace("drives", "gravity: [0, -9.81]\nfree").replace("-6", "-9"), 1.0),
     "driven": (f"{PARALLELOGRAM.rstrip().removesuffix('}')}, change_points: pass}}\n", 1.0),
+    "rigid": (
+        """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 50 mm, mass: 0.3, inertia: 1e-4}
+  rod: {joints: [A, B], length: 120 mm, mass: 0.2, inertia: 3e-4}
+sliders: {piston: {joint: B, through: O, angle: 0, mass: 0.15}}
+clearances:
+  gap: {joint: B, bar: rod, size: 0.2 mm, contact: restitution, restitution: 0.6,
+        pin_radius: 8 mm, friction_law: coulomb, friction: 0.05}
+drives: {crank: {angle: 0, speed: 3000 rpm}}
+assembly: {B: [0.17, 0]}
+""",
+        0.04,
+    ),
 }
-"""The same moving freely, and led through; and for how long: three and two change points."""
+"""The same moving freely, and led through, past three and two change points; rigid contacts with
+friction that stick. And for how long."""
 CHANGES = np.pi / 3 / 6
 """When its bars are in line."""
 STUCK = """
@@ -134,8 +150,8 @@ cancellation carry some of that on."""
 @cache
 def system(name):
     """A shipped mechanism or a scene, assembled."""
-    if name in PASSED:
-        return System(linkages.loads(PASSED[name][0]))
+    if name in PASSING:
+        return System(linkages.loads(PASSING[name][0]))
     if name in SCENES:
         return System(linkages.loads(SCENES[name]))
     return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
@@ -237,8 +253,9 @@ FOLLOWED = ("joint_position", "slider_position")
 
 def switched(name):
     """Times, and what `linkages.simulate` says of a mechanism whose equations or modes change."""
-    times = np.linspace(0.0, PASSED[name][1] if name in PASSED else SWITCHED[name], 31)
-    outputs = FOLLOWED[:1] if name in PASSED else FOLLOWED
+    times = np.linspace(0.0, PASSING[name][1] if name in PASSING else SWITCHED[name], 31)
+    known = {quantity.variable for quantity in kernel(name).quantities}
+    outputs = [variable for variable in FOLLOWED if variable in known]
     data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=outputs).data
     known = [data[variable].values.reshape(31, -1) for variable in outputs]
     return times, np.hstack(known)

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from runpy import run_path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from exported_states import (
     CHANGES,
     NAMES,
     PARALLELOGRAM,
-    PASSED,
+    PASSING,
     SCENES,
     STUCK,
     SWITCHED,
@@ -191,7 +192,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
 
 
 @needs_gcc
-@pytest.mark.parametrize("name", [*SWITCHED, *PASSED])
+@pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
     times, expected = switched(name)
     options = [
@@ -276,7 +277,7 @@ assert not any(name.split(".")[0] == "linkages" for name in sys.modules)
 """
 
 
-@pytest.mark.parametrize("name", [*SWITCHED, *PASSED])
+@pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_python_are_those_of_simulate(name, module):
     _, found = module(name)
     times, expected = switched(name)
@@ -310,6 +311,29 @@ joints: {O: [0, 0]}
 bars: {"große Stange": {joints: [O, "P ü"], length: 1, mass: 1}}
 free: {"große Stange": {angle: 0.3, speed: 0}}
 """
+
+
+@pytest.mark.parametrize("to", ["c", "python", "javascript", "mjcf"])
+def test_files_say_where_they_come_from_whatever_names_are(to, tmp_path):
+    """Names hold ends of comments of all languages; each file is a definition file, too."""
+    mechanism = linkages.loads(STRANGE.replace("µm'", "µm --> */ --'"))
+    for file in linkages.export(mechanism, to, tmp_path, name="strange"):
+        again = linkages.load(file)
+        assert again.name == mechanism.name
+        assert System(again).parameters.tolist() == System(mechanism).parameters.tolist()
+        if to == "python":
+            run_path(str(file))
+        if to == "mjcf":
+            ElementTree.parse(file)
+    assert linkages.export(mechanism, to, tmp_path, name="strange")  # its own may be replaced
+    file.write_text("mine", encoding="utf-8")
+    with pytest.raises(FileExistsError, match="strange"):
+        linkages.export(mechanism, to, tmp_path, name="strange")
+    assert file.read_text(encoding="utf-8") == "mine"
+    if to == "c" and shutil.which("gcc") is not None:
+        own = tmp_path / "own"
+        linkages.export(mechanism, to, own, name="strange")
+        subprocess.run([*STRICT, "-fsyntax-only", "strange.c"], cwd=own, check=True)
 
 
 def test_names_of_a_definition_cannot_disturb_programs(tmp_path):

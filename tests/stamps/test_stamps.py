@@ -48,6 +48,11 @@ CONTENTS = {
     ".gif": lambda: _film("gif"),
     ".webp": lambda: _film("webp"),
     ".mp4": _mp4,
+    ".c": lambda: b"int x;\n",
+    ".h": lambda: b"extern int x;\n",
+    ".js": lambda: b"const x = 1;\n",
+    ".py": lambda: b"x = 1\n",
+    ".xml": lambda: b"<mujoco/>\n",
 }
 
 

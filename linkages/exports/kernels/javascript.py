@@ -23,20 +23,18 @@ _FUNCTIONS = sorted(
 
 
 def javascript_module(
-    system: System,
-    options: RunOptions | None = None,
-    variables: Sequence[str] | None = None,
+    system: System, variables: Sequence[str] | None = None, options: RunOptions | None = None
 ) -> str:
-    """The text of a module that exports ``model``, its numbers and equations, and ``integrate``.
+    """The text of a module that exports ``model``: numbers, equations, outputs, and its motion.
 
     Parameters
     ----------
     system
         The mechanism.
-    options
-        Whether motions pass change points; as the definition says if not given.
     variables
         Outputs, as `exported` takes them.
+    options
+        Whether motions pass change points; as the definition says if not given.
     """
     found = exported(system, variables, options)
     tables = {

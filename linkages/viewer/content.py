@@ -77,11 +77,8 @@ def written(
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}
-    run = options_of(SimulationOptions, mechanism, given)
-    models = {
-        "model": javascript_module(system, options=run),
-        "ideal": ideal_module(system, run),
-    }
+    passing = options_of(SimulationOptions, mechanism, given)
+    models = {"model": javascript_module(system, passing), "ideal": ideal_module(system, passing)}
     return page({**content, "numbers": packed.text()}, models)
 
 

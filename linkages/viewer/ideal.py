@@ -28,4 +28,4 @@ def ideal_module(system: System, options: RunOptions) -> str:
     if ideal is None:
         return ""
     compared = [VARIABLES[name].compared for name in available(system)]
-    return javascript_module(ideal, [PLACES, *filter(None, compared)], options)
+    return javascript_module(ideal, options, [PLACES, *filter(None, compared)])

@@ -407,3 +407,19 @@ def test_equal_steps_in_c_follow_contacts(name, program):
     assert done.returncode == 0, done.stderr
     table = np.array([*csv.reader(done.stdout.splitlines())][1:], dtype=float)[:, 1:]
     np.testing.assert_allclose(table[:, followed_rows(name)], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("samples", [3, 1001])
+def test_drives_lead_through_change_points_however_close_samples_are(samples, module):
+    """Near them positions are closed forms of angles in line: half of the digits are left."""
+    _, found = module("driven")
+    times = np.linspace(0.0, 0.8, samples)
+    p, y = found["start"]()
+    rows = [found["NAMES"].index(f"B.{axis} position") for axis in "xy"]
+    values = []
+    found["integrate"](
+        times, p, y, visit=lambda t, state: values.append(found["outputs"](t, state, p)[rows])
+    )
+    angle = np.pi / 3 - 6 * times  # bars a and c stay parallel
+    expected = np.stack([1 + 0.5 * np.cos(angle), 0.5 * np.sin(angle)], axis=1)
+    np.testing.assert_allclose(values, expected, rtol=0, atol=1e-8)

@@ -23,18 +23,20 @@ _FUNCTIONS = sorted(
 
 
 def javascript_module(
-    system: System, variables: Sequence[str] | None = None, options: RunOptions | None = None
+    system: System,
+    options: RunOptions | None = None,
+    variables: Sequence[str] | None = None,
 ) -> str:
-    """The text of a module that exports ``model``: numbers, equations, outputs, and its motion.
+    """The text of a module that exports ``model``: its numbers, equations, outputs and motion.
 
     Parameters
     ----------
     system
         The mechanism.
-    variables
-        Outputs, as `exported` takes them.
     options
         Whether motions pass change points; as the definition says if not given.
+    variables
+        Outputs, as `exported` takes them.
     """
     found = exported(system, variables, options)
     tables = {

@@ -27,7 +27,7 @@ RECORDS: Mapping[str, Mapping[str, str | Shape]] = {
     "Motion": {
         "index": "int", "count": "int", "equal": "int", "prepared": "int", "changes": "int",
         "steps": "int", "t": "float", "sign": "float", "part": "float", "longest": "float",
-        "rtol": "float", "atol": "float", "since": "float", "where": "float",
+        "rtol": "float", "atol": "float", "since": "float", "where": "float", "before": "float",
         "stopped_at": "float", "p": "Floats", "times": "Given",
         "y": ("STATE",), "next": ("STATE",), "trial": ("STATE",),
         "slopes": ("STAGES + 1 + FURTHER", "STATE"), "margins": ("2 * BLOCKS",),

@@ -13,7 +13,7 @@ from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
-from linkages.plots.mechanism import insets
+from linkages.plots.films import insets, journals
 from linkages.plots.mechanism.palette import DARK, LIGHT
 from linkages.plots.prefixes import scale_for
 from linkages.plots.style import PALETTE
@@ -73,7 +73,7 @@ def written(
         "tolerances": _tolerances(mechanism, options),
         "template": template(mechanism),
         "file": f"{Path(mechanism.source).stem or 'mechanism'}.yaml",
-        "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
+        "glass": {"pin": journals.PIN, "hole": journals.HOLE, "wall": journals.WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}

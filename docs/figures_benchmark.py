@@ -17,17 +17,20 @@ import sys
 import tempfile
 from pathlib import Path
 
-from figures import STATIC, machine, write_small, write_table
+from figures import STATIC, machine, power_of_ten, write_table
 
 from linkages.benchmark.work_precision import Point
+from linkages.plots.figures import write_figure
 from linkages.plots.work_precision import figure
 from linkages.solvers.methods.named import METHODS
 
 START = ["drives.crank1.angle=0.5", "drives.crank4.angle=1.0", "clearances.r1.angle=0"]
 CASES = {
-    "ninebar": ("Nine-bar with one clearance, 2 s", [*START, "simulate.end=2"]),
-    "andrews": ("Andrews' squeezer, 30 ms", ["simulate.end=0.03"]),
+    "ninebar": ("Nine-bar with one clearance, 2 s", "clearance angle", ["simulate.end=2", *START]),
+    "andrews": ("Andrews' squeezer, 30 ms", "angle of K1", ["simulate.end=0.03"]),
 }
+"""Mechanism → title, free coordinate, and values."""
+
 DIGITS = 4
 
 
@@ -38,7 +41,7 @@ def numbers(name: str) -> Path:
 
 def measure(name: str) -> None:
     """Run ``bench`` and keep its numbers with the machine and the date."""
-    _, assignments = CASES[name]
+    *_, assignments = CASES[name]
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "linkages", "bench", name, "--json"]
         command += ["--out", folder, "--no-figures", "--repeats", "11"]
@@ -74,30 +77,38 @@ def duration(seconds: float) -> str:
     return f"{seconds:.2f} s" if seconds > 0.9995 else f"{1e3 * seconds:.3g} ms"
 
 
+def ratio(value: float) -> str:
+    """A decimal for small ratios."""
+    return f"{value:.1f}" if value < 20 else f"{value:.0f}"
+
+
 def times(content: dict) -> str:
-    """Time of each method for an error, and its ratio to the fastest."""
+    """Time of each method to an error, and its ratio to the fastest."""
     targets = content["seconds_at_error"]
     methods = list(next(iter(targets.values())))
     lines = [
-        "| method | " + " | ".join(f"error {target}" for target in targets) + " |",
+        "| method | "
+        + " | ".join(f"error {power_of_ten(float(target))}" for target in targets)
+        + " |",
         "|---" + "|--:" * len(targets) + "|",
     ]
     for method in methods:
         cells = []
         for seconds in targets.values():
             own, best = seconds[method], min(s for s in seconds.values() if s is not None)
-            cells.append("–" if own is None else f"{duration(own)} ({own / best:.1f})")
+            cells.append("–" if own is None else f"{duration(own)} ({ratio(own / best)})")
         name = f"`{method}`" if method in METHODS else method
         lines.append(f"| {name} | {' | '.join(cells)} |")
+    bound = power_of_ten(10 ** math.ceil(math.log10(content["reference_uncertainty"])))
     note = (
-        f"Measured on {content['date']}: {content['machine']}. Reference uncertain by "
-        f"{content['reference_uncertainty']:.0e} rad."
+        f"Measured on {content['date']}: {content['machine']}. The reference is uncertain by at "
+        f"most {bound} rad."
     )
     return "\n".join([*lines, "", note, ""])
 
 
 def costs(content: dict) -> str:
-    """What a run costs beyond integrating."""
+    """Costs of a run besides integration."""
     found = content["costs"]
     peak = found["peak_bytes"]
     rows = [
@@ -114,15 +125,15 @@ def costs(content: dict) -> str:
             "another simulation, with outputs at 2001 samples",
             f"{1e3 * found['simulation_seconds']:.0f} ms",
         ),
-        ("largest memory", "unknown" if peak is None else f"{peak / 2**20:.0f} MiB"),
+        ("peak memory", "unknown" if peak is None else f"{peak / 2**20:.0f} MiB"),
     ]
-    lines = ["| what | cost |", "|---|--:|", *(f"| {text} | {value} |" for text, value in rows)]
+    lines = ["| quantity | cost |", "|---|--:|", *(f"| {text} | {value} |" for text, value in rows)]
     return "\n".join(lines) + "\n"
 
 
 def methods() -> str:
-    """What each method is, in its own words."""
-    lines = ["| method | what it is |", "|---|---|"]
+    """A line on each method."""
+    lines = ["| method | description |", "|---|---|"]
     lines += [f"| `{name}` | {method.summary} |" for name, method in METHODS.items()]
     return "\n".join(lines) + "\n"
 
@@ -136,7 +147,10 @@ def main() -> None:
     for name in asked:
         content = json.loads(numbers(name).read_text(encoding="utf-8"))
         points = [Point(**row) for row in content["points"]]
-        write_small(figure(points, CASES[name][0]), STATIC / f"bench-{name}.png")
+        title, coordinate, _ = CASES[name]
+        drawn = figure(points, title)
+        drawn.axes[0].set_xlabel(f"error of the {coordinate} at the end [rad]")
+        write_figure(drawn, STATIC / f"bench-{name}.svg")
         write_table(f"bench-{name}", times(content))
         if name == "ninebar":
             write_table("bench-costs", costs(content))

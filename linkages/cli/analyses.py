@@ -76,7 +76,10 @@ def simulate(
         str | None, typer.Option(help="Units of the table instead of SI, e.g. 'mm,deg,rpm'.")
     ] = None,
     table: Annotated[Table, typer.Option(help="xlsx: a spreadsheet.")] = Table.CSV,
-    report: Annotated[Page | None, typer.Option(help="Write a report of one page as well.")] = None,
+    reports: Annotated[
+        list[Page] | None,
+        typer.Option("--report", help="Write a report of one page as well (repeatable)."),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 
@@ -166,6 +169,16 @@ def animate(
         list[str] | None,
         typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
     ] = None,
+    loads: Annotated[
+        bool, typer.Option("--loads", help="Draw loads as large as they are at the time.")
+    ] = False,
+    reactions: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT", help="Draw the reaction of this joint, to the same scale."),
+    ] = None,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
+    ] = False,
 ) -> None:
     """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
 

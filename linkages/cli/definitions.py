@@ -69,7 +69,10 @@ def list_mechanisms(
     figures: Figures = True,
     form: Format = Picture.PNG,
     dimensions: Annotated[
-        bool, typer.Option("--dimensions", help="Draw lengths and centres of mass, too.")
+        bool,
+        typer.Option(
+            "--dimensions", help="Draw lengths, the ground's frame and centres of mass, too."
+        ),
     ] = False,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""

@@ -122,7 +122,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
-        ax = picture(drawing.framed(data, solution.mechanism)[1], joint_traces.MARGIN)[1]
+        ax = picture(drawing.framed(data, solution.mechanism)[1])[1]
     return joint_traces.draw(ax, data, solution.mechanism)
 
 

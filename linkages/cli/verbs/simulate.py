@@ -59,7 +59,7 @@ def run(
     measure: Sequence[str] | None,
     units: str | None,
     table: str,
-    report: str | None,
+    reports: Sequence[str] | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
@@ -87,10 +87,10 @@ def run(
         if units is not None or table != "csv":
             written[1].unlink()
             _save_table(solution, place.folder / f"simulate.{table}", units)
-        if report is not None:
+        for ending in reports or ():
             from linkages.reports.report import save_report
 
-            save_report(solution, place.folder / f"report.{report}")
+            save_report(solution, place.folder / f"report.{ending}")
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures
 

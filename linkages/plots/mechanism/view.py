@@ -17,17 +17,28 @@ from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH, fitted
 Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
-MARGIN = 0.55  # inches around the outermost points, for symbols and labels
+MARGIN = 0.4  # inches around everything, for labels
 LOWEST, HIGHEST = 2.0, 4.8  # inches
+ROOM = (72.0 * (WIDTH - LEFT - RIGHT - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
+"""Points that a picture has within its margins."""
 _ARROWS = "→↗↑↖←↙↓↘"
 
 
 @dataclass(frozen=True)
 class Box:
-    """The part of the plane that a picture shows, in metres."""
+    """The part of the plane that a picture shows, in metres.
+
+    Parameters
+    ----------
+    low, high
+        Its corners, shape (2,).
+    bare
+        The same without symbols, which choose no unit; itself if not given.
+    """
 
     low: Array
     high: Array
+    bare: Box | None = None
 
     @classmethod
     def around(cls, points: ArrayLike) -> Box:
@@ -52,6 +63,8 @@ class Box:
     @property
     def scale(self) -> Scale:
         """Metres, or millimetres for a mechanism of less than a metre."""
+        if self.bare is not None:
+            return self.bare.scale
         return scale_for(0.1 * float(np.max(np.abs((self.low, self.high, self.size)))), "m")
 
 

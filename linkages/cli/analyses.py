@@ -152,7 +152,7 @@ def animate(
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: what shows the fastest swing."
+            "default: what shows the fastest oscillation."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -180,7 +180,7 @@ def animate(
         bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
     ] = False,
 ) -> None:
-    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+    """Write an animation: the mechanism, traces of its joints, clearances enlarged."""
 
 
 @computes(SimulationOptions, without=("figures",))

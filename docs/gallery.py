@@ -29,8 +29,8 @@ HEAD = """# Gallery
 
 The mechanisms that are shipped with the package: each as
 `python -m linkages animate NAME --format webp --bare` draws it, with three curves that
-`python -m linkages plot NAME --y SERIES` would draw. Its file runs as it is. [The page on
-mechanisms](mechanisms.md) says where the numbers come from. `docs/gallery.py` makes this page.
+`python -m linkages plot NAME --y SERIES` would draw. The files run without changes. [The page on
+mechanisms](mechanisms.md) cites the sources of the numbers. `docs/gallery.py` makes this page.
 """
 
 

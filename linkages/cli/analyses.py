@@ -152,7 +152,7 @@ def animate(
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: what shows the fastest swing."
+            "default: what shows the fastest oscillation."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -180,7 +180,7 @@ def animate(
         bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
     ] = False,
 ) -> None:
-    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+    """Write an animation: the mechanism, traces of its joints, clearances enlarged."""
 
 
 @computes(SimulationOptions, without=("figures",))
@@ -250,7 +250,15 @@ def plot(
 
 
 @computes(SectionOptions)
-def poincare() -> None:
+def poincare(
+    zoom: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LEFT,RIGHT,BOTTOM,TOP",
+            help="A part to draw once more, larger, in units of the axes; repeatable.",
+        ),
+    ] = None,
+) -> None:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
 
 

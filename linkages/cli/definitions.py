@@ -1,4 +1,4 @@
-"""The verbs about definition files themselves: ``new``, ``schema`` and ``list``."""
+"""The commands for definition files themselves: ``new``, ``schema`` and ``list``."""
 
 from __future__ import annotations
 

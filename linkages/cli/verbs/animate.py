@@ -1,4 +1,4 @@
-"""``animate``: a moving picture of a mechanism."""
+"""``animate``: an animation of a mechanism."""
 
 from __future__ import annotations
 

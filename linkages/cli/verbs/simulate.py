@@ -265,13 +265,13 @@ def _print(
 
 def _believable(horizon: Horizon) -> str:
     if not math.isfinite(horizon.error):
-        return "not predictable at all: a more accurate run goes elsewhere before the second sample"
+        return "not predictable at all: a more accurate run diverges before the second sample"
     error = f"{horizon.error:.1e} of its amplitude"
     if horizon.whole:
-        return f"predictable throughout: the free motion is off by at most {error}"
+        return f"predictable throughout: error of the free motion at most {error}"
     return (
         f"predictable to t = {number(horizon.time)} s: later fewer than three digits of the free "
-        f"motion are correct (off by up to {error})"
+        f"motion are correct (error up to {error})"
     )
 
 

@@ -34,18 +34,19 @@ def mark_times(data: xr.Dataset, mechanism: Mechanism) -> Array:
     turn = _turn(time, mechanism)
     step = nice_below(turn / FEWEST)
     count = int(np.floor(turn / step * (1.0 + 1e-9)))
-    return np.asarray(time[0] + step * np.arange(1, count + 1))
+    forward = np.sign(time[-1] - time[0])  # a motion may go back in time
+    return np.asarray(time[0] + forward * step * np.arange(1, count + 1))
 
 
 def _turn(time: Array, mechanism: Mechanism) -> float:
     """How long the first turn of a drive takes; as long as the motion if there is none."""
-    duration = float(time[-1] - time[0])
+    duration = float(abs(time[-1] - time[0]))
     found = [duration]
     for name, drive in mechanism.prescribed.items():
         if mechanism.bodies[name].rotates:
             gone = np.abs(law_values(drive.law, time) - law_values(drive.law, time[:1]))
             after = np.flatnonzero(gone >= 2.0 * np.pi * (1.0 - 1e-9))
-            found += [float(time[after[0]] - time[0])] if len(after) else []
+            found += [float(abs(time[after[0]] - time[0]))] if len(after) else []
     return min(found)
 
 

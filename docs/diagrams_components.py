@@ -22,14 +22,15 @@ from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.shapes import Word
 from linkages.plots.mechanism.view import Box, frame, gravity_arrow
 from linkages.plots.style import styled
 
 DEFINITIONS = Path(__file__).with_suffix(".yaml")
 WIDTH = 3.0  # inches
 LOWEST, HIGHEST = 1.2, 2.6
-MARGIN = 0.6
+MARGIN = 0.4
+ROOM = (72.0 * (WIDTH - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
+"""Points within the margins."""
 TRACED = {"simulation"}
 """Pages whose pictures have paths."""
 SIZED = {"bar"}
@@ -47,7 +48,7 @@ def component(mechanism: Mechanism) -> Figure:
     """A mechanism where it starts; rails are as long as what slides on them travels."""
     data = linkages.simulate(mechanism).data
     pose = pose_at(data, mechanism, 0)
-    box = framed(data, mechanism)[1] if mechanism.name in TRACED else reach(pose)
+    box = framed(data, mechanism)[1] if mechanism.name in TRACED else reach(pose, ROOM)
     inches = (WIDTH - 2 * MARGIN) / max(box.size[0], 1e-3 * box.size[1])  # per metre
     height = min(max(inches * box.size[1] + 2 * MARGIN, LOWEST), HIGHEST)
     figure = Figure(figsize=(WIDTH, height))
@@ -68,13 +69,12 @@ def component(mechanism: Mechanism) -> Figure:
 
 
 def shown(ax: Axes, pose: Pose, box: Box) -> None:
-    """Draw a position without names that no file gives, on some pages with lengths."""
+    """Draw a position, on some pages with lengths."""
     scale = frame(ax, box, pose.mechanism, MARGIN)
     labels, place = Labels(ax), pose.scaled(scale.factor)
     shapes = shapes_of(pose, points_per_unit(ax) * scale.factor)
     if pose.mechanism.name in SIZED:
         shapes += [*draw_centres(pose), *length_words(pose, scale)]
-    shapes = [shape for shape in shapes if not (isinstance(shape, Word) and "." in shape.name)]
     Inked(ax, shapes, place).avoided(labels)
     write(labels, shapes, place)
 

@@ -66,7 +66,7 @@ def figure(rows: list[dict]) -> Figure:
     right.loglog(links, [row["compiling"] for row in rows], "o", **_mark(1))
     right.set_ylabel("time to compile [s]")
     for axes in (left, right):
-        axes.set_xlabel("links")
+        axes.set_xlabel("number of links")
         axes.set_xlim(at[0], at[-1])
         for axis, ticks in ((axes.xaxis, TICKS), (axes.yaxis, axes.get_yticks())):
             axis.set_major_locator(FixedLocator(list(ticks)))

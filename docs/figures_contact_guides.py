@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 
-from figures import ROOT, STATIC
+from figures import ROOT, STATIC, write_small
 
 import linkages
 from linkages.plots.figures import write_figure
@@ -17,10 +18,13 @@ def main() -> None:
     found = re.search(r"```yaml\n(# slider-crank-play\.yaml\n.*?)```", page, re.DOTALL)
     assert found is not None
     solution = linkages.simulate(linkages.loads(found[1]), samples=2001, outputs=list(SHOWN))
-    for name, figure in (("path.png", orbit_figure), ("state.svg", state_figure)):
+    for name, figure, write in (
+        ("path.png", orbit_figure, partial(write_small, colours=256)),
+        ("state.svg", state_figure, write_figure),
+    ):
         drawn = figure(solution.data, solution.mechanism)
         assert drawn is not None
-        write_figure(drawn, STATIC / f"contact-guides-{name}")
+        write(drawn, STATIC / f"contact-guides-{name}")
 
 
 if __name__ == "__main__":

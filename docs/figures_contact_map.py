@@ -13,13 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from figures import STATIC, write_table
+from figures import STATIC, write_small, write_table
 from figures_contact_published import LAWS, mechanism
 from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos import maps
-from linkages.plots.figures import write_figure
 from linkages.plots.style import panels, styled
 
 SPEEDS, SIZES = "500rpm:6000rpm", "0.01mm:0.5mm"
@@ -27,6 +26,7 @@ PERIODS, SKIP = 60, 30
 """Revolutions that count, and those before them."""
 
 LAW = "constant dissipation, 0.5 s/m"
+BAR = 0.75  # inches, for the colour bar above each panel
 BOUNDS = (0.0, 0.1, 0.2, 0.5)
 """Of the rows of the table, in millimetres."""
 
@@ -46,26 +46,34 @@ def computed(points: int, store: Path | None) -> xr.Dataset:
 
 @styled
 def figure(data: xr.Dataset) -> Figure:
-    """Both, side by side."""
-    drawn, axes = panels(1, 2, 3.0)
+    """Both, side by side, each under its colour bar."""
+    drawn, axes = panels(1, 2, 3.0, BAR)
     maps.draw_touches(axes[0], data, "gap")
     maps.draw(axes[1], data)
-    texts = "touches per revolution", "largest exponent [1/s]"
+    texts = "touches per revolution", "largest Lyapunov exponent [1/s]"
     for panel, text in zip(axes, texts, strict=True):
         panel.set_title("")
         if panel.get_legend() is not None:
             panel.get_legend().remove()
-        drawn.colorbar(
-            panel.collections[0], ax=panel, label=text, location="top", pad=0.02, format="%g"
-        )
+        panel.set_xlabel("crank speed [rpm]")
+        box = panel.get_position()
+        above = drawn.add_axes((box.x0, box.y1 + 0.02, box.width, 0.03))
+        drawn.colorbar(panel.collections[0], cax=above, label=text, location="top", format=plain)
+    axes[0].set_ylabel("radial clearance [mm]")
     axes[1].set_ylabel("")
     return drawn
+
+
+def plain(value: float, _place: int) -> str:
+    """Tick label as short as can be, with a true minus sign."""
+    return f"{value:g}".replace("-", "−")
 
 
 def table(data: xr.Dataset) -> str:
     """What is found over ranges of the size."""
     lines = [
-        "| clearance | points | never loses contact | chaotic | most touches a revolution |",
+        "| radial clearance | points | never loses contact | chaotic "
+        "| most touches per revolution |",
         "|--:|--:|--:|--:|--:|",
     ]
     sizes, touches = data[data.attrs["y"]].to_numpy(), data.touches.sel(touch="gap").to_numpy()
@@ -88,7 +96,7 @@ def main() -> None:
     parser.add_argument("--store", type=Path, help="folder that keeps what is done")
     given = parser.parse_args()
     data = computed(given.points, given.store)
-    write_figure(figure(data), STATIC / "contact-map.png")
+    write_small(figure(data), STATIC / "contact-map.png", colours=256)
     write_table("contact-map", table(data))
 
 

@@ -14,11 +14,12 @@ from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.chaos import touches
-from linkages.plots.figures import write_figure
-from linkages.plots.style import BLACK, line_style, panels, styled
+from linkages.plots.motion.clearance_orbit import SHOWN, draw_orbit
+from linkages.plots.style import BOTTOM, LEFT, RIGHT, WIDTH, line_style, panels, styled
 
 PAGE = Path(__file__).with_name("contact_published.md")
 PERIOD, TRANSIENT, REVOLUTIONS = 0.012, 80, 400
+HEIGHT, SIDE = 1.5, 2.34  # inches, of a panel over time and of the orbit
 SIZES = ("0.5 mm", "0.2 mm", "0.1 mm", "0.05 mm")
 LAWS = {
     "Lankarani–Nikravesh, 0.9": {},
@@ -70,7 +71,8 @@ def row(name: str, size: str, law: dict[str, object]) -> str:
 def table() -> str:
     """One line for each clearance and law."""
     lines = [
-        "| clearance | law | touches a revolution | in flight | mean rate of a touch | exponent |",
+        "| radial clearance | law | touches per revolution | in flight | mean speed of a touch "
+        "| largest Lyapunov exponent per revolution |",
         "|--:|---|--:|--:|--:|--:|",
     ]
     lines += [row(name, size, law) for name, law in LAWS.items() for size in SIZES]
@@ -79,31 +81,34 @@ def table() -> str:
 
 @styled
 def figure() -> Figure:
-    """Two revolutions beside the ideal mechanism, and the way of the pin in its hole."""
+    """Two revolutions: acceleration and torque over time, and the orbit of the journal."""
     found = mechanism("0.5 mm", {})
     data = linkages.simulate(
         found,
         end=2 * PERIOD,
         samples=8001,
         rtol=1e-11,
-        outputs=["slider_acceleration", "drive_effort", "clearance_offset"],
+        outputs=["slider_acceleration", "drive_effort", *SHOWN],
     ).data
-    drawn, axes = panels(1, 3, 2.6)
+    drawn, axes = panels(2, 1, HEIGHT, top=RIGHT)
+    for panel in axes:
+        left, bottom, width, height = panel.get_position().bounds
+        room = (SIDE + LEFT) / WIDTH
+        panel.set_position((left, bottom, width - room, height))
+    page = drawn.get_figheight()
+    orbit = drawn.add_axes(
+        ((WIDTH - RIGHT - SIDE) / WIDTH, BOTTOM / page, SIDE / WIDTH, SIDE / page)
+    )
     time = 1e3 * data.time
     for panel, values, label in (
-        (axes[0], 1e-3 * data.slider_acceleration[:, 0], "acceleration of the slider [km/s²]"),
-        (axes[1], data.drive_effort[:, 0], "torque on the crank [N m]"),
+        (axes[0], 1e-3 * data.slider_acceleration[:, 0], "slider acceleration\n[km/s²]"),
+        (axes[1], data.drive_effort[:, 0], "crank torque [N·m]"),
     ):
         panel.plot(time, values, linewidth=0.6, **_colour(0))
-        panel.set_xlabel("time [ms]")
+        panel.set_xlim(0.0, 2e3 * PERIOD)
         panel.set_ylabel(label)
-    orbit = 1e3 * data.clearance_offset[:, 0]
-    axes[2].plot(orbit[:, 0], orbit[:, 1], linewidth=0.5, **_colour(1))
-    around = np.linspace(0, 2 * np.pi, 181)
-    axes[2].plot(0.5 * np.cos(around), 0.5 * np.sin(around), color=BLACK, linewidth=0.8)
-    axes[2].set_aspect("equal")
-    axes[2].set_xlabel("offset x [mm]")
-    axes[2].set_ylabel("offset y [mm]")
+    axes[-1].set_xlabel("time [ms]")
+    draw_orbit(orbit, data.sel(clearance="gap"), "journal")
     return drawn
 
 
@@ -123,7 +128,7 @@ def _colour(index: int) -> dict:
 
 def main() -> None:
     """Write all files."""
-    write_figure(figure(), STATIC / "contact-published.svg")
+    write_small(figure(), STATIC / "contact-published.png")
     write_small(touch_map(), STATIC / "contact-touches.png")
     write_table("contact-published", table())
 

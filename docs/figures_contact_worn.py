@@ -1,11 +1,13 @@
 """Make the figure and the table on the worn engine of docs/contact.md.
 
 python docs/figures_contact_worn.py    # about three minutes
+python docs/figures_contact_worn.py --figure    # the figure alone: a second
 """
 
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +91,8 @@ def row(size: float, case: str) -> str:
 def table() -> str:
     """One line for each case and size."""
     lines = [
-        "| engine | clearance | touches a revolution | in flight | largest force "
-        "| largest exponent | verdict |",
+        "| engine | radial clearance | touches per revolution | in flight | largest force "
+        "| largest Lyapunov exponent | verdict |",
         "|---|--:|--:|--:|--:|--:|---|",
     ]
     lines += [row(size, case) for case in CASES for size in SIZES]
@@ -99,7 +101,7 @@ def table() -> str:
 
 @styled
 def figure() -> Figure:
-    """One revolution of all sizes over each other: error of the piston, force in the gap."""
+    """One revolution of all sizes: deviation of the piston, force in the gap."""
     drawn, axes = panels(2, 2, 2.1)
     for above, case in zip((axes[:2], axes[2:]), CASES, strict=True):
         for index, size in enumerate(SIZES):
@@ -108,22 +110,25 @@ def figure() -> Figure:
             style = {"color": line_style(index)["color"], "linewidth": 0.9, "zorder": 4 - index}
             above[0].plot(turn, 1e6 * data.slider_position_error[:, 0], **style, label=f"{size} mm")
             above[1].plot(turn, data.clearance_force[:, 0], **style)
-        above[0].set_ylabel("error of the piston [µm]")
-        above[1].set_ylabel("force in the gap [N]")
+        above[0].set_ylabel("position error of the piston [µm]")
+        above[1].set_ylabel("clearance force [N]")
         above[0].set_title(case)
         for ax in above:
             ax.set_xlim(0, 360)
             ax.set_xticks(range(0, 361, 90))
     for ax in axes[2:]:
-        ax.set_xlabel("angle of the crank [°]")
-    axes[0].legend(loc="best", fontsize=8)
+        ax.set_xlabel("crank angle [°]")
+    axes[0].legend(
+        title="radial clearance", loc="center right", bbox_to_anchor=(1.0, 0.41), fontsize=8
+    )
     return drawn
 
 
 def main() -> None:
     """Write both."""
     write_small(figure(), STATIC / "contact-worn.png")
-    write_table("contact-worn", table())
+    if "--figure" not in sys.argv:
+        write_table("contact-worn", table())
 
 
 if __name__ == "__main__":

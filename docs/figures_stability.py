@@ -9,15 +9,17 @@ Files go to docs/_static and are committed.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
-from figures import STATIC, power_of_ten, write_small, write_table
+from figures import SETTINGS, STATIC, logarithmic, write_table
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+from matplotlib.ticker import MaxNLocator
 
 import linkages
-from linkages.plots.style import BLACK, PALE, TOP, line_style, panels, styled
+from linkages.plots.figures import write_figure
+from linkages.plots.style import BLACK, GREY, PALE, line_style, panels, styled
 
 HELD = {"drives.crank1.speed": 0.0, "drives.crank4.speed": 0.0}
 DRIFT_END = 100.0
@@ -32,6 +34,7 @@ DRIFTS: list[tuple[str, dict[str, float], float]] = [
     ("gauss8", {"step": 1e-4}, DRIFT_END),
 ]
 CLOSURE_STEP, CLOSURE_END, CLOSURE_SAMPLES = 1e-5, 100.0, 100_001
+ROOM, APART = 1.4, 0.052  # of labels beside lines: in inches, and part of the height
 SIZES = [10.0**k for k in range(-9, -1)]
 DAMPING_STEPS = [5e-4, 1e-4, 2.5e-5]
 PERIOD, PERIODS, PER_PERIOD = 2.0, 50, 2000
@@ -44,9 +47,9 @@ def setting(values: dict[str, float]) -> str:
 
 
 def drifts() -> tuple[list[Drift], float]:
-    """Energy gained over time by each method; the energy of the swing in joules.
+    """Energy gained over time by each method; the energy of the libration in joules.
 
-    The drives of the nine-bar are held, so that its clearance swings and nothing adds energy.
+    The drives of the nine-bar are held: its clearance link librates, and nothing adds energy.
     """
     mechanism = linkages.load("ninebar", set=HELD)
     found: list[Drift] = []
@@ -69,19 +72,15 @@ def drifts() -> tuple[list[Drift], float]:
     return found, swing
 
 
-def logarithmic(axes: Axes) -> None:
-    """Powers of ten in plain text on both axes."""
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(power_of_ten))
-        axis.set_minor_formatter(NullFormatter())
-
-
 @styled
 def drift_figure(found: list[Drift], swing: float) -> Figure:
     """Largest error of the energy so far over time, both logarithmic."""
-    figure, (axes,) = panels(1, 1, 3.4, TOP + 0.5)
+    figure, (axes,) = panels(1, 1, 3.4)
+    left, bottom, width, height = axes.get_position().bounds
+    axes.set_position((left, bottom, width - ROOM / figure.get_figwidth(), height))
     methods = list(dict.fromkeys(label.split(",")[0] for label, *_ in found))
     drawn: set[str] = set()
+    ends: list[tuple[float, float, str, str]] = []
     for label, time, energy, _, _ in found:
         method = label.split(",")[0]
         index = methods.index(method)
@@ -90,26 +89,52 @@ def drift_figure(found: list[Drift], swing: float) -> Figure:
         places = np.unique(np.searchsorted(time, np.geomspace(0.05, time[-1], 300)))
         # the second setting of a method has the same line with dots
         look = {"marker": "o", "markersize": 3.5, "markevery": 25} if method in drawn else {}
-        axes.loglog(time[places], largest[places], label=label, **line_style(index), **look)
+        axes.loglog(time[places], largest[places], **line_style(index), **look)
         drawn.add(method)
+        ends.append((time[-1], largest[-1], in_words(label), line_style(index)["color"]))
     logarithmic(axes)
+    axes.set_xlim(0.04, DRIFT_END)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("largest error of the energy so far\nin units of the energy of the swing")
-    axes.legend(
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.015),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        labelspacing=0.35,
-        ncols=3,
-    )
+    axes.set_ylabel("largest energy error so far\nover the energy of the libration")
+    axes.set_title("Nine-bar with its drives held")
+    label_ends(axes, ends)
     return figure
+
+
+def in_words(label: str) -> str:
+    """A method and its setting as figures have them."""
+    method, values = label.split(", ")
+    key, value = values.split("=")
+    return f"{method}, {SETTINGS[key](float(value))}"
+
+
+def label_ends(axes: Axes, ends: list[tuple[float, float, str, str]]) -> None:
+    """Write x, y, text and colour of each line beside it, in the margin and one below the other."""
+    heights = np.log10([end[1] for end in ends])
+    low, high = np.log10(axes.get_ylim())
+    places = (heights - low) / (high - low)
+    order = np.argsort(places)
+    while (np.diff(places[order]) < 0.999 * APART).any():
+        for lower, upper in pairwise(order):
+            push = max(0.0, APART - (places[upper] - places[lower])) / 2
+            places[[lower, upper]] += -push, push
+    for (x, y, text, colour), place in zip(ends, places, strict=True):
+        axes.annotate(
+            text,
+            (x, y),
+            xytext=(1.04, place),
+            textcoords="axes fraction",
+            color=colour,
+            fontsize=8,
+            va="center",
+            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.5, "relpos": (0, 0.5)},
+        )
 
 
 def drift_table(found: list[Drift], swing: float) -> str:
     """What is left of the energy at the end, and what the run costs."""
     lines = [
-        "| method | simulated | evaluations per second | error of the energy at the end "
+        "| method | simulated | evaluations per simulated second | energy error at the end "
         "| trend per second |",
         "|---|--:|--:|--:|--:|",
     ]
@@ -120,12 +145,12 @@ def drift_table(found: list[Drift], swing: float) -> str:
             f"| `{method}`, `{values}` | {end:g} s | {evaluations / end:,.0f} "
             f"| {energy[-1] / swing:+.1e} | {trend:+.1e} |"
         )
-    note = f"Errors in units of the energy of the swing, {1e3 * swing:.3g} mJ."
+    note = f"Errors in units of the energy of the libration, {1e3 * swing:.3g} mJ."
     return "\n".join([*lines, "", note, ""])
 
 
 def closures() -> tuple[np.ndarray, np.ndarray, int]:
-    """Times and closure residuals of a long run with RK4, and its number of steps."""
+    """Times and constraint errors of a long run with RK4, and its number of steps."""
     solution = linkages.simulate(
         linkages.load("ninebar"),
         end=CLOSURE_END,
@@ -140,7 +165,7 @@ def closures() -> tuple[np.ndarray, np.ndarray, int]:
 
 @styled
 def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
-    """Largest residual in every second, and how often each size occurs."""
+    """Largest error in every second, and how often each size occurs."""
     figure, (left, right) = panels(1, 2, 2.5)
     unit = 1e-16
     seconds = residual[1:].reshape(round(time[-1]), -1).max(axis=1)
@@ -148,7 +173,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
     left.set_ylim(0, 1.35 * seconds.max() / unit)
     left.set_xlim(0, time[-1])
     left.set_xlabel("time [s]")
-    left.set_ylabel("closure residual [10⁻¹⁶ m]")
+    left.set_ylabel("constraint error [10⁻¹⁶ m]")
     left.set_title("Maximum per 1-s window")
     digit = 2.0**-53 / unit  # residuals are whole numbers of halves of it
     edges = digit * (np.arange(round(residual.max() / unit / digit) + 2) - 0.5)
@@ -160,7 +185,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
         edgecolor="white",
         linewidth=0.5,
     )
-    right.set_xlabel("closure residual [10⁻¹⁶ m]")
+    right.set_xlabel("constraint error [10⁻¹⁶ m]")
     right.set_ylabel("samples [%]")
     right.set_title("Relative frequency")
     right.yaxis.set_major_locator(MaxNLocator(6))
@@ -168,7 +193,7 @@ def closure_figure(time: np.ndarray, residual: np.ndarray) -> Figure:
 
 
 def frequencies() -> np.ndarray:
-    """Frequency of the swing in Hz for every size, with the drives held."""
+    """Libration frequency in Hz for every radial clearance, with the drives held."""
     found = []
     for size in SIZES:
         data = linkages.simulate(
@@ -188,18 +213,21 @@ def frequencies() -> np.ndarray:
 
 @styled
 def frequency_figure(frequency: np.ndarray) -> Figure:
-    """Frequency against size with the fitted line."""
+    """Frequency against radial clearance with the fitted line."""
     figure, (axes,) = panels(1, 1, 2.8)
     slope, offset = frequency_fit(frequency)
     sizes = np.array([SIZES[0] / 2, SIZES[-1] * 2])
     axes.loglog(sizes, 10**offset * sizes**slope, color=BLACK, linewidth=0.8)
     axes.loglog(SIZES, frequency, "o", markersize=5, color=line_style(0)["color"])
     axes.annotate(
-        f"slope {slope:.4f}", (1e-6, 10**offset * 1e-6**slope), (12, 8), textcoords="offset points"
+        f"slope {slope:.4f}".replace("-", "−"),
+        (1e-6, 10**offset * 1e-6**slope),
+        (12, 8),
+        textcoords="offset points",
     )
     logarithmic(axes)
-    axes.set_xlabel("size of the clearance [m]")
-    axes.set_ylabel("frequency of the swing [Hz]")
+    axes.set_xlabel("radial clearance [m]")
+    axes.set_ylabel("libration frequency [Hz]")
     axes.set_title("Nine-bar with its drives held")
     return figure
 
@@ -211,15 +239,15 @@ def frequency_fit(frequency: np.ndarray) -> np.ndarray:
 
 
 def frequency_table(frequency: np.ndarray) -> str:
-    """The numbers of the figure, and how far each is from the line."""
+    """The numbers of the figure, and the deviation of each from the line."""
     slope, offset = frequency_fit(frequency)
     line = 10 ** (offset + slope * np.log10(SIZES))
-    lines = ["| size (m) | frequency (Hz) | off the line |", "|--:|--:|--:|"]
+    lines = ["| radial clearance (m) | frequency (Hz) | deviation from the line |", "|--:|--:|--:|"]
     lines += [
         f"| {size:.0e} | {value:.6g} | {value / fitted - 1:+.0e} |"
         for size, value, fitted in zip(SIZES, frequency, line, strict=True)
     ]
-    note = f"Fitted to the sizes below 1 mm: frequency in proportion to size^{slope:.6f}."
+    note = f"Fitted to clearances below 1 mm: frequency in proportion to r^{slope:.6f}."
     return "\n".join([*lines, "", note, ""])
 
 
@@ -253,11 +281,11 @@ def damping_figure(found: dict[str, tuple[np.ndarray, float | None]]) -> Figure:
     for index, (label, (amplitude, _)) in enumerate(found.items()):
         reference = {"color": PALE, "linewidth": 5.0, "zorder": 1.5}
         look = line_style(index) if label.startswith("rk4") else reference
-        axes.plot(time, amplitude, label=label, **look)
+        axes.plot(time, amplitude, label=in_words(label), **look)
     axes.set_xlim(0, PERIOD * PERIODS)
     axes.set_ylim(0, 340)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("largest clearance speed in a period [rad/s]")
+    axes.set_ylabel("largest clearance speed per period [rad/s]")
     axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.8))
     axes.set_title("Nine-bar, driven")
     return figure
@@ -281,20 +309,20 @@ def damping_table(found: dict[str, tuple[np.ndarray, float | None]]) -> str:
 def main() -> None:
     """Write all files."""
     found, swing = drifts()
-    write_small(drift_figure(found, swing), STATIC / "energy-drift.png")
+    write_figure(drift_figure(found, swing), STATIC / "energy-drift.svg")
     write_table("energy-drift", drift_table(found, swing))
     time, residual, steps = closures()
-    write_small(closure_figure(time, residual), STATIC / "closure-residual.png")
+    write_figure(closure_figure(time, residual), STATIC / "closure-residual.svg")
     write_table(
         "closure-residual",
-        f"Largest closure residual at {len(residual):,} samples of {steps:,} steps: "
+        f"Largest constraint error at {len(residual):,} samples of {steps:,} steps: "
         f"{residual.max():.1e} m.\n",
     )
     frequency = frequencies()
-    write_small(frequency_figure(frequency), STATIC / "swing-frequency.png")
-    write_table("swing-frequency", frequency_table(frequency))
+    write_figure(frequency_figure(frequency), STATIC / "libration-frequency.svg")
+    write_table("libration-frequency", frequency_table(frequency))
     damped = amplitudes()
-    write_small(damping_figure(damped), STATIC / "coarse-rk4.png")
+    write_figure(damping_figure(damped), STATIC / "coarse-rk4.svg")
     write_table("coarse-rk4", damping_table(damped))
 
 

@@ -12,6 +12,7 @@ import re
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import numpy as np
 from gallery_pictures import CURVES, outputs_of, write_curves, write_drawing
 
 import linkages
@@ -22,14 +23,14 @@ from linkages.solution.values.requests import requested
 
 DOCS = Path(__file__).resolve().parent
 PICTURES = DOCS / "_static" / "gallery"
-MOST_BYTES = 4_500_000
-FPS, DPI = 7.0, 45.0
+MOST_BYTES = 5_000_000
+FPS, DPI = 7.0, 54.0
 HEAD = """# Gallery
 
 The mechanisms that are shipped with the package: each as
-`python -m linkages animate NAME --format webp` draws it, with three curves that
-`python -m linkages plot NAME --y SERIES` would draw. Its file runs as it is. [The page on
-mechanisms](mechanisms.md) says where the numbers come from. `docs/gallery.py` makes this page.
+`python -m linkages animate NAME --format webp --bare` draws it, with three curves that
+`python -m linkages plot NAME --y SERIES` would draw. The files run without changes. [The page on
+mechanisms](mechanisms.md) cites the sources of the numbers. `docs/gallery.py` makes this page.
 """
 
 
@@ -57,6 +58,21 @@ def entry(name: str, said: str) -> str:
     )
 
 
+def turn(solution: linkages.Solution) -> float | None:
+    """How long the slowest drive takes to turn once; None for a motion that nothing repeats."""
+    topology, time = solution.system.topology, solution.data["time"].to_numpy()
+    found = []
+    for name in () if topology.free else topology.driven:
+        if name not in solution.data["bar"]:
+            return None
+        angle = solution.data["bar_angle"].sel(bar=name).to_numpy()
+        turned = np.abs(angle - angle[0])
+        if turned[-1] < 2 * np.pi:
+            return None
+        found.append(float(np.interp(2 * np.pi, turned, time)))
+    return max(found, default=None)
+
+
 def pictures(name: str) -> int:
     """Write film, curves and drawing of a mechanism; returns their bytes."""
     mechanism = linkages.load(name)
@@ -65,7 +81,7 @@ def pictures(name: str) -> int:
     outputs = {output for output in SHOWN if output in possible} | outputs_of(system, name)
     solution = linkages.simulate(mechanism, samples=721, outputs=sorted(outputs), throw=False)
     film = PICTURES / f"{name}.webp"
-    linkages.animate(solution, film, fps=FPS, dpi=DPI)
+    linkages.animate(solution, film, duration=turn(solution), fps=FPS, dpi=DPI, bare=True)
     curves = write_curves(name, solution, PICTURES)
     return film.stat().st_size + curves + write_drawing(name, PICTURES)
 

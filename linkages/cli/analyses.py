@@ -76,7 +76,10 @@ def simulate(
         str | None, typer.Option(help="Units of the table instead of SI, e.g. 'mm,deg,rpm'.")
     ] = None,
     table: Annotated[Table, typer.Option(help="xlsx: a spreadsheet.")] = Table.CSV,
-    report: Annotated[Page | None, typer.Option(help="Write a report of one page as well.")] = None,
+    reports: Annotated[
+        list[Page] | None,
+        typer.Option("--report", help="Write a report of one page as well (repeatable)."),
+    ] = None,
 ) -> None:
     """Compute the motion; write simulate.nc, simulate.csv and figures; print maxima."""
 
@@ -149,7 +152,7 @@ def animate(
         float | None,
         typer.Option(
             help="Seconds of the film per second of the motion, e.g. 10 for slow motion; "
-            "default: what shows the fastest swing."
+            "default: what shows the fastest oscillation."
         ),
     ] = None,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 25.0,
@@ -166,8 +169,18 @@ def animate(
         list[str] | None,
         typer.Option(metavar="NAME", help="Draw this over time below, e.g. 'crank.effort'."),
     ] = None,
+    loads: Annotated[
+        bool, typer.Option("--loads", help="Draw loads as large as they are at the time.")
+    ] = False,
+    reactions: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT", help="Draw the reaction of this joint, to the same scale."),
+    ] = None,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Leave out axes and texts, as for small pictures.")
+    ] = False,
 ) -> None:
-    """Write a moving picture: the mechanism, traces of its joints, clearances enlarged."""
+    """Write an animation: the mechanism, traces of its joints, clearances enlarged."""
 
 
 @computes(SimulationOptions, without=("figures",))
@@ -237,7 +250,15 @@ def plot(
 
 
 @computes(SectionOptions)
-def poincare() -> None:
+def poincare(
+    zoom: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LEFT,RIGHT,BOTTOM,TOP",
+            help="A part to draw once more, larger, in units of the axes; repeatable.",
+        ),
+    ] = None,
+) -> None:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
 
 

@@ -1,4 +1,4 @@
-"""The verbs about definition files themselves: ``new``, ``schema`` and ``list``."""
+"""The commands for definition files themselves: ``new``, ``schema`` and ``list``."""
 
 from __future__ import annotations
 
@@ -69,7 +69,10 @@ def list_mechanisms(
     figures: Figures = True,
     form: Format = Picture.PNG,
     dimensions: Annotated[
-        bool, typer.Option("--dimensions", help="Draw lengths and centres of mass, too.")
+        bool,
+        typer.Option(
+            "--dimensions", help="Draw lengths, the ground's frame and centres of mass, too."
+        ),
     ] = False,
 ) -> None:
     """List the mechanisms that are shipped with the package, or show one of them."""

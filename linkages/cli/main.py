@@ -1,4 +1,4 @@
-"""The command line: ``python -m linkages VERB FILE``.
+"""The command line: ``python -m linkages COMMAND FILE``.
 
 Each verb imports what it needs when it runs, so that ``--help`` answers at once.
 """
@@ -51,7 +51,7 @@ def _options(
         bool, typer.Option("--verbose", "-v", help="Say on standard error what is done, and when.")
     ] = False,
 ) -> None:
-    """Options before the verb."""
+    """Options before the command."""
     from linkages.cli.terminal import set_verbosity
 
     if quiet and verbose:

@@ -1,4 +1,4 @@
-"""Options that several verbs have."""
+"""Options that several commands have."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Template(StrEnum):
 
 
 class Moving(StrEnum):
-    """Formats of moving pictures."""
+    """Formats of animations."""
 
     GIF = "gif"
     WEBP = "webp"

@@ -1,7 +1,7 @@
-"""Files of one run of a verb: written aside, then put in their place together.
+"""Files of one run of a command: written aside, then put in their place together.
 
-A folder of results has, of every verb, the files of its last run and nothing else of it, all of
-one definition: files of other verbs that were computed from another one are moved to ``earlier``.
+A folder of results has, of every command, the files of its last run and nothing else of it, all of
+one definition: files of other commands computed from another one are moved to ``earlier``.
 What an interrupted run leaves goes into ``unfinished``, so that it never takes the place of
 something whole. Records in ``.linkages`` say which run the files are of; nothing that has no
 record, or was changed since, is removed or moved.
@@ -153,7 +153,7 @@ def _put(verb: str, staging: Path, folder: Path, origin: Mapping[str, str]) -> l
 
 
 def _separate(verb: str, folder: Path, origin: Mapping[str, str]) -> list[str]:
-    """Move files of other verbs that were computed from another definition; says which."""
+    """Move files of other commands that were computed from another definition; says which."""
     notes = []
     for record in sorted((folder / RECORDS).glob("*.json")):
         content = _read(record)
@@ -179,7 +179,7 @@ def _separate(verb: str, folder: Path, origin: Mapping[str, str]) -> list[str]:
 
 
 def _clear(verb: str, folder: Path) -> None:
-    """Remove what an interrupted run of a verb has left."""
+    """Remove what an interrupted run of a command has left."""
     record = folder / RECORDS / f"{verb}.json"
     _remove(folder, _own(record))
     record.unlink(missing_ok=True)

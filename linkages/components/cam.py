@@ -49,7 +49,7 @@ class Cam(ListedComponent):
     roller_radius
         Of the follower's roller in metres; zero for a knife edge.
     eccentricity
-        Distance in metres of the follower's axis from the pin of the cam, positive to the side
+        Distance in metres of the follower's axis from the pivot of the cam, positive to the side
         that makes the pressure angle of a rise smaller.
     """
 

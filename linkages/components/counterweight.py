@@ -1,4 +1,4 @@
-"""Counterweights: masses behind the pin of a bar that balance it."""
+"""Counterweights: masses behind the pivot of a bar that balance it."""
 
 from __future__ import annotations
 

@@ -25,6 +25,11 @@ from linkages.spec.quantities import (
 
 
 class _Cylinder(Component):
+    no_body: ClassVar[str] = (
+        "a cylinder is a force and has no coordinate; for a given stroke write its barrel as a bar "
+        "and its rod as a slider 'on' it, and drive the slider"
+    )
+
     between: tuple[str, str]
     bore: float
 

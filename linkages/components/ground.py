@@ -11,7 +11,7 @@ from linkages.spec.quantities import Name, Point
 
 @component
 class GroundJoint(Component):
-    """A pin fixed to the ground.
+    """A fixed pivot: a joint on the ground.
 
     Parameters
     ----------

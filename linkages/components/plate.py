@@ -1,4 +1,4 @@
-"""A rigid body with any number of pins."""
+"""A ternary or higher link: a rigid body with any number of joints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from linkages.spec.quantities import Inertia, Mass, Name, Point
 
 @component
 class Plate(Component):
-    """A rigid body whose pins are given in its own frame; its angle is that of the frame.
+    """A rigid body with joints given in its frame; its angle is that of the frame.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Plate(Component):
     def terms(self) -> tuple[Body, ...]:
         """One body that turns.
 
-        A plate with one pin gets its centre of mass as a second point: two points carry the mass.
+        A plate with one joint gets its centre of mass as a second point: two points carry the mass.
         """
         points = {joint: self.pair(xy, "points", joint) for joint, xy in self.points.items()}
         centre = self.pair(self.center or (0.0, 0.0), "center")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
@@ -38,6 +39,10 @@ class Slider(Component):
     """
 
     section: ClassVar[str] = "sliders"
+    misplaced: ClassVar[Mapping[str, str]] = {
+        "length": "a slider has no length; for a cylinder write its barrel as a bar and its rod as "
+        "a slider 'on' it, whose 'position' under 'drives' is the distance of its two joints"
+    }
 
     name: Name
     joint: Name

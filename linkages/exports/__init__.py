@@ -152,9 +152,23 @@ def export(
     ------
     ValueError
         For an unknown format, or an option that it does not have; nothing is written then.
+    FileExistsError
+        If a file of such a name says nothing of its origin: another program's, or somebody's own.
     """
+    from linkages.solution.origin import origin_of
     from linkages.solution.solution import Solution
+    from linkages.stamps import FORMATS, stamp, stamped
 
     mechanism, given = (what.mechanism, what) if isinstance(what, Solution) else (what, None)
     stem = name or re.sub(r"[^a-z0-9]+", "-", mechanism.name.lower()).strip("-") or "mechanism"
-    return written(files_of(Subject(mechanism, stem, given), to, options), Path(folder))
+    files = files_of(Subject(mechanism, stem, given), to, options)
+    for path in (Path(folder) / file for file in files):
+        if path.suffix in FORMATS and path.exists() and stamped(path) is None:
+            raise FileExistsError(
+                f"{path}: is there, and does not say that linkages wrote it; expected another "
+                "'name' or 'folder', or its removal"
+            )
+    paths = written(files, Path(folder))
+    for path in paths:
+        stamp(path, origin_of(mechanism, {"to": to, **options}))
+    return paths

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from linkages.exports import Subject
+from linkages.exports.geometry.drawings import drawing
 
 if TYPE_CHECKING:
     from linkages.exports.geometry.outlines import Outline
+    from linkages.exports.geometry.parts import Drawn
 
 COLOURS = (7, 1, 5, 3, 6, 4, 2)
 """Of the AutoCAD colour index: what layers have one after the other."""
@@ -18,24 +20,16 @@ COLOURS = (7, 1, 5, 3, 6, 4, 2)
 _FORBIDDEN = re.compile(r'[<>/\\":;?*|=`,]')
 
 
-def dxf(
-    subject: Subject,
-    *,
-    hole: float | None = None,
-    width: float | None = None,
-    paths: bool = True,
-    links: bool = True,
-) -> Mapping[str, bytes]:
+@drawing
+def dxf(subject: Subject, drawn: Callable[[], Drawn]) -> Mapping[str, str | bytes]:
     """Write links where the motion begins, and the paths of joints, in millimetres 1:1.
 
     Parameters
     ----------
     subject
         What is exported.
-    hole, width
-        Diameter of holes and width of links in metres; default: as the mechanism's size wants.
-    paths, links
-        Whether to write either.
+    drawn
+        What `drawn_of` returns.
 
     Raises
     ------
@@ -48,9 +42,7 @@ def dxf(
         raise ValueError(
             "DXF needs the package ezdxf; install it with: pip install 'linkages[dxf]'"
         ) from None
-    from linkages.exports.geometry.parts import drawn_of
-
-    drawn = drawn_of(subject, hole, width, paths=paths, links=links)
+    shown = drawn()
     document = ezdxf.new("R2010", units=ezdxf.units.MM)
     space = document.modelspace()
 
@@ -64,13 +56,13 @@ def dxf(
                   outline.bulges.tolist(), strict=True)]  # fmt: skip
         space.add_lwpolyline(points, format="xyb", close=True, dxfattribs=where)
 
-    for part in drawn.parts:
+    for part in shown.parts:
         where = layer(f"link {part.name}")
         for outline in (part.outline, *part.slots):
             edge(outline, where)
         for x, y in part.holes.values():
-            space.add_circle((x, y), 0.5 * drawn.sizes.hole, dxfattribs=where)
-    for name, line in drawn.paths.items():
+            space.add_circle((x, y), 0.5 * shown.sizes.hole, dxfattribs=where)
+    for name, line in shown.paths.items():
         space.add_lwpolyline(line.tolist(), dxfattribs=layer(f"path {name}"))
     stream = io.StringIO()
     document.write(stream)

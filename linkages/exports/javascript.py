@@ -15,9 +15,9 @@ def javascript(subject: Subject) -> Mapping[str, str]:
     subject
         What is exported.
     """
-    from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+    from linkages.exports.kernels.javascript import javascript_module
 
-    return {f"{subject.name}.js": javascript_module(subject.system) + javascript_integrator()}
+    return {f"{subject.name}.js": javascript_module(subject.system, options=subject.simulation)}
 
 
 EXPORT = javascript

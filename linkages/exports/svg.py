@@ -3,60 +3,53 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from linkages.exports import Subject
+from linkages.exports.geometry.drawings import drawing
 
 if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import NDArray
 
     from linkages.exports.geometry.outlines import Outline
-    from linkages.exports.geometry.parts import Part
+    from linkages.exports.geometry.parts import Drawn, Part
 
 PEN = 0.25
 """Width of all lines in millimetres."""
 
 
+@drawing
 def svg(
-    subject: Subject,
-    *,
-    hole: float | None = None,
-    width: float | None = None,
-    paths: bool = True,
-    links: bool = True,
-    symbols: bool = False,
-) -> Mapping[str, str]:
+    subject: Subject, drawn: Callable[[], Drawn], *, symbols: bool = False
+) -> Mapping[str, str | bytes]:
     """Write links where the motion begins, and the paths of joints, in millimetres 1:1.
 
     Parameters
     ----------
     subject
         What is exported.
-    hole, width
-        Diameter of holes and width of links in metres; default: as the mechanism's size wants.
-    paths, links
-        Whether to write either.
+    drawn
+        What `drawn_of` returns.
     symbols
         Whether to draw the mechanism as figures do: over the links, in symbols of printed size.
     """
     import numpy as np
 
-    from linkages.exports.geometry.parts import drawn_of
     from linkages.exports.geometry.symbols import symbols_of
 
-    drawn = drawn_of(subject, hole, width, paths=paths, links=links)
-    low, high = drawn.box
-    body = [line for part in drawn.parts for line in _part(part, drawn.sizes.hole)]
+    shown = drawn()
+    low, high = shown.box
+    body = [line for part in shown.parts for line in _part(part, shown.sizes.hole)]
     if symbols:
         elements, lowest, highest = symbols_of(subject)
         low, high = np.minimum(low, lowest), np.maximum(high, highest)
         body += ['<g id="drawing">', *elements, "</g>"]
     body += [
         f'<path id="path-{_text(name)}" class="path" d="{_polyline(line)}"/>'
-        for name, line in drawn.paths.items()
+        for name, line in shown.paths.items()
     ]
     size = high - low
     frame = f"{low[0]:.9g} {-high[1]:.9g} {size[0]:.9g} {size[1]:.9g}"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from linkages.kernel.closure.dyads import LinkAndSlider, LinkInGuide, TwoLinks
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
@@ -23,7 +21,8 @@ def _transmission_angles(model: Model) -> list[Scalar]:
             assert isinstance(dyad, LinkAndSlider | LinkInGuide)
             crossed, across = dyad.forward, dyad.across
             along = graph.select(across, across, -across)
-        found.append(graph.apply("atan2", graph.select(crossed, crossed, -crossed), along))
+        angle = graph.apply("atan2", graph.select(crossed, crossed, -crossed), along)
+        found.append(graph.select(angle, angle, -angle))  # atan2(-0.0, -1.0) is -π
     return found
 
 
@@ -42,8 +41,7 @@ def _advantages(dim: str) -> Callable[[Model], list[Scalar]]:
 
 OUTPUTS = {
     "transmission_angle": Variable(
-        ("dyad",), "rad", "transmission angle", _transmission_angles,
-        unbounded=True, reduced=np.abs,  # atan2(-0.0, -1.0) is -π
+        ("dyad",), "rad", "transmission angle", _transmission_angles, unbounded=True
     ),
     "mechanical_advantage": Variable(
         ("drive", "bar"),

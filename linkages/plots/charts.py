@@ -101,7 +101,8 @@ def mechanism(
     time
         In seconds.
     dimensions
-        Whether to write lengths of bars and of sides of plates, and to mark centres of mass.
+        Whether to write lengths of bars, of sides of plates and of the ground's frame, and to mark
+        centres of mass.
 
     Raises
     ------
@@ -122,7 +123,7 @@ def traces(solution: Solution, ax: Axes | None = None) -> Axes:
     data = solution.data
     _require(data, "joint_position")
     if ax is None:
-        ax = picture(drawing.framed(data, solution.mechanism)[1], joint_traces.MARGIN)[1]
+        ax = picture(drawing.framed(data, solution.mechanism)[1])[1]
     return joint_traces.draw(ax, data, solution.mechanism)
 
 

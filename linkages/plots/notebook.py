@@ -17,9 +17,15 @@ from linkages.plots.style import style
 from linkages.solution.solution import Solution
 from linkages.topology.topology import Topology
 
+STYLE = """<style>
+table.linkages th, table.linkages td { text-align: left; padding: 0.1em 1.2em 0.1em 0; }
+table.linkages.numbers .n { text-align: right; font-variant-numeric: tabular-nums; }
+</style>"""
+"""Of tables: pages around them have their own rules, or none."""
 
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table; all cells but the first of a row are numbers, set to the right."""
+
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: bool = False) -> str:
+    """A table, whose cells but the first of a row may be numbers, set to the right."""
 
     def row(tag: str, cells: Sequence[str]) -> str:
         marked = [
@@ -29,7 +35,8 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         return f"<tr>{''.join(marked)}</tr>"
 
     body = "\n".join([row("th", heads), *(row("td", cells) for cells in rows)])
-    return f"<table>\n{body}\n</table>"
+    kind = "linkages numbers" if numbers else "linkages"
+    return f'<table class="{kind}">\n{body}\n</table>'
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
@@ -41,7 +48,7 @@ def mechanism_html(mechanism: Mechanism) -> str:
     for component in mechanism.components:
         counts.setdefault(component.section, []).append(str(component.path[-1]))
     rows = [[section, str(len(names)), ", ".join(names)] for section, names in counts.items()]
-    parts = [f"<h4>{escape(mechanism.name)}</h4>"]
+    parts = [STYLE, f"<h4>{escape(mechanism.name)}</h4>"]
     try:
         system = System(mechanism)
     except InputError as error:
@@ -58,7 +65,7 @@ def topology_html(topology: Topology) -> str:
         for place, block in enumerate(topology.solved_blocks, start=1)
     ]
     name = escape(topology.mechanism.name)
-    parts = [f"<h4>{name}: topology</h4>", _mobility(topology)]
+    parts = [STYLE, f"<h4>{name}: topology</h4>", _mobility(topology)]
     return "\n".join([*parts, table(["", "block", "coordinates"], rows)] if rows else parts)
 
 
@@ -94,9 +101,10 @@ def solution_html(solution: Solution) -> str:
         else "no integration"
     )
     parts = [
+        STYLE,
         f"<h4>{escape(solution.mechanism.name)}</h4>",
         f"<p>{escape(solution.summary)}; {escape(how)}</p>",
-        table(["largest absolute value", "", "at t (s)", "unit"], rows),
+        table(["largest absolute value", "", "at t (s)", "unit"], rows, numbers=True),
         f"<p>outputs: {', '.join(escape(str(name)) for name in data.data_vars)}</p>",
     ]
     notes = [*solution.notes, *motion.notes] if motion.failure is None else [*solution.notes]

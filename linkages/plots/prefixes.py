@@ -86,3 +86,10 @@ def largest_magnitude(values: ArrayLike) -> float:
     """The largest magnitude among finite values, 0 if there are none."""
     array: NDArray[np.float64] = np.abs(np.asarray(values, dtype=float))
     return float(np.max(array, initial=0.0, where=np.isfinite(array)))
+
+
+def nice_below(value: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten that is not above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    steps = np.array([1.0, 2.0, 5.0]) * power
+    return float(steps[steps <= value * (1 + 1e-9)].max(initial=power))

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from linkages.plots import pages
 from linkages.plots.figures import FIGURES, PICTURES, dense_data, figures_of
+from linkages.plots.prefixes import scale_for
 from linkages.reading.replacing import replaced
 from linkages.reports.inputs import MARK, input_rows
 from linkages.solution.origin import DEFINITION, origin_of
@@ -132,8 +133,8 @@ def _row(solution: Solution, row: dict[str, Any]) -> list[str]:
         time = row[f"{which}_time"]
         late = LATE if until is not None and abs(time) > abs(until) else ""
         unresolved = OPEN if row["missed"] > RESOLVED else ""
-        cells += [f"{row[which]:.6g}{late}{unresolved}", f"{time:.6g}"]
-    return [*cells, row["units"]]
+        cells += [f"{row[which]:.6g}{late}{unresolved}", f"{time:.4g}"]
+    return [*cells, scale_for(1.0, row["units"]).units]
 
 
 def _facts(solution: Solution) -> list[str]:

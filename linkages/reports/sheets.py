@@ -1,4 +1,4 @@
-"""A report on sheets of A4."""
+"""A report on one sheet: drawing, facts and inputs at the left, curves and values at the right."""
 
 from __future__ import annotations
 
@@ -8,131 +8,176 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from matplotlib.image import imread
 
-from linkages.plots.pages import picture, spaced
+from linkages.plots.pages import spaced
 from linkages.plots.style import BLACK, GREY, style
 
 if TYPE_CHECKING:
     from linkages.reports.report import Report
 
-WIDTH, HEIGHT = 8.27, 11.69
-MARGIN, GUTTER = 0.7, 0.2
-LINE = 0.165
-"""Height of a line of text, in inches."""
+WIDTH, HEIGHT = 16.54, 11.69
+"""Inches: A3 across, which prints on A4 as well."""
 
+MARGIN, GUTTER = 0.5, 0.3
+SIDE = 4.7
+"""Inches: width of the column at the left."""
+
+SIZE, LINE = 7.0, 0.132
+"""Points of text, and inches from one line to the next."""
+
+CURVES = 4
 CHANGED = "#B3420A"
-_METADATA = {"Creator": None, "Producer": None, "CreationDate": None}
+_METADATA: dict[Any, Any] = {"Creator": None, "Producer": None, "CreationDate": None}
+_POINTS = 72.0
 
 
-class _Sheets:
-    """Sheets that are filled from top to bottom."""
+class _Column:
+    """A column of a report, filled from top to bottom; what has no room goes to another sheet."""
 
-    def __init__(self) -> None:
-        self.figures: list[Figure] = []
-        self.room = 0.0
+    def __init__(self, sheets: list[_Sheet], left: float, width: float) -> None:
+        self.sheets, self.left, self.width = sheets, left, width
+        self.number, self.room = 0, HEIGHT - 2 * MARGIN
 
-    def need(self, height: float) -> None:
-        """Begin another sheet if there is less room than that."""
+    def need(self, height: float) -> _Sheet:
+        """The sheet with so much room, in inches; the next one if there is less on this one."""
         if self.room < height:
-            self.figures.append(Figure(figsize=(WIDTH, HEIGHT)))
-            self.room = HEIGHT - 2 * MARGIN
+            self.number, self.room = self.number + 1, HEIGHT - 2 * MARGIN
+        if self.number == len(self.sheets):
+            self.sheets.append(_Sheet())
+        return self.sheets[self.number]
 
-    def text(self, x: float, words: str, size: float = 8.0, **look: Any) -> None:
-        """Write at a distance from the left margin, on the present line."""
-        y = (MARGIN + self.room) / HEIGHT
-        self.figures[-1].text(
-            (MARGIN + x) / WIDTH, y, words, fontsize=size, va="top", **{"color": BLACK, **look}
-        )
+    def text(self, x: float, words: str, **look: Any) -> None:
+        """Write at a distance from the left edge of the column, below what it holds."""
+        self.need(0.0).text(self.left + x, MARGIN + self.room, words, **look)
 
-    def heading(self, words: str, after: float = 0.5) -> None:
-        """Begin a part, with so much of it on the same sheet."""
-        self.need(0.35 + after)
-        self.room -= 0.12
-        self.text(0.0, words, 10.0, weight="bold")
-        self.room -= 0.23
+    def heading(self, words: str, size: float = 9.5) -> None:
+        """Begin a part, with some of it on the same sheet."""
+        self.need(size / 24 + 4 * LINE)
+        self.room -= size / 96
+        self.text(0.0, words, size=size, weight="bold")
+        self.room -= size / 48
 
     def lines(self, texts: Sequence[str], **look: Any) -> None:
         """Write texts under each other, each broken where it is too long."""
         for text in texts:
-            for part in wrap(text, 112) or [""]:
+            for part in wrap(text, _letters(self.width)) or [""]:
                 self.need(LINE)
                 self.text(0.0, part, **look)
                 self.room -= LINE
 
-    def table(self, places: Sequence[float], widths: Sequence[int], rows: list[list[str]]) -> None:
-        """Write rows of cells at distances from the margin; the first is a head."""
-        for index, row in enumerate(rows):
-            cells = [wrap(cell, width) or [""] for cell, width in zip(row, widths, strict=True)]
+    def table(self, shares: Sequence[float], head: list[str], rows: list[list[str]]) -> None:
+        """Write rows of cells that share the width; the head is grey."""
+        widths = [share * self.width / sum(shares) for share in shares]
+        for index, row in enumerate([head, *rows]):
+            cells = [
+                wrap(cell, _letters(width - 0.06)) or [""]
+                for cell, width in zip(row, widths, strict=True)
+            ]
             height = LINE * max(map(len, cells))
             self.need(height)
-            for place, cell in zip(places, cells, strict=True):
-                colour = BLACK if index else GREY
-                self.text(place, "\n".join(cell), linespacing=1.25, color=colour)
+            place = 0.0
+            for cell, width in zip(cells, widths, strict=True):
+                self.text(place, "\n".join(cell), color=BLACK if index else GREY)
+                place += width
             self.room -= height
 
-    def pictures(self, figures: Sequence[Figure], columns: int) -> None:
-        """Place figures beside and under each other."""
-        for row in _rows(figures, columns):
-            width = (WIDTH - 2 * MARGIN - GUTTER * (columns - 1)) / columns
-            heights = [width * f.get_figheight() / f.get_figwidth() for f in row]
-            self.need(max(heights))
-            for column, (figure, height) in enumerate(zip(row, heights, strict=True)):
-                left = MARGIN + column * (width + GUTTER)
-                bottom = MARGIN + self.room - height
-                box = (left / WIDTH, bottom / HEIGHT, width / WIDTH, height / HEIGHT)
-                figure.set_dpi(300)
-                ax = self.figures[-1].add_axes(box)
-                ax.set_axis_off()
-                ax.imshow(imread(BytesIO(picture(figure))), aspect="auto", interpolation="none")
-            self.room -= max(heights) + 0.1
+    def picture(self, figure: Figure, highest: float) -> None:
+        """Place a figure, as wide as the column or so high, in inches."""
+        scale = min(self.width / figure.get_figwidth(), highest / figure.get_figheight())
+        height = scale * figure.get_figheight()
+        sheet = self.need(height)
+        self.room -= height
+        sheet.pictures.append((figure, scale, self.left, MARGIN + self.room))
+
+
+class _Sheet:
+    """A sheet: its texts, and where its pictures are placed."""
+
+    def __init__(self) -> None:
+        self.figure = Figure(figsize=(WIDTH, HEIGHT))
+        self.pictures: list[tuple[Figure, float, float, float]] = []
+
+    def text(self, x: float, y: float, words: str, *, size: float = SIZE, **look: Any) -> None:
+        """Write below and right of a place in inches."""
+        spacing = LINE * _POINTS / (1.2 * SIZE)
+        look = {"va": "top", "color": BLACK, "linespacing": spacing, **look}
+        self.figure.text(x / WIDTH, y / HEIGHT, words, fontsize=size, **look)
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Set a report on sheets."""
+    """Set a report on a sheet; on several if its tables are long. Figures stay vectors."""
+    from pypdf import PdfReader, PdfWriter, Transformation
+
     with style():
-        sheets = _filled(report)
-        with PdfPages(path, metadata=_METADATA) as file:
-            for number, figure in enumerate(sheets.figures, start=1):
-                foot = f"{report.solution.mechanism.name}, {number}/{len(sheets.figures)}"
-                figure.text(1 - MARGIN / WIDTH, 0.035, foot, ha="right", fontsize=7, color=GREY)
-                file.savefig(figure)
+        sheets, writer = _filled(report), PdfWriter()
+        for number, sheet in enumerate(sheets, start=1):
+            if len(sheets) > 1:
+                foot = f"{report.solution.mechanism.name}, {number}/{len(sheets)}"
+                sheet.text(WIDTH - MARGIN, MARGIN - 0.1, foot, ha="right", color=GREY)
+            page = writer.add_page(PdfReader(_as_pdf(sheet.figure)).pages[0])
+            for figure, scale, left, bottom in sheet.pictures:
+                placed = Transformation().scale(scale).translate(_POINTS * left, _POINTS * bottom)
+                page.merge_transformed_page(PdfReader(_as_pdf(figure)).pages[0], placed)
+            page.compress_content_streams()
+    writer.compress_identical_objects()
+    writer.write(path)
 
 
-def _filled(report: Report) -> _Sheets:
+def _filled(report: Report) -> list[_Sheet]:
     from linkages.reports.report import HEADS, provenance
-    from linkages.solution.origin import DEFINITION
 
-    mechanism, sheets = report.solution.mechanism, _Sheets()
-    sheets.need(HEIGHT - 2 * MARGIN)
-    sheets.text(0.0, mechanism.name, 16.0, weight="bold")
-    sheets.room -= 0.34
-    sheets.lines([mechanism.file_name], color=GREY)
-    sheets.lines([spaced(text) for text in mechanism.changes], color=CHANGED, weight="bold")
-    sheets.room -= 0.1
+    sheets: list[_Sheet] = []
+    mechanism, side = report.solution.mechanism, _Column(sheets, MARGIN, SIDE)
+    side.heading(mechanism.name, 16.0)
+    side.lines([mechanism.file_name], color=GREY)
+    side.lines([spaced(text) for text in mechanism.changes], color=CHANGED, weight="bold")
     if report.drawing is not None:
-        sheets.pictures([report.drawing], 1 if report.drawing.get_figheight() < 4.5 else 2)
-    sheets.lines(report.facts)
-    if report.curves:
-        sheets.heading("Curves", 2.5)
-        sheets.pictures(report.curves, 2)
+        side.picture(report.drawing, 3.4)
+    side.lines(report.facts)
     if report.notes:
-        sheets.heading("Notes")
-        sheets.lines(report.notes)
-    sheets.heading("Inputs")
-    sheets.table((0.0, 2.0), (28, 80), [["entry", "values"], *report.inputs])
-    if report.maxima:
-        sheets.heading("Least and largest values")
-        places = (0.0, 2.3, 3.2, 4.2, 4.95, 5.95, 6.7)
-        sheets.table(places, (34, 12, 14, 11, 14, 11, 9), [HEADS, *report.maxima])
-        sheets.lines(report.marks, color=GREY)
-    sheets.heading("Origin")
-    sheets.lines(provenance(report))
-    sheets.room -= 0.1
-    sheets.lines(report.origin[DEFINITION].splitlines(), family="monospace", size=6.5)
+        side.heading("Notes")
+        side.lines(report.notes)
+    side.heading("Inputs")
+    side.table((1, 2), ["entry", "values"], report.inputs)
+    side.heading("Origin")
+    side.lines([*provenance(report), "The definition is kept in this file."])
+
+    left = MARGIN + SIDE + 1.5 * GUTTER
+    width = (WIDTH - MARGIN - left - GUTTER) / 2
+    halves = [_Column(sheets, left + half * (width + GUTTER), width) for half in (0, 1)]
+    curves = report.curves[:CURVES]
+    highest = 2.9 if len(curves) > 2 else 5.0
+    for pair in _rows(curves, 2):
+        for half, figure in zip(halves, pair, strict=False):
+            half.picture(figure, highest)
+        _level(halves)
+    middle = -(-len(report.maxima) // 2)
+    for half, rows in zip(halves, (report.maxima[:middle], report.maxima[middle:]), strict=True):
+        if rows:
+            half.heading("Least and largest values" if half is halves[0] else "")
+            half.table((25, 10, 12, 10, 12, 10, 8), HEADS, rows)
+    halves[0].lines(report.marks, color=GREY)
     return sheets
+
+
+def _level(columns: Sequence[_Column]) -> None:
+    """Go on at one height in all columns."""
+    number = max(column.number for column in columns)
+    room = min(column.room for column in columns if column.number == number)
+    for column in columns:
+        column.number, column.room = number, room - 0.08
+
+
+def _letters(inches: float) -> int:
+    """How many letters of a text have room."""
+    return max(4, int(inches * _POINTS / (0.53 * SIZE)))
+
+
+def _as_pdf(figure: Figure) -> BytesIO:
+    file = BytesIO()
+    figure.savefig(file, format="pdf", metadata=_METADATA)
+    return file
 
 
 def _rows(figures: Sequence[Figure], columns: int) -> Iterator[Sequence[Figure]]:

@@ -1,4 +1,4 @@
-"""How many samples show every swing of a motion."""
+"""How many samples show every oscillation of a motion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PER_SWING = 40.0
-"""Samples of a swing with which its top is at most 0.3 % above the highest sample."""
+"""Samples per oscillation with which its peak is at most 0.3 % above the highest sample."""
 
 MOST_SAMPLES = 100_000
 """Of a motion that measures look at; one with more would take seconds."""
@@ -28,7 +28,7 @@ def turning_points(values: NDArray[np.float64]) -> int:
 
 
 def samples_per_swing(series: Iterable[NDArray[np.float64]]) -> float:
-    """Samples per swing of the series that swings most; infinite where none turns twice.
+    """Samples per oscillation of the series that oscillates most; infinite where none turns twice.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Any, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
@@ -20,6 +21,8 @@ from linkages.spec.expectation import annotation_at, example, expectation, keys,
 Model = TypeVar("Model")
 _UNKNOWN_KEY = ("unexpected_keyword_argument", "extra_forbidden")
 _DECIMALS = re.compile(r"\d+( *[^\W\d].*)?")
+_WHOLE = re.compile(r"[-+]?\d+")
+_POINT = "; decimals are written with a point, as in 0.5, not 0,5"
 _OWN_WORDS = ("value_error", "assertion_error")
 # What pydantic finds wrong with the shape of a value; the annotation says it better.
 _SHAPE = (
@@ -173,12 +176,21 @@ def _missing(key: str | int, model: type, path: Path, found: object) -> str:
 
 def _unknown_key(key: str, model: Any, given: Collection[str]) -> str:
     if _DECIMALS.fullmatch(key):  # {length: 30,5 mm}
-        return f"unknown key {shown(key)}; decimals are written with a point, as in 0.5, not 0,5"
+        return f"unknown key {shown(key)}{_POINT}"
     known = [name for name in keys(model) if name not in given]
     start = f"unknown key {shown(key)}"
+    if remedy := getattr(model, "misplaced", {}).get(key):
+        return f"{start}: {remedy}"
     if near := nearest(key, known):
         return f"{start}; did you mean {near!r}?"
     return f"{start}; expected {'one of: ' if len(known) > 1 else ''}{', '.join(known)}"
+
+
+def _commas(details: ErrorDetails) -> str:
+    """What to say of a list with too many entries, for YAML splits [30,5 mm, 0] at each comma."""
+    found = [str(entry) for entry in details["input"]] if details["type"] == "too_long" else []
+    pairs = pairwise(found)
+    return _POINT if any(_WHOLE.fullmatch(a) and _DECIMALS.fullmatch(b) for a, b in pairs) else ""
 
 
 def _wrong_value(details: ErrorDetails, annotation: Any, in_union: bool) -> str:
@@ -189,7 +201,7 @@ def _wrong_value(details: ErrorDetails, annotation: Any, in_union: bool) -> str:
     words = expectation(annotation) if annotation is not None else None
     if words and (in_union or details["type"] in _SHAPE):
         near = suggestion(str(details["input"]), literals(annotation))
-        return f"expected {words}, found {context.get('found', found)}{near}"
+        return f"expected {words}, found {context.get('found', found)}{near}{_commas(details)}"
     if details["type"] == "linkages" or not details["msg"].startswith("Input should be "):
         return details["msg"]
     return f"expected {details['msg'].removeprefix('Input should be ')}, found {found}"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from linkages.stamps import documents, films, images, netcdf
+from linkages.stamps import documents, dxf, films, images, netcdf, programs
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,13 @@ FORMATS = {
     ".pdf": Format(documents.put_pdf, documents.taken_pdf),
     ".html": Format(documents.put_html, documents.taken_html),
     ".json": Format(documents.put_json, documents.taken_json),
+    ".dxf": Format(dxf.put, dxf.taken),
     ".gif": Format(films.put_gif, films.taken_gif),
     ".webp": Format(films.put_webp, films.taken_webp),
     ".mp4": Format(films.put_mp4, films.taken_mp4),
+    **dict.fromkeys((".c", ".h", ".js"), Format(programs.put_braces, programs.taken_braces)),
+    ".py": Format(programs.put_python, programs.taken_python),
+    ".xml": Format(programs.put_xml, programs.taken_xml),
 }
 """Ending → how such files hold texts. Tables have none: what is beside them says it."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from html import escape, unescape
+from io import BytesIO
 from typing import Any
 
 KEY = "origin"
@@ -12,8 +13,7 @@ _SVG = re.compile(r'<metadata id="linkages-origin">(.*?)</metadata>\n?', re.DOTA
 _HTML = re.compile(
     r'<script type="application/json" id="linkages-origin">(.*?)</script>\n?', re.DOTALL
 )
-_PDF = re.compile(rb"/linkages <([0-9A-Fa-f]+)>")
-_TRAILER = re.compile(rb"trailer\s*<<(.*?)>>\s*startxref\s+(\d+)\s+%%EOF\s*$", re.DOTALL)
+_PDF = "/linkages"
 
 
 def put_svg(content: bytes, text: str) -> bytes:
@@ -60,39 +60,26 @@ def taken_json(content: bytes) -> str | None:
 
 
 def put_pdf(content: bytes, text: str) -> bytes:
-    """The document with a text in its information, as an update at its end (ISO 32000-1, 7.5.6).
+    """The document with a text in its information."""
+    from pypdf import PdfWriter
 
-    Raises
-    ------
-    ValueError
-        If its last section of cross references is no table, which those of Matplotlib are.
-    """
-    found = _TRAILER.search(content)
-    entries = {} if found is None else {
-        key: re.search(rb"/%b\s+(\d+)" % key, found[1]) for key in (b"Size", b"Root", b"Info")
-    }  # fmt: skip
-    if found is None or None in entries.values():
-        raise ValueError("expected a PDF document with a table of cross references")
-    size, root, info = (int(match[1]) for match in entries.values() if match is not None)
-    own = b"\n%d 0 obj\n<< /linkages <FEFF%b> >>\nendobj\n" % (
-        info,
-        text.encode("utf-16-be").hex().encode(),
-    )
-    table = b"xref\n%d 1\n%010d 00000 n \n" % (info, len(content) + 1)
-    trailer = b"trailer\n<< /Size %d /Root %d 0 R /Info %d 0 R /Prev %d >>\n" % (
-        size,
-        root,
-        info,
-        int(found[2]),
-    )
-    place = len(content) + len(own)
-    return content + own + table + trailer + b"startxref\n%d\n%%%%EOF\n" % place
+    writer, file = PdfWriter(clone_from=BytesIO(content)), BytesIO()
+    writer.add_metadata({_PDF: text})
+    writer.write(file)
+    return file.getvalue()
 
 
 def taken_pdf(content: bytes) -> str | None:
-    """The text in the information of a document, the last one."""
-    found = _PDF.findall(content)
-    return bytes.fromhex(found[-1].decode()).decode("utf-16") if found else None
+    """The text in the information of a document; None if it is no document as well."""
+    from pypdf import PdfReader
+    from pypdf.errors import PyPdfError
+
+    try:
+        information: Any = PdfReader(BytesIO(content)).metadata or {}
+    except PyPdfError:
+        return None
+    found = information.get(_PDF)
+    return None if found is None else str(found)
 
 
 def _after(text: str, mark: re.Pattern[str], element: str) -> str:

@@ -106,7 +106,8 @@ class Block:
             return CLOSED_FORMS[self.kind]
         loops = len(self.loops)
         title = f"group of {loops} loop{'s' if loops > 1 else ''}"
-        return f"{title} with {self.surplus} redundant equations" if self.surplus else title
+        plural = "s" if self.surplus > 1 else ""
+        return f"{title} with {self.surplus} redundant equation{plural}" if self.surplus else title
 
     @property
     def label(self) -> str:

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
-from linkages.plots.mechanism import insets
+from linkages.plots.films import insets, journals
 from linkages.plots.mechanism.palette import DARK, LIGHT
 from linkages.plots.prefixes import scale_for
 from linkages.plots.style import PALETTE
@@ -22,6 +22,8 @@ from linkages.solution.origin import origin_of
 from linkages.solution.values.series import system_series
 from linkages.viewer.described import described
 from linkages.viewer.drawn import drawn
+from linkages.viewer.frames import chosen
+from linkages.viewer.ideal import ideal_module
 from linkages.viewer.packed import Packed
 from linkages.viewer.page import page
 from linkages.viewer.recorded import recorded
@@ -58,8 +60,8 @@ def written(
     content = {
         "mechanism": described(system),
         "summary": _summary(system),
-        "motion": recorded(data, mechanism, packed),
-        **drawn(data, mechanism),
+        "motion": recorded(data, system, packed),
+        **drawn(data.isel(time=chosen(data)), mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
         "stopped": None if failure is None else str(failure),
         "how": _how(origin),
@@ -72,11 +74,13 @@ def written(
         "tolerances": _tolerances(mechanism, options),
         "template": template(mechanism),
         "file": f"{Path(mechanism.source).stem or 'mechanism'}.yaml",
-        "glass": {"pin": insets.PIN, "hole": insets.HOLE, "wall": insets.WALL,
+        "glass": {"pin": journals.PIN, "hole": journals.HOLE, "wall": journals.WALL,
                   "reach": insets.REACH, "longest": insets.LONGEST},
     }  # fmt: skip
-    kernel = [javascript_module(system), javascript_integrator()]
-    return page({**content, "numbers": packed.text()}, kernel)
+    given = {name: value for name, value in options.items() if name == "change_points"}
+    passing = options_of(SimulationOptions, mechanism, given)
+    models = {"model": javascript_module(system, passing), "ideal": ideal_module(system, passing)}
+    return page({**content, "numbers": packed.text()}, models)
 
 
 def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
@@ -89,7 +93,7 @@ def _known(system: System, outputs: list[str]) -> dict[str, dict[str, Any]]:
         units, label = variable.described(system.model)
         found[name] = {"variable": series.variable, "place": list(series.place.values()),
                        "unit": units, "label": label, "angle": variable.angle,
-                       "smooth": variable.smooth}  # fmt: skip
+                       "smooth": variable.smooth, "compared": variable.compared}  # fmt: skip
     return found
 
 

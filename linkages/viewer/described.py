@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from itertools import combinations
-from math import atan2, dist
-from typing import Any, assert_never
+from math import dist
+from typing import Any, TypeAlias, assert_never
 
 from linkages.components.contributed.measures import (
     BodyAxis,
@@ -14,7 +14,7 @@ from linkages.components.contributed.measures import (
     Slide,
     Turn,
 )
-from linkages.components.contributed.terms import PLAYING, Body
+from linkages.components.contributed.terms import PLAYING, Body, Parameter
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.outputs import coordinate_of
 from linkages.kernel.system import System
@@ -57,38 +57,61 @@ def _series(system: System) -> dict[tuple[str, str], str]:
     return found
 
 
+Given: TypeAlias = tuple[float, str]
+"""A number and the path of the parameter that it is, by which a page knows it when it changes."""
+
+
+def _given(number: Parameter) -> Given:
+    return number.value, ".".join(map(str, number.path))
+
+
 def _bodies(mechanism: Mechanism) -> list[dict[str, Any]]:
-    """Bodies: the joints by which they are gripped, and how it is told how they are turned."""
+    """Bodies with the joints by which they are gripped, and how it is told how they are turned."""
     return [
         {
             "name": name,
             "joints": [] if body.kind in PLAYING else list(body.points),
-            "guide": None if body.guide is None
-            else {"body": body.guide.body, "angle": body.guide.angle.value},
+            "guide": _guide(mechanism, body),
             "pair": _pair(body),
             "follows": _follows(mechanism, name),
         }
         for name, body in mechanism.bodies.items()
-    ]  # fmt: skip
+    ]
 
 
-def _pair(body: Body) -> tuple[str, str, float] | None:
-    """The two joints of a body that are farthest apart, and their direction in its own frame."""
+def _guide(mechanism: Mechanism, body: Body) -> dict[str, Any] | None:
+    """The axis of a slider: its direction and where it begins, from a joint of what carries it."""
+    if body.guide is None:
+        return None
+    guide, carrier = body.guide, mechanism.bodies.get(body.guide.body or "")
+    joint, own = next(iter(carrier.points.items()), (None, None)) if carrier else (None, None)
+    origin = None if isinstance(guide.origin, str) else [_given(number) for number in guide.origin]
+    return {
+        "body": guide.body,
+        "angle": _given(guide.angle),
+        "origin": origin,
+        "joint": joint,
+        "own": own and [_given(number) for number in own],
+    }
+
+
+def _pair(body: Body) -> dict[str, Any] | None:
+    """The two joints of a body that are farthest apart, and where they are in its own frame."""
     own = {name: (x.value, y.value) for name, (x, y) in body.points.items()}
     pairs = [(dist(own[a], own[b]), a, b) for a, b in combinations(own, 2)]
     far, first, second = max(pairs, default=(0.0, "", ""))
     if body.guide is not None or not far:
         return None
-    (ax, ay), (bx, by) = own[first], own[second]
-    return first, second, atan2(by - ay, bx - ax)
+    places = [[_given(number) for number in body.points[joint]] for joint in (first, second)]
+    return {"joints": [first, second], "places": places}
 
 
 def _follows(mechanism: Mechanism, name: str) -> dict[str, Any] | None:
     """The weld or gear that says how a body follows others."""
     for relation in mechanism.relations:
         if relation.body == name and mechanism.bodies[name].rotates:
-            parts = [(other, ratio.value) for other, ratio in relation.parts]
-            return {"offset": relation.offset.value, "parts": parts}
+            parts = [(other, _given(ratio)) for other, ratio in relation.parts]
+            return {"offset": _given(relation.offset), "parts": parts}
     return None
 
 
@@ -128,9 +151,7 @@ def _acting(mechanism: Mechanism, measure: Measure) -> dict[str, Any] | None:
             guide, points = mechanism.bodies[body].guide, mechanism.bodies[body].points
             if guide is None or not points:
                 return None
-            carrier = guide.body
-            return {"kind": "along", "joint": next(iter(points)), "body": carrier,
-                    "angle": guide.angle.value}  # fmt: skip
+            return {"kind": "along", "joint": next(iter(points)), "body": body}
         case Turn(body):
             points = mechanism.bodies[body].points
             pivots = [joint for joint in points if joint in mechanism.ground] or [*points]

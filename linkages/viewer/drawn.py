@@ -8,6 +8,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.moving import framed
 from linkages.plots.mechanism.drawing import shapes_of
 from linkages.plots.mechanism.shapes import as_json
+from linkages.viewer.anchored import anchored
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,8 +27,8 @@ def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
 
     Returns
     -------
-    ``shapes`` in the order of drawing, in metres and typographic points, and the ``box`` that they
-    sweep: left, low, right, high in metres.
+    ``shapes`` in the order of drawing, in metres and typographic points, the ``places`` on axes
+    that they name beside joints, and the ``box`` that they sweep: left, low, right, high in metres.
 
     Raises
     ------
@@ -36,4 +37,11 @@ def drawn(data: xr.Dataset, mechanism: Mechanism) -> dict[str, Any]:
     """
     poses, box = framed(data, mechanism)
     shapes = [shape for shape in shapes_of(poses.at(0)) if shape.look.role != LOAD]
-    return {"shapes": as_json(shapes), "box": [*map(float, box.low), *map(float, box.high)]}
+    places: dict[str, Any] = {}
+    if "slider_position" in data:
+        shapes, places = anchored(shapes, poses.at(0))
+    return {
+        "shapes": as_json(shapes),
+        "places": places,
+        "box": [*map(float, box.low), *map(float, box.high)],
+    }

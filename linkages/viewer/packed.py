@@ -44,4 +44,9 @@ class Packed:
         whole = np.concatenate([np.zeros(0, np.float32), *self._arrays]).view(np.uint32)
         steps = np.diff(whole, prepend=np.uint32(0))
         planes = steps.astype("<u4").view(np.uint8).reshape(-1, 4).T
-        return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+        return deflated(planes.tobytes())
+
+
+def deflated(data: bytes) -> str:
+    """Bytes as compressed text, which `assets/unpack.js` reads."""
+    return base64.b64encode(zlib.compress(data, 9)).decode("ascii")

@@ -6,26 +6,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkages.components.mechanisms.mechanism import Mechanism
-from linkages.errors import InputError
 from linkages.kernel.outputs import VARIABLES
+from linkages.kernel.system import System
 from linkages.solution.simulate import simulate
 from linkages.solution.values.series import TIME, data_series
 from linkages.viewer.frames import FEWEST, bounds, chosen
+from linkages.viewer.ideal import PLACES, ideal_of
 from linkages.viewer.packed import Packed
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def recorded(data: xr.Dataset, mechanism: Mechanism, packed: Packed) -> dict[str, Any]:
+def recorded(data: xr.Dataset, system: System, packed: Packed) -> dict[str, Any]:
     """Frames of a motion.
 
     Parameters
     ----------
     data
         Samples of a motion; they should show every swing.
-    mechanism
+    system
         What moves.
     packed
         Gets the numbers.
@@ -57,23 +57,20 @@ def recorded(data: xr.Dataset, mechanism: Mechanism, packed: Packed) -> dict[str
         "time": packed.add_exact(time[frames]),
         "samples": len(time),
         "series": series,
-        "ghost": _ghost(time[frames], mechanism, packed),
+        "ghost": _ghost(time[frames], system, packed),
     }
 
 
-def _ghost(time: np.ndarray[Any, Any], mechanism: Mechanism, packed: Packed) -> Any:
+def _ghost(time: np.ndarray[Any, Any], system: System, packed: Packed) -> Any:
     """The same motion without clearances; None where there are none, or it cannot move alike."""
-    ideal = mechanism.ideal()
-    if ideal is mechanism or not mechanism.displacements:
+    ideal = ideal_of(system)
+    if ideal is None or ideal.topology.free:
         return None
     own = time[np.unique(np.linspace(0, len(time) - 1, FEWEST).round().astype(int))]
-    try:
-        moved = simulate(ideal, times=own, outputs=["joint_position"], throw=False)
-    except InputError:  # without clearances it has no mobility left, or too much
+    moved = simulate(ideal.mechanism, times=own, outputs=[PLACES], throw=False)
+    if not moved.completed:
         return None
-    if not moved.completed or moved.system.topology.free:
-        return None
-    places = moved.data["joint_position"].transpose("joint", "axis", "time")
+    places = moved.data[PLACES].transpose("joint", "axis", "time")
     joints = {
         str(name): [packed.add(x), packed.add(y)]
         for name, (x, y) in zip(places["joint"].values, np.asarray(places), strict=True)

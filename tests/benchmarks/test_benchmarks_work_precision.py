@@ -27,7 +27,7 @@ START = {
     "drives.crank4.angle": REFERENCE["drives"]["crank4"]["angle"],
     "clearances.r1.angle": 0.0,
 }
-TINY = ("--set", "simulate.end=0.02", "--repeats", "1")
+TINY = ("--set", "simulate.end=0.005", "--repeats", "1")
 
 
 def points(*rows, method="m"):
@@ -281,7 +281,7 @@ def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
     assert json.loads(written.pop("origin")["changes"]) == content.pop("changes")
     assert written == {key: value for key, value in content.items() if key != "files"}
     assert (tmp_path / "found" / "work_precision.png").stat().st_size > 10_000
-    assert content["end"] == 0.02
+    assert content["end"] == 0.005
     assert {point["method"] for point in content["points"]} >= set(METHODS)
     assert list(content["seconds_at_error"]) == [f"{target:g}" for target in TARGETS]
     assert content["reference_uncertainty"] < 1e-12

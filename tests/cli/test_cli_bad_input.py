@@ -130,7 +130,7 @@ CASES = {
     "two-drives": four(
         "assembly:\n  B: left", "  rocker: {angle: 1, speed: 1}", 11,
         "mobility is 1, but 2 coordinates are driven (crank, rocker) and 0 free; remove 1 of them",
-        "more constraints than coordinates at B",
+        "the constraints at B contradict each other",
     ),
     "no-drive": four(
         "drives:\n  crank: {angle: 0.7, speed: 6}\n", "", 1, "mobility is 1", "add a drive"
@@ -140,7 +140,7 @@ CASES = {
     ),
     "over-constrained": four(
         "drives:", "  strut: {joints: [O4, A], length: 0.09}\ndrives:", 9,
-        "more constraints than coordinates at A", "contradict",
+        "the constraints at A contradict each other",
     ),
     "unreachable": four(
         "drives:", "  loose: {joints: [X, Y], length: 1}\ndrives:", 9, "not connected to the ground"

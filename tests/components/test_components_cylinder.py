@@ -35,6 +35,18 @@ def test_same_from_yaml_and_python():
     assert_frozen_and_keyword_only(gas)
 
 
+def test_a_stroke_is_driven_by_a_slider():
+    (problem,) = complaints(
+        DRIVEN.replace("piston: {position", "c: {position")
+        + """
+  c: {between: [O, C], bore: 50 mm, pressure: 1e6}
+"""
+    )
+    assert "drives.c: unknown slider 'c': a cylinder is a force and has no coordinate" in problem
+    (problem,) = complaints(DRIVEN.replace("mass: 5", "length: 5"))
+    assert "unknown key 'length': a slider has no length; for a cylinder write" in problem
+
+
 def test_pressures_act_on_their_areas():
     entry = """
   c: {between: [O, C], bore: 50 mm, rod: 20 mm, pressure: "1e6*t", rod_pressure: 2 bar,

@@ -25,6 +25,10 @@ def test_terms():
 def test_position_is_two_lengths():
     (problem,) = complaints(BARS + "joints:\n  O: [1, 2, 3]\n")
     assert problem.startswith("line 3, column 3, joints.O: expected a list of two numbers (metres")
+    (problem,) = complaints(BARS + "joints:\n  O: [30,5 mm, 0]\n")
+    assert problem.endswith(
+        "found a list of 3; decimals are written with a point, as in 0.5, not 0,5"
+    )
     (problem,) = complaints(BARS + "joints:\n  O: [1 kg, 2]\n")
     assert "line 3" in problem
     assert "'1 kg'" in problem

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,8 @@ from linkages.exports.kernels.exported import exported
 from linkages.kernel.numbers.parameters import NEAREST
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
+from linkages.solution.values.reactions import Statics
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import system_series
 
 ROOT = Path(__file__).parents[2]
@@ -63,6 +65,18 @@ cams:
      offset: 50 mm}
 assembly: {B: left}
 """,
+    # three cranks side by side, one of them redundant: reactions with the least sum of squares
+    "side-by-side": """
+gravity: [0, -9.81]
+joints: {O: [0, 0], C: [1, 0], E: [2, 0]}
+bars:
+  a: {joints: [O, A], length: 0.5, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+  e: {joints: [E, D], length: 0.5, mass: 1}
+  b: {points: {A: [0, 0], B: [1, 0], D: [2, 0]}, mass: 2, center: [0.7, 0.1], inertia: 0.3}
+free: {a: {angle: 60 deg, speed: -1}}
+assembly: {B: [1.25, 0.4]}
+""",
     # an impact with restitution, seven times
     "bounce": """
 gravity: [0, -9.81]
@@ -91,8 +105,39 @@ drives: {a: {angle: 60 deg, speed: -6}}
 assembly: {B: [1.25, 0.4]}
 simulate: {end: 0.4, samples: 4}
 """
+PASSING = {
+    "free": (PARALLELOGRAM.replace("drives", "gravity: [0, -9.81]\nfree").replace("-6", "-9"), 1.0),
+    "driven": (f"{PARALLELOGRAM.rstrip().removesuffix('}')}, change_points: pass}}\n", 1.0),
+    "rigid": (
+        """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 50 mm, mass: 0.3, inertia: 1e-4}
+  rod: {joints: [A, B], length: 120 mm, mass: 0.2, inertia: 3e-4}
+sliders: {piston: {joint: B, through: O, angle: 0, mass: 0.15}}
+clearances:
+  gap: {joint: B, bar: rod, size: 0.2 mm, contact: restitution, restitution: 0.6,
+        pin_radius: 8 mm, friction_law: coulomb, friction: 0.05}
+drives: {crank: {angle: 0, speed: 3000 rpm}}
+assembly: {B: [0.17, 0]}
+""",
+        0.01,
+    ),
+}
+"""The same moving freely, and led through, past three and two change points; rigid contacts with
+friction that stick. And for how long."""
 CHANGES = np.pi / 3 / 6
 """When its bars are in line."""
+STUCK = """
+joints: {O: [0, 0], C: [1, 0]}
+bars:
+  a: {joints: [O, A], length: 0.3, mass: 1}
+  b: {joints: [A, B], length: 1, mass: 1}
+  c: {joints: [C, B], length: 0.5, mass: 1}
+free: {c: {angle: 90 deg, speed: 6}}
+assembly: {A: [0.28, 0.1]}
+"""
+"""A crank that its rocker drives: it reaches a dead centre, where other coordinates are needed."""
 SWITCHED = {"slider-crank-contact": 0.003, "bounce": 2.5, "rub": 3.0}
 """Mechanisms whose equations change, and for how long they are followed."""
 TIMES = (0.0, 0.013, 0.04)
@@ -105,6 +150,8 @@ cancellation carry some of that on."""
 @cache
 def system(name):
     """A shipped mechanism or a scene, assembled."""
+    if name in PASSING:
+        return System(linkages.loads(PASSING[name][0]))
     if name in SCENES:
         return System(linkages.loads(SCENES[name]))
     return System(linkages.load(ROOT / "mechanisms" / f"{name}.yaml"))
@@ -130,8 +177,8 @@ class Case:
 def cases(name):
     """States about the initial one, whose loops close."""
     of, random = system(name), np.random.default_rng(5)
-    own = kernel(name).quantities
-    nodes = [system_series(of)[q.name].node(of.model) for q in own]
+    series = [system_series(of)[q.name] for q in kernel(name).quantities]
+    nodes = [one.node(of.model) for one in series if one.variable != REACTION]
     accelerations = of.model.integrated_accelerations(of.model.changes)
     moved = of.layout.moved
     half = len(of.layout.coordinates)
@@ -146,7 +193,15 @@ def cases(name):
                 of.model.settled, time, state[:, None], held=held
             )[:, 0]
         second = of.evaluate(accelerations, time, state[:, None], held=held)
-        outputs = of.evaluate(nodes, time, state[:, None], second, held=held)[:, 0]
+        at = partial(of.evaluate, time=time, state=state[:, None], acceleration=second, held=held)
+        plain = iter(at(nodes)[:, 0])
+        reactions = Statics(of.model, of.topology, 1, at).reactions().ravel()
+        outputs = np.array(
+            [
+                reactions[one.index(of.model)] if one.variable == REACTION else next(plain)
+                for one in series
+            ]
+        )
         rates = np.concatenate([state[half:], second[:, 0]])
         rates[len(of.layout.free) : moved] = 0.0
         if of.layout.free and not kernel(name).modes:  # what compiled code says of it
@@ -197,10 +252,13 @@ FOLLOWED = ("joint_position", "slider_position")
 
 
 def switched(name):
-    """Times, and what `linkages.simulate` says of a mechanism whose equations change."""
-    times = np.linspace(0.0, SWITCHED[name], 31)
-    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
-    return times, np.hstack([data[variable].values.reshape(31, -1) for variable in FOLLOWED])
+    """Times, and what `linkages.simulate` says of a mechanism whose equations or modes change."""
+    times = np.linspace(0.0, PASSING[name][1] if name in PASSING else SWITCHED[name], 31)
+    known = {quantity.variable for quantity in kernel(name).quantities}
+    outputs = [variable for variable in FOLLOWED if variable in known]
+    data = linkages.simulate(system(name).mechanism, times=times, rtol=1e-12, outputs=outputs).data
+    known = [data[variable].values.reshape(31, -1) for variable in outputs]
+    return times, np.hstack(known)
 
 
 def followed_rows(name):

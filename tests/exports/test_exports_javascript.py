@@ -9,6 +9,7 @@ from exported_states import (
     CHANGES,
     NAMES,
     PARALLELOGRAM,
+    PASSING,
     SWITCHED,
     assert_near,
     cases,
@@ -21,7 +22,7 @@ from exported_states import (
 )
 
 import linkages
-from linkages.exports.kernels.javascript import javascript_integrator, javascript_module
+from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.system import System
 
 pytestmark = needs_browser
@@ -80,7 +81,7 @@ def test_two_seconds_of_the_nine_bar_are_those_of_simulate(page):
     expected = np.hstack([data[name].values.reshape(41, -1) for name in FOLLOWED])
     quantities = kernel("ninebar").quantities
     rows = [k for name in FOLLOWED for k, q in enumerate(quantities) if q.variable == name]
-    text = javascript_module(own) + javascript_integrator()
+    text = javascript_module(own)
     text += f"\nconst times = {json.dumps(times.tolist())};"
     ended = run(page, text, MOVED)
     assert ended["status"] == 0
@@ -94,7 +95,7 @@ MOVED = """
 (() => {
   const values = [], state = model.state.slice(), out = new Float64Array(model.series.length);
   const parameters = model.parameters.slice();
-  const ended = integrate(model, parameters, state, times, { rtol: 1e-12, atol: 1e-14 },
+  const ended = model.integrate(parameters, state, times, { rtol: 1e-12, atol: 1e-14 },
     (i, t, reached) => {
       model.outputs(t, reached, parameters, out);
       values.push([...out]);
@@ -135,17 +136,17 @@ def test_what_stays_zero_has_no_error(tolerances, page):
     """A bar at rest in its balance: no tolerance is asked of zeros."""
     text = "joints: {O: [0, 0]}\nbars: {b: {joints: [O, P], length: 1, mass: 1}}\n"
     of = System(linkages.loads(text + "free: {b: {angle: 0, speed: 0}}"))
-    still = f"integrate(model, model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
-    ended = run(page, javascript_module(of) + javascript_integrator(), still)
+    still = f"model.integrate(model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
+    ended = run(page, javascript_module(of), still)
     assert (ended["status"], ended["time"]) == (0, 1)
 
 
-@pytest.mark.parametrize("name", SWITCHED)
+@pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_are_those_of_simulate(name, page):
-    """Touches, impacts, sticking: all changes are located on the dense output, far below 1e-9."""
+    """Touches, impacts, sticking, change points: all are located far below 1e-9."""
     times, expected = switched(name)
     rows = followed_rows(name)
-    text = javascript_module(system(name)) + javascript_integrator()
+    text = javascript_module(system(name))
     ended = run(page, text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
     assert ended["status"] == 0
     found = np.array(ended["values"], dtype=float)[:, rows]
@@ -155,9 +156,9 @@ def test_contacts_and_friction_are_those_of_simulate(name, page):
 def test_change_points_end_driven_motions(page):
     of = System(linkages.loads(PARALLELOGRAM))
     times = "[0, 0.4 / 3, 0.8 / 3, 0.4]"
-    followed = f"integrate(model, model.parameters, model.state, {times}, {{}}, () => 0)"
+    followed = f"model.integrate(model.parameters, model.state, {times}, {{}}, () => 0)"
     said = f"[{followed}].map((e) => [e.time, model.statuses[e.status]])[0]"
-    time, text = run(page, javascript_module(of) + javascript_integrator(), said)
+    time, text = run(page, javascript_module(of), said)
     assert time == pytest.approx(CHANGES, abs=1e-5)
     assert "singular" in text
     assert "joint B" in text

@@ -95,7 +95,7 @@ def test_a_side_of_a_point_beside_the_meeting_joint():
         "{joints: [A, B], length: 0.9}", "{points: {A: [0, 0], B: [0.9, 0], E: [0.4, 0.3]}}"
     )
     assert refusal(text + "assembly:\n  E: left\n") == (
-        "line 8, column 3, assembly.E: left or right is said of joint B, where the two links meet"
+        "line 8, column 3, assembly.E: left and right belong to joint B, where the two links meet"
     )
     # but where it is tells the side as well
     places = [system_of(text + f"assembly: {{B: {w}}}").places()["E"] for w in ("left", "right")]
@@ -106,8 +106,8 @@ def test_a_side_of_a_point_beside_the_meeting_joint():
 
 def test_a_side_of_a_sliders_joint():
     assert refusal(SLIDER_CRANK + "assembly:\n  B: left\n") == (
-        "line 8, column 3, assembly.B: joint B moves along an axis; expected about where it is, "
-        "such as [0.5, 0]"
+        "line 8, column 3, assembly.B: joint B moves along an axis; expected its approximate "
+        "position, such as [0.5, 0]"
     )
 
 

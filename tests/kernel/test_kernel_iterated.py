@@ -274,8 +274,8 @@ def test_dyads_are_never_iterated():
 def test_missing_hint_lists_all_places():
     message = refusal(TRIAD.split("assembly")[0])
     assert "the group of 2 loops at joint" in message
-    assert "can be put together in 2 ways" in message
-    assert "(here F would be at [0.4281, 0.04347], [0.2168, 0.02837])" in message
+    assert "can be assembled in 2 ways" in message
+    assert "(F would be at [0.4281, 0.04347], [0.2168, 0.02837])" in message
 
 
 def test_a_group_that_cannot_be_assembled():
@@ -285,4 +285,4 @@ def test_a_group_that_cannot_be_assembled():
 
 def test_a_side_says_nothing_about_a_group():
     text = TRIAD.split("assembly")[0] + "assembly:\n  E: left\n"
-    assert "joint E is in a group of 2 loops; expected about where it is" in refusal(text)
+    assert "joint E is in a group of 2 loops; expected its approximate position" in refusal(text)

@@ -111,7 +111,7 @@ def test_hints_choose_the_nearest(wanted):
 
 def test_without_hints_all_places_are_listed():
     message = refusal(SIX)
-    assert "can be put together in 6 ways" in message
+    assert "can be assembled in 6 ways" in message
     assert message.count("[0.") + message.count("[-0.") >= 6
 
 

@@ -117,10 +117,11 @@ def test_a_gif_shows_what_was_drawn(tmp_path):
 
 
 def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
-    from linkages.plots.mechanism.insets import HOLE, PIN, contacts, full_length
+    from linkages.plots.films.insets import LONGEST
+    from linkages.plots.films.journals import HOLE, PIN, WALL, journals
 
     solution = press()
-    (contact,) = contacts(solution.data, solution.mechanism)
+    (contact,) = journals(solution.data, solution.mechanism)
     assert (contact.name, contact.joint, contact.size) == ("r1", "C", 0.15e-3)
     # pin and hole stay in contact, and the pin lies where the clearance link comes from;
     # 0.15 mm are the difference of coordinates of a metre, which have 1e-16 m
@@ -135,12 +136,13 @@ def test_the_pin_moves_in_its_hole_and_the_force_pushes_at_its_wall():
     stage.picture(20)
     (inset,) = stage._insets
     pin, _, _, arrow, text, _ = inset.artists
+    assert inset.scale.root
     np.testing.assert_allclose(pin.center, contact.offset[20])
     tip = arrow.get_xy()[3]
-    force = contact.force[20]
+    force, largest = contact.forces[20, 0], np.abs(contact.forces).max()
     np.testing.assert_allclose(
-        tip - HOLE * contact.offset[20],
-        contact.offset[20] * 3.9 * min(1.0, force / full_length(contact.force)),
+        tip - WALL * contact.offset[20],
+        contact.offset[20] * LONGEST * np.sqrt(force / largest),
         atol=1e-9,
     )
     assert text.get_text() == f"{force:.3g} N"
@@ -152,7 +154,8 @@ def test_lost_contact_is_said():
     stage = stage_of(solution)
     stage.picture(0)
     *_, text, _ = stage._insets[0].artists
-    assert text.get_text().startswith("no contact\n−")
+    assert text.get_text().startswith("−")
+    assert text.get_text().endswith(" N\nno contact")
 
 
 def test_times_pace_and_scale_are_written():
@@ -248,7 +251,8 @@ def test_clearances_have_a_pace_of_their_own(tmp_path):
     stage.picture(shown.places[30], shown.near[30])
     time = f"t = {film.near.times[30]:.5f}"[:-1]
     assert stage._clock.get_text() == f"t = {film.times[30]:.2f} s"
-    assert stage._insets[0]._moment.get_text().startswith(f"{film.near.pace}\n{time}")
+    assert stage._insets[0]._moment.get_text().startswith(time)
+    assert stage._insets[0]._moment.get_text().endswith(f" s\n{film.near.pace}")
 
 
 def test_names_move_and_a_cursor_stands_at_the_time():

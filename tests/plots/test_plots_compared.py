@@ -32,6 +32,7 @@ def cranks():
         ("masses.W", "mass at W"),
         ("simulate.rtol", "rtol"),
         ("gravity", "gravity"),
+        ("gravity[1]", "gravity along y"),
         ("no path at all..", "no path at all.."),
     ],
 )
@@ -46,6 +47,8 @@ def test_motions_are_called_by_what_they_differ_in(cranks):
     assert told_apart([one, two], ["a", "b"]) == speeds
     assert told_apart([one, one], ["a", "b"]) == ["a", "b"]
     assert told_apart([one, one]) == [f"{one.name} (1)", f"{one.name} (2)"]
+    lengths = [linkages.load("four-bar", set={"bars.crank.length": v}) for v in ("0.03", "35 mm")]
+    assert told_apart(lengths) == ["length of crank = 0.03 m", "length of crank = 35 mm"]
     other = linkages.load("slider-crank")
     assert told_apart([one, two, other], ["f", "f", "s"]) == ["f (1)", "f (2)", "s (3)"]
     assert told_apart([None, None]) == ["run (1)", "run (2)"]

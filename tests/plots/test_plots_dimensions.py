@@ -6,7 +6,13 @@ from drawn_shapes import SCALE
 
 import linkages
 from linkages.kernel.system import System
-from linkages.plots.mechanism.dimensions import CENTRE, draw_centres, length_words
+from linkages.plots.mechanism.dimensions import (
+    CENTRE,
+    draw_centres,
+    frame_lines,
+    frame_words,
+    length_words,
+)
 from linkages.plots.mechanism.drawing import reach, start_figure, start_pose
 from linkages.plots.mechanism.placing import placed
 from linkages.plots.mechanism.shapes import Disc
@@ -50,3 +56,29 @@ def test_they_are_drawn_if_they_are_asked_for(system):
         for asked in (False, True)
     )
     assert {"40 mm", "80 mm", "120 mm"} <= full - plain
+
+
+def test_the_frame_on_the_ground_has_its_lengths_and_angles(system):
+    """Beside each other at one height: a length alone. Otherwise an angle at the left pivot."""
+    pose = start_pose(system)
+    assert [word.text for word in frame_words(pose, reach(pose).scale)] == ["100 mm"]
+    assert len(frame_lines(pose)) == 1
+    klann = start_pose(System(linkages.load("klann")))
+    words = [word.text for word in frame_words(klann, reach(klann).scale)]
+    b, d, a = (np.array(klann.positions[joint]) for joint in "BDA")  # from left to right
+    for first, second, length, angle in ((b, d, *words[:2]), (d, a, *words[2:])):
+        way = second - first
+        assert float(length.split()[0]) == pytest.approx(1e3 * np.hypot(*way), rel=1e-3)
+        degrees = float(angle.rstrip("°").replace("−", "-"))
+        assert degrees == pytest.approx(np.degrees(np.arctan2(*way[::-1])), rel=1e-3)
+
+
+def test_lengths_are_written_along_their_sides(system):
+    """Turned as the side is, upside up, and clear of its line."""
+    texts = {text.get_text(): text for text in start_figure(system, dimensions=True).axes[0].texts}
+    places = start_pose(system).positions
+    for word, (first, second) in {"80 mm": ("O4", "B"), "120 mm": ("A", "B")}.items():
+        way = np.subtract(places[second], places[first])
+        turned = np.degrees(np.arctan2(way[1], way[0]))
+        assert texts[word].get_rotation() == pytest.approx(turned, abs=1e-6)
+    assert texts["rocker"].get_rotation() == 0.0

@@ -119,3 +119,41 @@ free: {cart: {position: 0.1, speed: 3}}
     pose = Pose(linkages.loads(text), {"O": (0, 0), "S": (0, 0.5), "C": (0.1, 0)})
     bearings = {s.name for s in shapes(pose, Strokes, fill="pale") if len(s.strokes[0]) == 3}
     assert bearings == {"S"}
+
+
+@pytest.mark.parametrize("angle", [90, 80, 40])
+def test_rails_that_would_cross_leave_the_way_free(angle):
+    """Elliptic trammel: no line of one guide meets one of the other, and both have two parts."""
+    text = f"""
+joints: {{O: [0, 0]}}
+bars: {{link: {{points: {{X: [0, 0], Y: [0.3, 0]}}}}}}
+sliders: {{across: {{joint: X, through: O}},
+          upright: {{joint: Y, through: O, angle: {angle} deg}}}}
+drives: {{link: {{angle: 120 deg, speed: 1}}}}
+"""
+    travel = {"across": (-0.3, 0.3), "upright": (-0.3, 0.3)}
+    turned = 0.2 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    pose = Pose(linkages.loads(text), {"O": (0, 0), "X": (0.2, 0), "Y": tuple(turned)},
+                travel=travel)  # fmt: skip
+    guides = [
+        [line for shape in shapes(pose, Strokes, role="ink", fill="") if shape.name == name
+         for line in strokes(pose, shape)]
+        for name in travel
+    ]  # fmt: skip
+    for lines in guides:
+        assert len([line for line in lines if np.hypot(*(line[1] - line[0])) * SCALE > 20]) == 4
+    for first in guides[0]:
+        assert not any(meet(first, second) for second in guides[1])
+
+
+def meet(first, second):
+    """Whether two segments meet: the ends of each lie on both sides of the other."""
+
+    def side(line, point):
+        (ax, ay), (bx, by) = line[1] - line[0], point - line[0]
+        return np.sign(ax * by - ay * bx)
+
+    return all(
+        side(one, other[0]) != side(one, other[1])
+        for one, other in ((first, second), (second, first))
+    )

@@ -63,3 +63,27 @@ def test_too_many_say_so_and_keep_the_selected_one():
     assert [mode.number for mode in shown_modes(many)][-2:] == [MOST - 1, MOST + 10]
     texts = [text.get_text() for text in figure(press(), many).texts]
     assert any(f"{MOST} of {MOST + 20} modes" in text for text in texts)
+
+
+@pytest.mark.parametrize("count", [4, 12, 30])
+def test_long_titles_go_on_in_further_lines(count):
+    """Whole, and each line no wider than its panel; sides stay with their joints."""
+    text = ", ".join(f"{joint} {side}" for joint in "BDFHK" for side in ("left", "right"))
+    places = {name: (x, y) for name, (x, y) in JOINTS.items()}
+    result = figure(press(), [Mode(n, places, text) for n in range(1, count + 1)])
+    for number, ax in enumerate(result.axes, 1):
+        title = ax._left_title  # as matplotlib's own get_title finds it
+        lines = title.get_text().split("\n")
+        assert " ".join(" ".join(lines).replace("\u00a0", " ").split()) == f"{number} {text}"
+        assert all(line.rstrip().endswith((",", "right")) for line in lines)
+        assert title.get_window_extent().width <= ax.bbox.width
+
+
+def test_everything_is_inside_its_panel():
+    result = figure(press(), modes(5))
+    for ax in result.axes:
+        window = ax.get_window_extent()
+        for patch in ax.patches:
+            box = patch.get_window_extent()
+            assert (box.min >= window.min).all()
+            assert (box.max <= window.max).all()

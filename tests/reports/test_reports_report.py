@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from pypdf import PdfReader
 
 import linkages
 from linkages.reports.inputs import MARK, input_rows
@@ -50,12 +51,33 @@ def test_a_page_needs_no_other_file_and_is_computed_again(solution, tmp_path):
     assert linkages.load(path) == solution.mechanism
 
 
-def test_sheets_are_computed_again(solution, tmp_path):
-    path = linkages.save_report(solution, tmp_path / "report.pdf")
-    content = path.read_bytes()
-    sizes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", content)
-    assert {tuple(map(float, size)) for size in sizes} == {(595.44, 841.68)}  # A4 in points
-    assert linkages.load(path) == solution.mechanism
+@pytest.fixture(scope="module")
+def sheet(solution, tmp_path_factory):
+    return linkages.save_report(solution, tmp_path_factory.mktemp("reports") / "report.pdf")
+
+
+def test_a_sheet_is_computed_again(solution, sheet):
+    (page,) = PdfReader(sheet).pages
+    assert tuple(map(float, page.mediabox[2:])) == pytest.approx((1190.88, 841.68))  # A3 in points
+    assert linkages.load(sheet) == solution.mechanism
+
+
+def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
+    (page,) = PdfReader(sheet).pages
+    assert not page.images
+    text, found = page.extract_text(), report_of(solution)
+    words = {word for row in found.inputs for word in row[0].split()}
+    words |= {row[4] for row in found.maxima}
+    assert {word for word in words if word not in text} == set()
+
+
+def test_long_tables_take_more_sheets(tmp_path):
+    chain = linkages.simulate(linkages.load("jansen"), end=0.1, samples=5, outputs="all")
+    sheets = PdfReader(linkages.save_report(chain, tmp_path / "report.pdf")).pages
+    assert len(sheets) > 1
+    assert sum(sheet.extract_text().count("joint reaction") for sheet in sheets) == sum(
+        row["long_name"] == "joint reaction" for row in chain.maxima
+    )
 
 
 def test_an_ending_is_refused(solution, tmp_path):

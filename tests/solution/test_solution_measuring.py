@@ -159,6 +159,30 @@ def test_rows_side_by_side_do_not_depend_on_each_other():
     assert together.value == pytest.approx(1.0, abs=1e-14)
 
 
+def test_a_series_that_rests_is_looked_at_beside_its_peaks_only():
+    """Bumps on a floor, each between two samples; one sample of the floor stands for all."""
+
+    def value(places):
+        return np.maximum(0.0, 1.0 - (places % 100 - 50.5) ** 2)
+
+    looked = []
+
+    def found(sign):
+        def between(_which, places):
+            looked.append(len(places))
+            return sign * value(places)
+
+        return largest_between(sign * value(np.arange(10_000.0))[None], between)
+
+    # a parabola between two of 16 parts of a sample, which then shrink: its top is one of them
+    assert (found(1.0).value[0], found(1.0).place[0]) == (1.0, 50.5)
+    looked.clear()
+    floor = found(-1.0)
+    assert (floor.value[0], floor.place[0]) == (0.0, 0.0)
+    bends = 2 * 100 + 1  # where the floor ends on either side of a bump, and its first sample
+    assert looked[0] <= 33 * bends  # places beside each
+
+
 def test_internal_states_are_followed_between_samples():
     """A current that decays by itself: i = i0 exp(−R t/L), for the rotor is held by a heavy bar."""
     mechanism = linkages.loads(

@@ -129,7 +129,7 @@ def test_what_is_left_over_stays_with_the_loop_that_it_closes():
     assert [b.surplus for b in topology.solved_blocks] == [0, 1]
     last = topology.solved_blocks[1]
     assert (last.kind, len(last.unknowns), len(last.loops)) == ("N", 1, 1)
-    assert last.title == "group of 1 loop with 1 redundant equations"
+    assert last.title == "group of 1 loop with 1 redundant equation"
     assert len(topology.redundant) == 1
     assert topology.mobility == 0
 

@@ -81,9 +81,12 @@ drives: {crank: {angle: 1, speed: 1}}
 def test_what_is_missing_is_said_by_names_of_the_file():
     """Two bodies share two joints, and one of them carries a slider."""
     (problem,) = refusal(SLOT, System)
-    assert "group of 2 loops with 1 redundant equations at the axis of block can be put" in problem
+    assert (
+        "group of 2 loops with 1 redundant equation at the axis of block can be assembled"
+        in problem
+    )
     # the two places of B, on the line through A = (0.027, 0.142) and O, 0.3 m from A
-    assert "'B: [x, y]' (here B would be at [-0.02903, -0.1526], [0.08306, 0.4368])" in problem
+    assert "'B: [x, y]' (B would be at [-0.02903, -0.1526], [0.08306, 0.4368])" in problem
 
 
 def test_a_slotted_arm_made_of_two_plates_moves_like_one():

@@ -132,6 +132,54 @@ def test_the_slider_of_time_leads(opened):
     assert page.evaluate("v.player.time") == pytest.approx(0.5, abs=0.03)  # a thumb is 16 px wide
 
 
+def test_all_that_can_be_used_has_a_name_and_all_text_can_be_read(opened):
+    """Names that screen readers say; 12 pixels are the least that is easily read on a telephone."""
+    page = opened("four-bar", size=(390, 844))
+    roles = {"button", "slider", "checkbox", "combobox", "textbox", "searchbox", "spinbutton",
+             "tab", "tabpanel", "img", "image"}  # fmt: skip
+    for tab in ("plots", "values", "numbers", "about"):
+        page.evaluate(f"v.tabs.open({tab!r})")
+        nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+        used = [one for one in nodes if one.get("role", {}).get("value") in roles]
+        assert len(used) > 10
+        assert [one for one in used if not one.get("name", {}).get("value")] == []
+        small = page.evaluate(
+            "[...document.querySelectorAll('body *')].filter((one) => one.checkVisibility()"
+            " && [...one.childNodes].some((text) => text.nodeType === 3 && text.data.trim())"
+            " && parseFloat(getComputedStyle(one).fontSize) < 12).map((one) => one.outerHTML)"
+        )
+        assert small == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_an_address_holds_numbers_and_time(browser, written):
+    page = browser.page()
+    page.open(written("four-bar"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    page.evaluate(
+        "(async () => { const all = v.live.model.numbers.map((one) => one.value);"
+        " all[v.live.model.numbers.findIndex((one) => one.path === 'bars.rocker.length')] = 0.0815;"
+        " v.live.numbers.set(all); await v.live.shown; v.player.seek(0.25); })()"
+    )
+    page.evaluate("document.getElementById('share').click()")
+    address = page.evaluate("document.getElementById('address').value")
+    assert address == f"{written('four-bar').as_uri()}#bars.rocker.length=0.0815&t=0.25"
+    other = browser.page()
+    other.call("Page.navigate", url=address)
+    other.evaluate(
+        "new Promise((done) => { const look = () => window.viewer ? viewer.then((parts) =>"
+        " { window.v = parts; done(); }) : setTimeout(look, 10); look(); })"
+    )
+    shown = "[v.player.time, v.stage.motion.byName.get('rocker.angle').values[0]]"
+    assert other.evaluate(shown) == page.evaluate(shown)
+    other.evaluate(
+        "(async () => { const told = new Promise((done) => addEventListener('hashchange',"
+        " () => setTimeout(done))); location.hash = '#t=0.5'; await told; await v.live.shown; })()"
+    )
+    assert other.evaluate("[v.player.time, v.stage.motion === v.recorded]") == [0.5, True]
+    assert page.complaints == other.complaints == []
+
+
 def test_a_driven_link_is_led_by_the_mouse(opened):
     """The crank of 40 mm turns about the origin: its angle follows the mouse."""
     page = opened("four-bar")

@@ -1,4 +1,4 @@
-"""``animate``: a moving picture of a mechanism."""
+"""``animate``: an animation of a mechanism."""
 
 from __future__ import annotations
 
@@ -35,6 +35,9 @@ def run(
     dpi: float | None,
     names: bool,
     plot: list[str] | None,
+    loads: bool,
+    reactions: list[str] | None,
+    bare: bool,
 ) -> int:
     """Simulate a file and animate the motion, as `linkages.animate` does; returns the exit code."""
     from linkages.plots.films.animation import animate, check_arguments
@@ -58,7 +61,8 @@ def run(
     ):
         film = animate(
             solution, place.folder / name, start=start, duration=duration, slow=slow, fps=fps,
-            size=pixels, dpi=dpi, names=names, plot=plot or (), watch=watch,
+            size=pixels, dpi=dpi, names=names, plot=plot or (), loads=loads,
+            reactions=reactions or (), bare=bare, watch=watch,
         )  # fmt: skip
     note = too_fast(solution, film)
     notes = [*solution.notes, *([note] if note else [])]

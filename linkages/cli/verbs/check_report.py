@@ -69,9 +69,9 @@ def _print_mobility(content: dict[str, Any], screen: Console) -> None:
 def _print_blocks(content: dict[str, Any], screen: Console) -> None:
     keys = ("block", "kind", "unknowns", "apex", "side", "condition")
     rows = [[", ".join(b[k]) if k == "unknowns" else b[k] for k in keys] for b in content["blocks"]]
-    heads = ["block", "kind", "solves for", "at joint", "side", "condition number"]
+    heads = ["block", "kind", "solves for", "at joint", "branch", "condition number"]
     if rows:
-        screen.print(table("\nBlocks in their order of solution", heads, rows, numbers=1))
+        screen.print(table("\nBlocks (Assur groups) in order of solution", heads, rows, numbers=1))
 
 
 def _print_kernel(kernel: dict[str, Any], screen: Console) -> None:

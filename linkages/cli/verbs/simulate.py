@@ -59,7 +59,7 @@ def run(
     measure: Sequence[str] | None,
     units: str | None,
     table: str,
-    report: str | None,
+    reports: Sequence[str] | None,
 ) -> int:
     """Simulate a file and save everything; returns the exit code."""
     names = None if outputs is None else "all" if outputs == "all" else outputs.split(",")
@@ -87,10 +87,10 @@ def run(
         if units is not None or table != "csv":
             written[1].unlink()
             _save_table(solution, place.folder / f"simulate.{table}", units)
-        if report is not None:
+        for ending in reports or ():
             from linkages.reports.report import save_report
 
-            save_report(solution, place.folder / f"report.{report}")
+            save_report(solution, place.folder / f"report.{ending}")
         if request.figures:
             from linkages.plots.figures import dense_data, figures_of, save_figures
 
@@ -265,13 +265,13 @@ def _print(
 
 def _believable(horizon: Horizon) -> str:
     if not math.isfinite(horizon.error):
-        return "not predictable at all: a more accurate run goes elsewhere before the second sample"
+        return "not predictable at all: a more accurate run diverges before the second sample"
     error = f"{horizon.error:.1e} of its amplitude"
     if horizon.whole:
-        return f"predictable throughout: the free motion is off by at most {error}"
+        return f"predictable throughout: error of the free motion at most {error}"
     return (
         f"predictable to t = {number(horizon.time)} s: later fewer than three digits of the free "
-        f"motion are correct (off by up to {error})"
+        f"motion are correct (error up to {error})"
     )
 
 

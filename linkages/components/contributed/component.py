@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal, dataclass_transform
 
 from pydantic import ConfigDict
@@ -106,12 +107,18 @@ class Component:
         Whether it is meant by an entry that bears the name of a slider, where keys do not tell.
     opens
         How its section is read, if that is a new one.
+    no_body
+        What to write instead where its name is given in place of a body's; empty if it may be.
+    misplaced
+        Keys that it does not have, and what to write instead.
     """
 
     section: ClassVar[str]
     told_by: ClassVar[str] = ""
     names_slider: ClassVar[bool] = False
     opens: ClassVar[Section | None] = None
+    no_body: ClassVar[str] = ""
+    misplaced: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @property
     def path(self) -> Path:

@@ -47,7 +47,7 @@ Impact = Literal["newton", "poisson", "moreau"]
 class RigidContact:
     """Impacts by which the rate d' of the indentation becomes −e·d', or 0 where that is slow.
 
-    A pin that does not bounce stays at the wall until it would have to be pulled.
+    A journal that does not bounce stays at the wall until its contact force would be tensile.
 
     Parameters
     ----------

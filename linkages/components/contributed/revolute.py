@@ -1,4 +1,4 @@
-"""Revolute pairs: what holds bodies together at a pin."""
+"""Revolute pairs: what holds bodies together at a joint."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ GROUND = "ground"
 
 @dataclass(frozen=True, kw_only=True)
 class Revolute:
-    """Two bodies that share a pin and turn freely about it.
+    """Two bodies that share a joint and turn freely about it.
 
     The reaction of the pair is the force that `first` exerts on `second`.
 
@@ -27,7 +27,7 @@ class Revolute:
 
 
 def revolute_pairs(joint: str, bodies: tuple[str, ...]) -> tuple[Revolute, ...]:
-    """A pin shared by k bodies as k − 1 revolute pairs, all with the first body.
+    """A joint of k bodies as k − 1 revolute pairs, all with the first body.
 
     Parameters
     ----------

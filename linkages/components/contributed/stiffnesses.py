@@ -1,4 +1,4 @@
-"""Stiffness K and exponent n of the force K·dⁿ between a pin and its hole, from their material."""
+"""Stiffness K and exponent n of the force K·dⁿ between journal and bearing, from material."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NARROWEST, WIDEST = 5e-6, 1e-2
 def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float) -> float:
     """K = 4/(3 s) √(R_h R_p/(R_h − R_p)) in N/m^1.5, with s = 2 (1 − ν²)/E for equal materials.
 
-    It is what publications on pins in holes use most, although those touch along a line.
+    Publications on journals in bearings use it most, although these touch along a line.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def stiffness_of_spheres(modulus: float, poisson: float, hole: float, pin: float
 def stiffness_of_cylinders(
     modulus: float, poisson: float, size: float, width: float
 ) -> tuple[float, float]:
-    """K in N/mⁿ and n of a cylinder in a hole, as Pereira, Ramalho and Ambrósio fit them [1]_.
+    """K in N/mⁿ and n of a cylinder in a bearing, as Pereira, Ramalho and Ambrósio fit them [1]_.
 
     In mm and N/mm² it is F = (0.965 c + 0.0965) L E*/c · d^n with n = Y c^−0.005.
 

@@ -279,7 +279,7 @@ class CamSize:
     base, roller
         Radii of the base circle and of the roller (m).
     eccentricity
-        Distance of the follower's axis from the cam's pin (m).
+        Distance of the follower's axis from the cam's pivot (m).
     """
 
     slider: str

@@ -1,4 +1,4 @@
-"""A run-up to constant speed."""
+"""A run-up (ramp-up) to constant speed."""
 
 from __future__ import annotations
 

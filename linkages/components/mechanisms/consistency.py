@@ -57,7 +57,10 @@ def _unknown_names(components: Sequence[Component], declared: Declared) -> list[
         for path, name, kinds in references.bodies:
             if not declared.kinds.get(name, set()) & set(kinds):
                 of_kind = [n for n, own in declared.kinds.items() if own & set(kinds)]
-                found.append((path, expected_one_of(name, of_kind, kinds[0])))
+                message = expected_one_of(name, of_kind, kinds[0])
+                if remedy := declared.instead.get(name):
+                    message = f"unknown {kinds[0]} {name!r}: {remedy}"
+                found.append((path, message))
     return found
 
 

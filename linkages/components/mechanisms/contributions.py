@@ -178,7 +178,7 @@ class Contributions:
 
     @property
     def clearance_names(self) -> tuple[str, ...]:
-        """What results call clearances: pins by their names, then corners of blocks."""
+        """Names of clearances in results: those of joints, then corners of blocks."""
         pins = [term.name for term in self.displacements]
         return tuple(dict.fromkeys([*pins, *(contact.name for contact in self.contacts)]))
 

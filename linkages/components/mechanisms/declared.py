@@ -75,6 +75,7 @@ class Declared:
         for name, kind in [*bodies, *built]:
             self.kinds.setdefault(name, set()).add(kind)
         self.numbers = {c.name: c.value for c in components if isinstance(c, NumberOfFormulas)}
+        self.instead = {name: c.no_body for c in components if c.no_body for name in c.path[1:]}
         self.complete = complete
         self.uncertain = set(joints)  # more bodies may be there than could be built
         self.faulty = {name for name, _ in bodies}  # what they are like is not known

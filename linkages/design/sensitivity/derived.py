@@ -58,10 +58,6 @@ class Derivatives:
             rows = [series[row].index(piece.system.model) for row in reacting]
             found = changing_reactions(piece, partial(self.of_nodes, effects=effects), effects)
             values[reacting], changes[reacting] = (each[rows] for each in found)
-        for row, each in enumerate(series):
-            if _without_sign(each):
-                changes[row] *= np.where(values[row] < 0.0, -1.0, 1.0)
-                values[row] = np.abs(values[row])
         return values, changes
 
     def of_nodes(
@@ -199,7 +195,7 @@ def nodes_of(series: Series, model: Model) -> list[Scalar]:
 
 
 def differentiable(series: Series, model: Model) -> Scalar:
-    """The node of a series, without the sign of those that have none.
+    """The node of a series.
 
     Raises
     ------
@@ -209,14 +205,6 @@ def differentiable(series: Series, model: Model) -> Scalar:
     if series.variable == TIME:
         return model.inputs.time
     variable = VARIABLES[series.variable]
-    if variable.whole or not (variable.reduced is None or _without_sign(series)):
+    if variable.whole or variable.reduced is not None:
         raise ValueError(f"{series.name}: no derivative is known of this output")
     return series.node(model)
-
-
-def _without_sign(series: Series) -> bool:
-    """Whether a series is the size of its node."""
-    if series.variable == TIME:
-        return False
-    found: object = VARIABLES[series.variable].reduced
-    return found is np.abs

@@ -58,7 +58,8 @@ def _of_chunk(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats
             known[key] = of_nodes(piece, nodes)
         return known[key]
 
-    statics = Statics(piece, lambda nodes: evaluated(nodes)[0])
+    asked = piece.system.model, piece.system.topology, len(piece.time)
+    statics = Statics(*asked, lambda nodes: evaluated(nodes)[0])
     matrix, right = statics.equations()
     if matrix.shape[1] != matrix.shape[2]:
         raise ValueError(
@@ -76,7 +77,8 @@ def _of_chunk(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats
         def moved(parameter: Parameter, slopes: dict[Path, float] = slopes) -> complex:
             return parameter.value + 1j * _STEP * slopes.get(parameter.path, 0.0)
 
-        beside, push = (part.imag / _STEP for part in Statics(piece, along, moved).equations())
+        equations = Statics(*asked, along, moved).equations()
+        beside, push = (part.imag / _STEP for part in equations)
         columns.append(push - (beside @ forces[..., None])[..., 0])
     found = np.linalg.solve(matrix, np.stack(columns, axis=-1)) if columns else None
     joints = 2 * len(piece.system.topology.joints)

@@ -54,6 +54,43 @@ def rounded(points: ArrayLike, radius: float) -> Outline:
     return Outline(corners.reshape(-1, 2), bulges.ravel())
 
 
+def thinned(path: ArrayLike, apart: float) -> Array:
+    """Points of a path, first and last among them, between which lines are no farther from others.
+
+    Parameters
+    ----------
+    path
+        Shape (n, 2).
+    apart
+        Farthest distance of a point that is left out from the line that goes by.
+
+    References
+    ----------
+    .. [1] D. H. Douglas, T. K. Peucker, "Algorithms for the reduction of the number of points
+       required to represent a digitized line or its caricature", Cartographica 10 (1973) 112-122.
+    """
+    points = np.asarray(path, dtype=float)
+    kept, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if last - first < 2:
+            continue
+        away = _distances(points[first + 1 : last], points[first], points[last])
+        farthest = first + 1 + int(np.argmax(away))
+        if away.max() > apart:
+            kept.add(farthest)
+            spans += [(first, farthest), (farthest, last)]
+    return points[sorted(kept)]
+
+
+def _distances(points: Array, start: Array, end: Array) -> Array:
+    """From a segment, shape (n,)."""
+    way = end - start
+    square = float(way @ way)
+    share = np.clip((points - start) @ way / square, 0.0, 1.0) if square else np.zeros(len(points))
+    return np.asarray(np.hypot(*(points - start - share[:, None] * way).T))
+
+
 def rectangle(centre: ArrayLike, angle: float, length: float, height: float) -> Outline:
     """A rectangle about a point, with its length in a direction."""
     along = 0.5 * length * np.array([np.cos(angle), np.sin(angle)])

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import PLAYING
 from linkages.exports import Subject
-from linkages.exports.geometry.outlines import Outline, rectangle, rounded
+from linkages.exports.geometry.outlines import Outline, rectangle, rounded, thinned
 from linkages.options.option import OptionError
 from linkages.plots.mechanism.guides import travel_of
 from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.traces import moving_joints
+from linkages.plots.mechanism.view import Box
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,9 @@ HOLE = 0.03
 WIDTH = 2.5
 """Width of a link over the diameter of its holes, where nobody says it."""
 
+
+NARROW = 1e-5
+"""Of the size of all paths: how far a line may be from the samples that it stands for."""
 
 NEAR = 1e-6
 """Of the size of the mechanism: what a slider moves less than this has no slot."""
@@ -84,25 +88,6 @@ class Drawn:
         everything = np.vstack([*corners, *self.paths.values()])
         margin = self.sizes.width  # round ends reach beyond corners
         return everything.min(axis=0) - margin, everything.max(axis=0) + margin
-
-
-def drawn_of(
-    subject: Subject, hole: float | None, width: float | None, *, paths: bool, links: bool
-) -> Drawn:
-    """What a drawing shows, as options of the formats say.
-
-    Raises
-    ------
-    ValueError
-        For sizes that make no sense, and if there is nothing to show.
-    """
-    pose = first_pose(subject)
-    sizes = sizes_of(pose, hole, width)
-    parts = parts_of(pose, sizes) if links else []
-    lines = paths_of(subject) if paths else {}
-    if not parts and not lines:
-        raise ValueError("nothing to export: no link and no path of a joint is asked for")
-    return Drawn(parts, lines, sizes)
 
 
 def first_pose(subject: Subject) -> Pose:
@@ -166,8 +151,9 @@ def travels_on(pose: Pose, carrier: str) -> list[Array]:
 
 
 def paths_of(subject: Subject) -> dict[str, Array]:
-    """Moving joint → the places it goes through, shape (time, 2), in millimetres.
+    """Moving joint → places that it goes through, shape (n, 2), in millimetres.
 
+    They are samples, as many as the path needs: lines between them leave it by at most `NARROW`.
     Samples where the joint is not known are left out at both ends.
 
     Raises
@@ -176,12 +162,14 @@ def paths_of(subject: Subject) -> dict[str, Array]:
         If a path has gaps.
     """
     found = {}
-    for name, path in moving_joints(subject.solution.data, subject.mechanism).items():
+    moving = moving_joints(subject.solution.data, subject.mechanism)
+    size = Box.around(np.vstack([*moving.values()])).extent if moving else 0.0
+    for name, path in moving.items():
         known = np.flatnonzero(np.isfinite(path).all(axis=1))
         if not len(known):
             continue
         part = path[known[0] : known[-1] + 1]
         if len(part) != len(known):
             raise ValueError(f"the path of joint {name} has gaps: it cannot be one line")
-        found[name] = MILLIMETRES * part
+        found[name] = MILLIMETRES * thinned(part, NARROW * size)
     return found

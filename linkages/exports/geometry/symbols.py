@@ -13,7 +13,7 @@ from linkages.exports import Subject
 from linkages.exports.geometry.parts import MILLIMETRES
 from linkages.plots.mechanism.drawing import shapes_of
 from linkages.plots.mechanism.palette import LIGHT
-from linkages.plots.mechanism.placing import placed, swept
+from linkages.plots.mechanism.placing import Cover, placed
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.shapes import Disc, Look, Shape, Strokes, Word
@@ -24,8 +24,8 @@ POINT = 25.4 / 72.0
 """Millimetres."""
 
 
-MARGIN = 12.0
-"""Millimetres around anchors: room for symbols."""
+MARGIN = 1.0
+"""Millimetres around symbols."""
 
 
 def symbols_of(subject: Subject) -> tuple[list[str], Array, Array]:
@@ -33,9 +33,8 @@ def symbols_of(subject: Subject) -> tuple[list[str], Array, Array]:
     pose = pose_at(subject.solution.data, subject.mechanism, 0)
     shapes = shapes_of(pose, MILLIMETRES / POINT)
     scaled = pose.scaled(MILLIMETRES)
-    corners = np.vstack([swept(scaled, shapes), list(scaled.positions.values())])
-    elements = svg_elements(scaled, shapes)
-    return elements, corners.min(axis=0) - MARGIN, corners.max(axis=0) + MARGIN
+    box = Cover.of(scaled, shapes).box(POINT)
+    return svg_elements(scaled, shapes), box.low - MARGIN, box.high + MARGIN
 
 
 def svg_elements(pose: Pose, shapes: Sequence[Shape]) -> list[str]:

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.exports.kernels.exported import (
-    NOT_FOLLOWED,
-    SINGULAR,
-    STEP_TOO_SMALL,
-    Exported,
-    exported,
-)
-from linkages.exports.kernels.method import dop853_tables
+from linkages.exports.kernels.exported import Exported, exported
+from linkages.exports.kernels.method import constants
+from linkages.exports.kernels.routines import CRoutines
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import c_function
 from linkages.kernel.code.statements import Routine
@@ -41,7 +36,7 @@ def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, 
     options
         Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
     """
-    found = exported(system)
+    found = exported(system, run=options)
     prefix = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")
     prefix = prefix if prefix and not prefix[0].isdigit() else f"linkage_{prefix}"
     title = f"/* {_safe(system.mechanism.name)}: equations of motion, written by linkages. */\n"
@@ -62,11 +57,8 @@ def c_files(system: System, stem: str, options: SimulationOptions) -> dict[str, 
         _needed(fixed_text("functions.c"), body),
         body,
         _message(found.statuses),
-        fixed_text("settle.c"),
-        fixed_text("modes.c"),
+        CRoutines().routines(),
         fixed_text("model.c"),
-        _method(),
-        fixed_text("integrate.c"),
         _filled(fixed_text("main.c"), main),
     ]
     text = "\n".join(parts)
@@ -108,26 +100,19 @@ def _sizes(found: Exported) -> dict[str, int]:
 
 
 def _constants(found: Exported) -> str:
-    layout, switching = found.system.layout, found.switching
-    values = {
-        "COORDINATES": len(layout.coordinates),
-        "FREE": len(layout.free),
-        "FIRST_CARRIED": layout.moved,
-        "CARRIED": len(layout.carried),
-        "TIMED": found.program.timed,
-        "WRITTEN": found.written,
-        "TURNED": len(found.turned),
-        "MODES": len(found.modes),
-        "STEP_TOO_SMALL": STEP_TOO_SMALL,
-        "NOT_FOLLOWED": NOT_FOLLOWED,
-        "MEMORIES": 0 if switching is None else len(switching.owners),
-        "VALUES": found.program.routines[-1].arguments["out"],
-        "BLOCKS": len(found.margin_scale),
-        "SINGULAR": SINGULAR,
-        "HELD": len(found.p) - found.program.held,
-        "FUNCTION": len(layout.coordinates) + 2 * len(layout.carried),
-    }
-    return "enum {\n" + "".join(f"  {name} = {value},\n" for name, value in values.items()) + "};\n"
+    """What routines look up: whole numbers, others, and tables."""
+    whole, others = list[str](), list[str]()
+    for name, value in constants(found).items():
+        match value:
+            case int():
+                whole.append(f"  {name} = {value},\n")
+            case float():
+                others.append(f"static const double {name} = {value!r};\n")
+            case tuple():
+                others.append(_array(f"static const int {name}", value) + "\n")
+            case _ if name != "OWN_NUMBERS":  # a table of the header
+                others.append(_matrix(name, value))
+    return f"enum {{\n{''.join(whole)}}};\n{''.join(others)}"
 
 
 def _tables(found: Exported) -> str:
@@ -140,22 +125,8 @@ def _tables(found: Exported) -> str:
         _texts("linkage_names", [_column(quantity.name) for quantity in quantities]),
         _texts("linkage_units", [quantity.unit for quantity in quantities]),
         _texts("linkage_coordinates", state),
-        _array("static const double parameters", found.p.tolist()),
-        _array("static const double state", found.state.tolist()),
-        _array("static const int turned", found.turned),
-        *_switching(found),
-        _array("static const double margin_scale", found.margin_scale.tolist()),
-        _array("static const int blocks", found.blocks),
         "",
     ])  # fmt: skip
-
-
-def _switching(found: Exported) -> Iterator[str]:
-    """What depends on what among modes."""
-    given = found.switching
-    for name in ("active", "owners", "jumps", "sticks", "shakes"):
-        values = () if given is None else getattr(given, name)
-        yield _array(f"static const int {name}", [int(value) for value in values])
 
 
 def _texts(name: str, texts: Sequence[str]) -> str:
@@ -169,23 +140,12 @@ def _array(declared: str, values: Iterable[object]) -> str:
 
 def _matrix(name: str, table: Floats) -> str:
     """A table of numbers with one or two axes."""
+    if not table.size:
+        return f"static const double {name}[] = {{0}};\n"
     shape = "".join(f"[{size}]" for size in table.shape)
     rows = [", ".join(map(repr, row.tolist())) for row in np.atleast_2d(table)]
     inner = ",\n  ".join(f"{{{row}}}" if table.ndim == 2 else row for row in rows)
     return f"static const double {name}{shape} = {{\n  {inner}}};\n"
-
-
-def _method() -> str:
-    tables = dop853_tables()
-    constants = {
-        "END": len(tables["b"]),
-        "FURTHER": len(tables["further_a"]),
-        "POWERS": tables["dense"].shape[1],
-    }
-    counted = ", ".join(f"{name} = {value}" for name, value in constants.items())
-    return f"enum {{ {counted} }};\n" + "".join(
-        _matrix(f"dop853_{name}", values) for name, values in tables.items()
-    )
 
 
 def _message(statuses: Mapping[int, str]) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from linkages.components.contributed.terms import Path
 from linkages.exports.kernels.numbers import REFUSED, Feed, feed_of
+from linkages.exports.kernels.reactions import reaction_nodes
 from linkages.kernel.assembly.hints import turning
 from linkages.kernel.code.program import Program, write_routines
 from linkages.kernel.code.statements import Routine
@@ -20,17 +21,26 @@ from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.kernel.transitions import transition_nodes
+from linkages.options.run import RunOptions
 from linkages.solution.moving.plan import kernel_source, switching_of
-from linkages.solution.remarks.stops import block_alignment, joint_of
-from linkages.solution.values.requests import available
+from linkages.solution.moving.switching import movable, passes
+from linkages.solution.remarks.stops import (
+    COULD_PASS,
+    FOUND_NONE,
+    block_alignment,
+    block_stop,
+    joint_of,
+)
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series, system_series
 from linkages.solvers.flow import Switching
+from linkages.solvers.outcome import Outcome
 from linkages.topology.blocks import ITERATED
 
 Floats = NDArray[np.float64]
 
-STEP_TOO_SMALL, NOT_FOLLOWED, SINGULAR = -2, -3, 1000
-"""Statuses with which motions end; that of a singular block is added to its number."""
+STEP_TOO_SMALL, NOT_BACK, SINGULAR, SLIDING, CHATTER = -2, -3, 1000, 2000, 3000
+"""Statuses with which motions end; the last three are added to the number of a block or mode."""
 
 _LEFT_OUT = ("joint_jerk", "closure_residual")
 """Outputs that cost more than all others together, and that say nothing of another program."""
@@ -88,6 +98,9 @@ class Exported:
         Places of the parameters that ``settle`` writes.
     switching
         Contacts and friction that change the equations; None if there are none.
+    passing
+        Whether motions go on through change points where `linkages.simulate` does by these options.
+        Redundant constraints let both go on.
     """
 
     system: System
@@ -100,6 +113,13 @@ class Exported:
     margin_scale: Floats
     turned: tuple[int, ...]
     switching: Switching | None
+    passing: bool
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """Places of the parameters that say in which assembly mode blocks are; -1 where none do."""
+        places = self.system.model.inputs.parameters
+        return tuple(places.get(("side", block), -1) for block in self.blocks)
 
     @property
     def blocks(self) -> tuple[int, ...]:
@@ -136,9 +156,13 @@ class Exported:
         """Status → what it means."""
         found = {
             REFUSED: "these numbers do not lead to the same equations",
-            STEP_TOO_SMALL: "the steps become too small: something is not smooth, or not finite",
-            NOT_FOLLOWED: f"this program does not follow so far: {', '.join(self.modes) or 'this'}",
+            STEP_TOO_SMALL: str(Outcome.STEP_TOO_SMALL),
+            NOT_BACK: f"{', '.join(self.modes)}: what remembers or jumps cannot be followed "
+            "backward in time, for a state does not say where it came from",
         }
+        for number, name in enumerate(self.modes):
+            found[SLIDING + number] = f"{name}: {Outcome.SLIDING}"
+            found[CHATTER + number] = f"{name}: {Outcome.CHATTER}"
         for block in self.system.topology.solved_blocks:
             model = self.system.model
             joint = joint_of(model, block)
@@ -147,21 +171,26 @@ class Exported:
             if block.kind != ITERATED:
                 text += f" (at the limit {block_alignment(model, block.index)})"
             found[1 + block.index] = text
-            place = f"joint {joint}, {block.title} of {names}"
-            found[SINGULAR + block.index] = (
-                f"this position is singular, the motion can go on in two ways: {place}, where "
-                f"{block_alignment(model, block.index)}"
-            )
+            way_on = FOUND_NONE if self.passing else COULD_PASS
+            if self.passing and movable(self.system):
+                way_on = f"{FOUND_NONE} in these free coordinates, and programs keep to theirs"
+            stop = block_stop(model, block.index, singular=True, way_on=way_on)
+            remedy = f". {Outcome.SINGULAR.remedy}" if len(self.state) else ""
+            found[SINGULAR + block.index] = f"{stop}{remedy}"
         return found
 
 
-def exported(system: System, variables: Sequence[str] | None = None) -> Exported:
+def exported(
+    system: System, variables: Sequence[str] | None = None, run: RunOptions | None = None
+) -> Exported:
     """All that programs need of a mechanism.
 
     Parameters
     ----------
     system
         The mechanism.
+    run
+        Whether motions pass change points; as the definition says if not given.
     variables
         Outputs that follow from the motion at one time; all of them but jerks if not given.
     """
@@ -173,7 +202,13 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
     found = _quantities(system, variables)
-    outputs = [series.node(model) for series in found.values()]
+    reactions = reaction_nodes(model) if _asked(REACTION, variables) else []
+    if not reactions:
+        found = {name: one for name, one in found.items() if one.variable != REACTION}
+    outputs = [
+        reactions[series.index(model)] if series.variable == REACTION else series.node(model)
+        for series in found.values()
+    ]
     wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
     program = write_routines(model, wanted, "what the routine says")
     used = [
@@ -198,6 +233,8 @@ def exported(system: System, variables: Sequence[str] | None = None) -> Exported
         margin_scale=system.margin_scale,
         turned=tuple(places["turns", load] for load in turned),
         switching=switching_of(model, Layout.of(system.topology)),
+        passing=passes(system, run or system.mechanism.simulation)
+        or bool(system.topology.redundant),
     )
 
 
@@ -207,15 +244,18 @@ def _whole_turns(angle: Scalar) -> Scalar:
     return graph.apply("floor", angle / (2 * np.pi) + 0.5) * (2 * np.pi)
 
 
+def _asked(variable: str, variables: Sequence[str] | None) -> bool:
+    return variable not in _LEFT_OUT if variables is None else variable in variables
+
+
 def _quantities(system: System, variables: Sequence[str] | None) -> dict[str, Series]:
-    names = [name for name in available(system) if name not in _LEFT_OUT]
-    wanted = set(names if variables is None else variables)
+    """What follows from the motion at one time."""
     return {
         name: series
         for name, series in system_series(system).items()
         if series.variable != TIME
-        and series.variable in wanted
-        and not VARIABLES[series.variable].whole
+        and _asked(series.variable, variables)
+        and (series.variable == REACTION or not VARIABLES[series.variable].whole)
         and VARIABLES[series.variable].reduced is None
     }
 

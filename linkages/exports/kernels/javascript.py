@@ -3,50 +3,61 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from linkages.exports.kernels.exported import Exported, exported
-from linkages.exports.kernels.method import dop853_tables
+from linkages.exports.kernels.method import constants
+from linkages.exports.kernels.routines import JavaScriptRoutines
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.braces import javascript_function
 from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY
+from linkages.options.run import RunOptions
 
 _FUNCTIONS = sorted(
     {row.name for row in ELEMENTARY.values() if row.operator is None and row.c is None} | {"abs"}
 )
 
 
-def javascript_module(system: System) -> str:
-    """The text of a module that exports ``model``: numbers, states, rates and outputs.
+def javascript_module(
+    system: System,
+    options: RunOptions | None = None,
+    variables: Sequence[str] | None = None,
+) -> str:
+    """The text of a module that exports ``model``: its numbers, equations, outputs and motion.
 
     Parameters
     ----------
     system
         The mechanism.
+    options
+        Whether motions pass change points; as the definition says if not given.
+    variables
+        Outputs, as `exported` takes them.
     """
-    found = exported(system)
+    found = exported(system, variables, options)
+    tables = {
+        name: value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in constants(found).items()
+    }
     parts = [
         f"/* {_safe(system.mechanism.name)}: equations of motion, written by linkages. */",
         f"const {{ {', '.join(_FUNCTIONS)} }} = Math;\n",
         fixed_text("functions.js"),
         *map(javascript_function, found.routines),
-        f"const described = {_json(_described(found))};\n",
+        *(f"const {name} = {json.dumps(value)};" for name, value in tables.items()),
+        f"\nconst described = {_json(_described(found))};\n",
+        JavaScriptRoutines().routines(),
         fixed_text("model.js"),
     ]
     return "\n".join(parts)
 
 
-def javascript_integrator() -> str:
-    """The text of a module that exports ``integrate``, an adaptive method with dense output."""
-    tables = dop853_tables().items()
-    rows = ",\n".join(f"  {name}: {json.dumps(values.tolist())}" for name, values in tables)
-    return f"const DOP853 = {{\n{rows},\n}};\n\n{fixed_text('integrate.js')}"
-
-
 def _described(found: Exported) -> dict[str, Any]:
     layout, turns = found.system.layout, found.system.mechanism.bodies
-    program = found.program
     return {
         "name": found.system.mechanism.name,
         "coordinates": [*layout.coordinates],
@@ -58,31 +69,13 @@ def _described(found: Exported) -> dict[str, Any]:
             {"path": n.path, "value": n.value, "unit": n.unit, "written": n.written, "size": n.size}
             for n in found.feed.numbers
         ],
-        "parameters": found.p.tolist(),
         "paths": [".".join(map(str, path)) for path in found.parameters],
-        "state": found.state.tolist(),
         "series": [
             {"name": q.name, "variable": q.variable, "unit": q.unit, "label": q.label}
             for q in found.quantities
         ],
         "statuses": found.statuses,
         "modes": found.modes,
-        "switching": None
-        if found.switching is None
-        else {
-            "active": found.switching.active,
-            "owners": found.switching.owners,
-            "jumps": found.switching.jumps,
-            "sticks": found.switching.sticks,
-            "shakes": found.switching.shakes,
-            "held": len(found.p) - found.program.held,
-        },
-        "turned": found.turned,
-        "marginScale": found.margin_scale.tolist(),
-        "blocks": found.blocks,
-        "timed": program.timed,
-        "become": program.routines[-1].arguments["out"],
-        "written": found.written,
     }
 
 

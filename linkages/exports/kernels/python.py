@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from linkages.exports.kernels.exported import Exported, exported
+from linkages.exports.kernels.method import Constant, constants
+from linkages.exports.kernels.routines import python_routines
 from linkages.exports.kernels.texts import fixed_text
 from linkages.kernel.code.printing import Python, call
 from linkages.kernel.code.printing import python_function as function_of
@@ -15,7 +19,7 @@ from linkages.kernel.system import System
 from linkages.operations import ELEMENTARY
 from linkages.options.run import SimulationOptions
 
-_ARRAYS = "array, asarray, concatenate, errstate, float64, linspace, zeros"
+_ARRAYS = "array, asarray, errstate, float64, zeros"
 
 
 def python_module(system: System, options: SimulationOptions) -> str:
@@ -28,7 +32,7 @@ def python_module(system: System, options: SimulationOptions) -> str:
     options
         Of the motion that is printed where nothing else is said: `end` and `samples` are taken.
     """
-    found = exported(system)
+    found = exported(system, run=options)
     named = {
         row.numpy: row.name
         for row in ELEMENTARY.values()
@@ -38,6 +42,8 @@ def python_module(system: System, options: SimulationOptions) -> str:
     title = f"{system.mechanism.name}: equations of motion, written by linkages."
     return "\n".join([
         f'"""{_safe(title)}\n\n{_DOC}"""\n',
+        "from math import ceil, isfinite",
+        "",
         f"from numpy import {_ARRAYS}",
         "from numpy import (",
         *(f"    {name}," for name in functions),
@@ -49,16 +55,19 @@ def python_module(system: System, options: SimulationOptions) -> str:
         fixed_text("functions.txt"),
         *(function_of(routine, _Numbers) for routine in found.routines),
         "\n",
+        python_routines(),
+        "\n",
         fixed_text("model.txt"),
     ])  # fmt: skip
 
 
-_DOC = """Needs NumPy; SciPy for its adaptive method where it is there. For example:
+_DOC = """Needs NumPy. Numbers are in SI, angles in radians; a state has COORDINATES in their order,
+then their rates. For example:
 
     p, y = start(**{next(iter(NUMBERS)): 0.1})
     times = linspace(0.0, 1.0, 101)
-    for t, state in zip(times, integrate(times, p, y)):
-        print(t, dict(zip(NAMES, outputs(t, state, p))))
+    show = lambda t, state: print(t, dict(zip(NAMES, outputs(t, state, p))))
+    integrate(times, p, y, visit=show)
 """
 
 
@@ -78,22 +87,20 @@ class _Numbers(Python):
 
 
 def _numbers(found: Exported) -> Sequence[str]:
-    layout = found.system.layout
     return [
         _mapping("NUMBERS", {number.path: number.value for number in found.feed.numbers}),
-        _list("COORDINATES", layout.coordinates),
+        _list("COORDINATES", found.system.layout.coordinates),
         _list("NAMES", [quantity.name for quantity in found.quantities]),
         _list("UNITS", [quantity.unit for quantity in found.quantities]),
         _mapping("STATUSES", found.statuses),
-        _list("PARAMETERS", found.p.tolist()),
-        _list("STATE", found.state.tolist()),
-        _list("TURNED", found.turned),
-        _list("MARGIN_SCALE", found.margin_scale.tolist()),
-        _list("BLOCKS", found.blocks),
-        f"MODES = {', '.join(found.modes)!r}",
-        f"FREE, FIRST_CARRIED = {len(layout.free)}, {layout.moved}",
-        f"CARRIED, TIMED, WRITTEN = {len(layout.carried)}, {found.program.timed}, {found.written}",
+        *(_constant(name, value) for name, value in constants(found).items()),
     ]
+
+
+def _constant(name: str, value: Constant) -> str:
+    if isinstance(value, int | float):
+        return f"{name} = {value!r}"
+    return _list(name, value.tolist() if isinstance(value, np.ndarray) else value)
 
 
 def _list(name: str, values: Sequence[Any]) -> str:

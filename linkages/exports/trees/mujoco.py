@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import assert_never
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from linkages.components.contributed.measures import (
     Slide,
     Turn,
 )
-from linkages.exports.trees.expressed import line_in, polynomial, refuse
+from linkages.exports.trees.expressed import harmonic, line_in, polynomial, refuse
 from linkages.exports.trees.placed import frames_of, slides_of
 from linkages.exports.trees.tree import WORLD, Branch, Gap, Pin, Rail, Tree, tree_of
 from linkages.kernel.system import System
@@ -34,6 +34,9 @@ CLOCK = "clock"
 
 INERT = 1e12
 """Mass of the clock in kg: drives do not slow it down."""
+
+TINY = 1e-6
+"""Mass of a body that has none, as a part of the heaviest one's: MuJoCo needs one."""
 
 LEAST = 1e-12
 """Inertia in kg·m² of a body that has none: MuJoCo needs one."""
@@ -125,7 +128,13 @@ class _Writer:
         self._joints(node, branch)
         inertia = max(body.inertia.value, LEAST)
         centre = [number.value for number in body.centre]
-        SubElement(node, "inertial", pos=_point(centre), mass=repr(float(body.mass.value)),
+        mass = float(body.mass.value)
+        if not mass:
+            masses = [found.mass.value for found in self.mechanism.bodies.values()]
+            mass = TINY * (max(masses) or 1.0)
+            inertia = max(inertia, mass * self._size**2)
+            node.append(Comment(" no mass in the definition: MuJoCo needs one "))
+        SubElement(node, "inertial", pos=_point(centre), mass=repr(mass),
                    diaginertia=_row([inertia] * 3))  # fmt: skip
         points = [np.array([number.value for number in point]) for point in body.points.values()]
         size = repr(0.02 * self._size)
@@ -137,8 +146,8 @@ class _Writer:
         for term in self.mechanism.point_masses:
             if self.mechanism.carrier(term.joint) == branch.body and term.mass.value:
                 place = _point(own.local(self.places[term.joint]))
-                mass = SubElement(node, "body", pos=place)
-                SubElement(mass, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
+                lump = SubElement(node, "body", pos=place)
+                SubElement(lump, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
                            diaginertia=_row([LEAST] * 3))  # fmt: skip
 
     @property
@@ -221,14 +230,40 @@ class _Writer:
         SubElement(equality, "tendon", name=name, tendon1=name, polycoef="0 0 0 0 0")
 
     def _drive(self, tendon: Element, equality: Element, name: str) -> None:
-        followed = polynomial(self.system, name)
-        assert followed is not None
-        own, clock = f"drive.{name}", f"drive.{name}.{CLOCK}"
+        followed, joint = polynomial(self.system, name), CLOCK
+        if followed is None:
+            joint, followed = self._yoke(equality, name), (1.0, 0.0, 0.0, 0.0)
+        own, other = f"drive.{name}", f"drive.{name}.{CLOCK}"
         self._fixed(tendon, own, {name: 1.0})
-        node = SubElement(tendon, "fixed", name=clock)
-        SubElement(node, "joint", joint=CLOCK, coef="1")
-        SubElement(equality, "tendon", name=own, tendon1=own, tendon2=clock,
-                   polycoef=_row([0.0, *followed, 0.0, 0.0]))  # fmt: skip
+        node = SubElement(tendon, "fixed", name=other)
+        SubElement(node, "joint", joint=joint, coef="1")
+        SubElement(equality, "tendon", name=own, tendon1=own, tendon2=other,
+                   polycoef=_row([0.0, *followed]))  # fmt: skip
+
+    def _yoke(self, equality: Element, name: str) -> str:
+        """A Scotch yoke, whose wheel turns with the clock; the slide that moves harmonically."""
+        motion = harmonic(self.system, name)
+        assert motion is not None
+        radius, frequency, phase = motion
+        wheel, across, along = (f"drive.{name}.{part}" for part in ("wheel", "across", "along"))
+        place = _row([radius * np.cos(phase), radius * np.sin(phase), 0.0])
+        world = self.nodes[WORLD]
+        turning = SubElement(world, "body", name=wheel)
+        SubElement(turning, "joint", name=wheel, type="hinge", axis="0 0 1")
+        SubElement(turning, "inertial", pos="0 0 0", mass="1", diaginertia=_row([INERT] * 3))
+        outer = SubElement(world, "body", name=across, pos=place)
+        SubElement(outer, "joint", name=across, type="slide", axis="1 0 0")
+        SubElement(outer, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
+        inner = SubElement(outer, "body", name=along)
+        SubElement(inner, "joint", name=along, type="slide", axis="0 1 0")
+        SubElement(inner, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
+        SubElement(equality, "joint", name=wheel, joint1=wheel, joint2=CLOCK,
+                   polycoef=_row([0.0, frequency, 0.0, 0.0, 0.0]))  # fmt: skip
+        SubElement(equality, "connect", name=along, body1=wheel, body2=along, anchor=place)
+        self.speeds[wheel] = frequency
+        self.speeds[across] = -radius * frequency * np.sin(phase)
+        self.speeds[along] = radius * frequency * np.cos(phase)
+        return along
 
     # --- loads ---
 

@@ -18,6 +18,8 @@ from linkages.reading.wording import TOO_LARGE
 from linkages.topology.blocks import ITERATED, Block
 from linkages.topology.explanation import explained
 
+_POSITION = "expected its approximate position, such as [0.5, 0]"
+
 
 class SeveralPlacesError(InputError):
     """A mechanism fits together in several ways, and the definition does not say in which."""
@@ -136,7 +138,7 @@ def _check_reach(place: Place, block: Block, assembly: Assembly) -> None:
         bridge, first, second = (value**0.5 for value in place.values(nodes, assembly))
         expected = f"expected between {abs(first - second):.6g} m and {first + second:.6g} m"
         if bridge == 0:
-            expected = "expected two places: nothing says in which direction they are"
+            expected = "expected two places, since a direction follows from two"
         message = (
             f"{one} and {other} ({first:.6g} m and {second:.6g} m) cannot meet at {apex}: "
             f"their other ends {start} and {end} are {bridge:.6g} m apart at t = 0; "
@@ -164,12 +166,10 @@ def _no_solution(place: Place, block: Block) -> InputError:
     path = mechanism.bodies[block.unknowns[0]].path
     message = f"cannot be assembled: no position of {bodies} closes the {block.label} at t = 0"
     if block.surplus:
-        known = len(topology.driven) + len(topology.free)
-        joints = topology.redundant_places
         message += (
-            f"; more constraints than coordinates at {joints}, and they contradict each other: "
-            f"the mobility is {topology.mobility}, and {known} coordinates are driven or "
-            "free; expected no more than the mobility, and fitting dimensions"
+            f"; the constraints at {topology.redundant_places} contradict each other: expected "
+            "dimensions that fit, or fewer driven and free coordinates (the mobility is "
+            f"{topology.mobility})"
         )
     return mechanism.error([(path, message)])
 
@@ -256,11 +256,11 @@ def _no_sides(model: Model, joint: str, block: Block | None) -> str:
     if block is None:
         return f"joint {joint} has one possible place only; expected no side"
     if block.kind == ITERATED:
-        return f"joint {joint} is in a {block.title}; expected about where it is, such as [0.5, 0]"
+        return f"joint {joint} is in a {block.title}; {_POSITION}"
     if block.kind == "RRR":
         meeting = _meeting_joint(model, block)
-        return f"left or right is said of joint {meeting}, where the two links meet"
-    return f"joint {joint} moves along an axis; expected about where it is, such as [0.5, 0]"
+        return f"left and right belong to joint {meeting}, where the two links meet"
+    return f"joint {joint} moves along an axis; {_POSITION}"
 
 
 def _missing_hint(
@@ -280,8 +280,8 @@ def _missing_hint(
     if block.kind == ITERATED:
         listed = ", ".join(f"[{text}]" for text in places)
         message = (
-            f"the {block.label} can be put together in {len(choices)} ways; expected about where "
-            f"its joints are, as '{joint}: [x, y]' (here {joint} would be at {listed})"
+            f"the {block.label} can be assembled in {len(choices)} ways; expected approximate "
+            f"positions of its joints, as '{joint}: [x, y]' ({joint} would be at {listed})"
         )
     else:
         message = (

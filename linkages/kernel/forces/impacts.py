@@ -187,7 +187,7 @@ class Unilateral(Acting):
     def needed(self) -> Scalar:
         """Acceleration out of the wall that keeps contact closed: negative where it must pull.
 
-        It lets the indentation settle as fast as a massless link would swing.
+        It lets the indentation settle as fast as a massless link would librate.
         """
         touching, pressed = self.touching, self.gap.pushed(self.model.unheld)
         least = self.graph.lift(LEAST)

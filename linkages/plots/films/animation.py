@@ -10,14 +10,20 @@ import numpy as np
 from linkages.interrupts import interrupts_kept
 from linkages.plots.films.film import FPS, Film
 from linkages.plots.films.gif import FASTEST, Frame, GifFile, palette_of
+from linkages.plots.films.loads import LOADS
+from linkages.plots.films.loads import loads as acting
+from linkages.plots.films.loads import reactions as supporting
 from linkages.plots.films.pace import paced
 from linkages.plots.films.scenes import Scenes, scenes
 from linkages.plots.films.stage import Stage
 from linkages.plots.films.video import VideoFile, find_ffmpeg
 from linkages.plots.films.webp import write_webp
 from linkages.reading.replacing import replaced
+from linkages.solution.origin import origin_of
 from linkages.solution.solution import Solution
+from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, find_series, system_series
+from linkages.stamps import stamp
 
 FORMATS = ("gif", "webp", "mp4")
 LOOKS = 8
@@ -39,6 +45,9 @@ def animate(
     dpi: float | None = None,
     names: bool = False,
     plot: Sequence[str] = (),
+    loads: bool = False,
+    reactions: Sequence[str] = (),
+    bare: bool = False,
     watch: Callable[[float], None] | None = None,
 ) -> Film:
     """Write an animation of a motion: the mechanism, traces of its joints, enlarged clearances.
@@ -63,13 +72,20 @@ def animate(
     fps
         Frames per second of the film; a GIF has at most 50.
     size
-        Width and height in pixels; default: as the mechanism needs, about 790 to 1080 pixels wide.
+        Width and height in pixels; default: as the mechanism needs, about 790 to 1240 pixels wide.
     dpi
         Pixels per inch: size of texts and symbols; default: they grow with `size`.
     names
         Write the names of joints beside them.
     plot
         Series such as ``"crank.effort"``, each drawn over time in a strip with a cursor.
+    loads
+        Draw forces and torques from outside as arrows, as large as they are at the time; the scale
+        stays the same, and is written below.
+    reactions
+        Joints whose reactions are drawn, to the same scale.
+    bare
+        Show mechanism and clearances alone, without axes and texts, and without the room for these.
     watch
         Called after every frame with the fraction done.
 
@@ -93,11 +109,15 @@ def animate(
     known = system_series(solution.system)
     drawn = [find_series(known, name) for name in plot]
     also = [series.variable for series in drawn if series.variable != TIME]
+    also += [*(LOADS if loads else ()), *([REACTION] if reactions else ())]
     shown = scenes(solution, film, also)
+    pushes = acting(shown.data, solution.system) if loads else []
+    pushes += supporting(shown.data, reactions)
     with interrupts_kept() as ask:
         stage = Stage(
             shown.data, solution.mechanism, film, size, dpi, names=names,
-            strips=[(series.name, series.of(shown.data)) for series in drawn],
+            strips=[(series.name, series.of(shown.data)) for series in drawn], pushes=pushes,
+            bare=bare,
         )  # fmt: skip
 
         def frames() -> Iterator[Frame]:
@@ -109,6 +129,8 @@ def animate(
 
         with replaced(path) as temporary:
             _write(temporary, format_, stage, shown, film, frames())
+            origin = origin_of(solution.mechanism, solution.options)
+            stamp(temporary, {"verb": "animate", **origin})
     return film
 
 

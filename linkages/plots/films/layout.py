@@ -14,8 +14,8 @@ from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH
 Rectangle = tuple[float, float, float, float]
 
 MARGIN = 0.35  # inches around what the mechanism sweeps
-SMALLEST, LARGEST = 1.5, 2.2  # sides of an inset in inches
-HEAD, GAP = 0.3, 0.2  # title of an inset; between insets
+SMALLEST, LARGEST, BELOW = 1.6, 3.5, 2.2  # sides of an inset in inches; of one below the picture
+HEAD, FOOT, GAP = 0.3, 0.5, 0.2  # title of an inset, texts under it; between insets
 LOWEST, HIGHEST = 1.3, 5.0  # of the main picture, in inches
 WIDE = 1.8
 """Width over height from which on insets stand below if one column beside does not hold them."""
@@ -116,13 +116,14 @@ class PageLayout:
         width = WIDTH if size is None else size[0]
         main = width - LEFT - RIGHT
         height = _height(box, main) if size is None else size[1] - BOTTOM - TOP
-        fitting = max(1, int((height + HEAD) / (SMALLEST + HEAD)))
+        apart = HEAD + FOOT  # texts under the last one are beside those of the axis
+        fitting = max(1, int((height + apart) / (SMALLEST + apart)))
         columns = max(1, ceil(insets / fitting))
         stacked = max(1, ceil(insets / columns))
         wide = box.size[0] > WIDE * box.size[1]
         if size is None and insets and (height < SMALLEST or (wide and columns > 1)):
             return cls._with_insets_below(box, insets, size)
-        side = min(LARGEST, (height + HEAD) / stacked - HEAD)
+        side = min(LARGEST, (height + apart) / stacked - apart)
         beside = ceil(insets / stacked) * (side + GAP)
         if size is None:
             width += beside
@@ -131,9 +132,12 @@ class PageLayout:
         page = (width, height + BOTTOM + TOP)
         left, top = LEFT + main + RIGHT, BOTTOM + height
         places = [
-            (left + (index // stacked) * (side + GAP), top - side - index % stacked * (side + HEAD))
+            (
+                left + (index // stacked) * (side + GAP),
+                top - side - index % stacked * (side + apart),
+            )
             for index in range(insets)
-        ]
+        ]  # fmt: skip
         return cls._checked(page, (LEFT, BOTTOM, main, height), places, side)
 
     @classmethod
@@ -144,14 +148,14 @@ class PageLayout:
         width = WIDTH if size is None else size[0]
         main = width - LEFT - RIGHT
         columns = max(1, min(insets, int((main + GAP) / (SMALLEST + GAP))))
-        side = min(LARGEST, (main + GAP) / columns - GAP)
+        side = min(BELOW, (main + GAP) / columns - GAP)
         rows = ceil(insets / columns)
-        under = BOTTOM + rows * (HEAD + side) + 0.5 * GAP
+        under = BOTTOM + rows * (HEAD + side + FOOT)
         height = _height(box, main) if size is None else size[1] - under - TOP
         page = (width, under + height + TOP)
         places = [
             (LEFT + index % columns * (side + GAP),
-             under - BOTTOM - (index // columns + 1) * (HEAD + side))
+             under - BOTTOM - HEAD - side - (index // columns) * (HEAD + side + FOOT))
             for index in range(insets)
         ]  # fmt: skip
         return cls._checked(page, (LEFT, under, main, height), places, side)

@@ -10,24 +10,20 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.films.film import Film
+from linkages.plots.films.insets import Clock, Enlarged, Inset, decimals, enlarged, moment
 from linkages.plots.films.layout import MARGIN, PageLayout, page
+from linkages.plots.films.loads import LONGEST, Push, Pushes
 from linkages.plots.films.moving import framed, parts
 from linkages.plots.films.names import Names
 from linkages.plots.films.strips import Strip
 from linkages.plots.mechanism.drawing import note_gears
 from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.insets import (
-    ClearanceMotion,
-    Clock,
-    Inset,
-    contacts,
-    decimals,
-    moment,
-)
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.links import outlines
 from linkages.plots.mechanism.traces import COUPLER, LED, led_joints, moving_joints
@@ -38,6 +34,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Frame = NDArray[np.uint8]
+
+KEY = (50.0, -21.0)
+"""Where the scales of arrows are explained: points from the lower left of the main picture."""
 
 LOOKS = 12
 """Positions of the mechanism that names of traces keep clear of."""
@@ -65,6 +64,11 @@ class Stage:
         Whether joints have their names beside them.
     strips
         Names of series, and the series, drawn over time below.
+    pushes
+        Loads and reactions to draw as long as they are at the time; arrows of loads that rest in
+        their symbols are left out then.
+    bare
+        Whether the mechanism and its clearances are shown alone, without axes and texts.
 
     Raises
     ------
@@ -82,21 +86,24 @@ class Stage:
         *,
         names: bool = False,
         strips: Sequence[tuple[str, xr.DataArray]] = (),
+        pushes: Sequence[Push] = (),
+        bare: bool = False,
     ) -> None:
         self._moving, box = framed(data, mechanism)
         self._time = np.asarray(data["time"], dtype=float)
         self._decimals = decimals(abs(film.step))
-        found = contacts(data, mechanism)
+        found = enlarged(data, mechanism)
         with style():
             layout, dpi = page(box, len(found), len(strips), size, dpi)
             self._canvas = FigureCanvasAgg(Figure(figsize=layout.size, dpi=dpi))
-            self._build(self._canvas.figure, layout, box, data, film, found)
+            self._build(self._canvas.figure, layout, box, data, film, found, pushes)
             joints = self._moving.at(0).positions if names else []
             self._names = Names(self._layer, joints)
             self._strips = [
                 Strip(self._canvas.figure.add_axes(place), name, series, film)
                 for place, (name, series) in zip(layout.strips, strips, strict=True)
             ]
+            self._cut = self._bared() if bare else (slice(None), slice(None))
             self._canvas.draw()
             self._background: Any = self._canvas.copy_from_bbox(self._canvas.figure.bbox)
 
@@ -104,7 +111,9 @@ class Stage:
     def size(self) -> tuple[int, int]:
         """Width and height in pixels, both even: videos need that."""
         width, height = self._canvas.get_width_height()
-        return width - width % 2, height - height % 2
+        rows, columns = self._cut
+        wide, high = len(range(width)[columns]), len(range(height)[rows])
+        return wide - wide % 2, high - high % 2
 
     def picture(self, index: int, near: int | None = None) -> Frame:
         """The picture of one sample, shape (height, width, 4); valid until the next one.
@@ -116,7 +125,18 @@ class Stage:
             for artist in self._show(index, index if near is None else near):
                 artist.draw(self._canvas.get_renderer())
         width, height = self.size
-        return np.asarray(self._canvas.buffer_rgba())[:height, :width]
+        return np.asarray(self._canvas.buffer_rgba())[self._cut][:height, :width]
+
+    def _bared(self) -> tuple[slice, slice]:
+        """Hide axes and texts; rows and columns of pixels in which anything is left."""
+        figure = self._canvas.figure
+        self._main.set_axis_off()
+        for artist in figure.findobj():
+            if isinstance(artist, Text) or not artist.get_clip_on():  # what explains scales
+                artist.set_visible(False)
+        left, low, right, high = Bbox.union([ax.bbox for ax in figure.axes]).padded(1.0).extents
+        height = self._canvas.get_width_height()[1]
+        return slice(height - round(high), height - round(low)), slice(round(left), round(right))
 
     def _build(
         self,
@@ -125,26 +145,34 @@ class Stage:
         box: Box,
         data: xr.Dataset,
         film: Film,
-        found: list[ClearanceMotion],
+        found: list[Enlarged],
+        pushes: Sequence[Push],
     ) -> None:
         """The background, and the artists that move in every picture."""
         mechanism = self._moving.mechanism
         ax = figure.add_axes(layout.main)
-        scale = frame(ax, box, mechanism, MARGIN)
+        self._main = ax
+        scale = frame(ax, box, mechanism, max(MARGIN, LONGEST / 72.0) if pushes else MARGIN)
         self._factor = scale.factor
         first, labels = self._moving.at(0), Labels(ax)
         still, moving = parts(first, points_per_unit(ax) * scale.factor)
+        if pushes:
+            moving = [shape for shape in moving if shape.look.role != "load"]
         Inked(ax, still, first.scaled(self._factor)).avoided(labels)
         note_gears(ax, first)
         self._draw_traces(ax, data, labels)
         self._write_still(ax, film)
         self._layer = _layer_over(ax)
         self._drawing = Inked(self._layer, moving, first.scaled(self._factor))
+        self._pushes = Pushes(self._layer, pushes, film.samples(self._time))
+        self._pushes.draw_key(ax, *KEY)
         width = np.ptp(ax.get_xlim()) / self._factor  # of the main picture, in metres
-        near = None if film.near is None else Clock(self._time, film.near.pace, film.near.step)
+        slow = film.near
+        near = None if slow is None else Clock(self._time, slow.pace, slow.step)
+        samples = (film if slow is None else slow).samples(self._time)
         self._insets = [
-            Inset(panel, contact, float(width * panel.bbox.width / ax.bbox.width), near)
-            for contact, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
+            Inset(panel, own, float(width * panel.bbox.width / ax.bbox.width), samples, near)
+            for own, panel in zip(found, map(figure.add_axes, layout.insets), strict=True)
         ]
 
     def _draw_traces(self, ax: Axes, data: xr.Dataset, labels: Labels) -> None:
@@ -193,6 +221,7 @@ class Stage:
             line.set_data(*path[: index + 1].T)
         pose = self._moving.at(index).scaled(self._factor)
         self._drawing.show(pose)
+        self._pushes.show(pose, index)
         self._clock.set_text(moment(self._time[index], self._decimals))
         for inset in self._insets:
             inset.show(near)
@@ -201,6 +230,7 @@ class Stage:
         return [
             *(line for line, _ in self._runs),
             *self._drawing.artists,
+            *self._pushes.artists,
             *self._names.shown(pose.positions),
             self._clock,
             *(artist for inset in self._insets for artist in inset.artists),

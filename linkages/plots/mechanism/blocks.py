@@ -8,7 +8,14 @@ from numpy.typing import NDArray
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.bodies import body_role
 from linkages.plots.mechanism.frames import Frame, body_direction, moved
-from linkages.plots.mechanism.guides import grounded, pin_of, rod_side, travel_of
+from linkages.plots.mechanism.guides import (
+    WALL,
+    grounded,
+    pin_of,
+    play_of,
+    rod_side,
+    travel_of,
+)
 from linkages.plots.mechanism.links import CASING, THICKNESS
 from linkages.plots.mechanism.outlining import BLOCK, ROOM, SMALL_BLOCK
 from linkages.plots.mechanism.pose import LEAST, Pose, SliderAxis, along_carrier
@@ -31,8 +38,7 @@ def draw_blocks(pose: Pose, scale: float) -> list[Shape]:
         if not grounded(pose, name):
             found += _carried(pose, frame, name, axis)
         elif not rod_side(pose, name, axis, scale):
-            loose = any(play.slider == name for play in pose.mechanism.plays)
-            height = BLOCK[1] - ROOM * loose
+            height = BLOCK[1] - ROOM * (play_of(pose, name) is not None)
             found.append(_block(frame, pin_of(pose, name), BLOCK[0], height, name))
     return found
 
@@ -44,16 +50,18 @@ def _block(frame: Frame, pin: Anchor, half: float, height: float, name: str) -> 
 
 def _carried(pose: Pose, frame: Frame, name: str, axis: SliderAxis) -> list[Shape]:
     """A block in a slot of what carries it, or the rod of a cylinder that ends before its pin."""
+    barrel = barrel_ends(pose, name, axis)
+    if barrel is not None:
+        return _cylinder(pose, frame, name, axis, barrel)
     ends, pin = along_carrier(pose, name), pin_of(pose, name)
     low, high = travel_of(pose, name, axis)
-    near = 1e-6 * pose.extent
-    if ends is not None and (high > ends[1] + near or low < ends[0] - near):
-        return _cylinder(pose, frame, name, axis, ends)
-    block = _block(frame, pin, *SMALL_BLOCK, name)
+    loose = play_of(pose, name) is not None
+    block = _block(frame, pin, SMALL_BLOCK[0], SMALL_BLOCK[1] - 0.7 * ROOM * loose, name)
     guide = pose.mechanism.bodies[name].guide
     assert guide is not None
     assert guide.body is not None
-    look = Look(body_role(pose.mechanism, guide.body), 1.4, "paper", casing=0.8)
+    edge = WALL.role if loose else body_role(pose.mechanism, guide.body)
+    look = Look(edge, 1.4, "paper", casing=0.8)
     if low == high:  # nobody knows how far it goes
         room = LEAST * pose.extent
         low, high = low - room, high + room
@@ -88,6 +96,15 @@ def _stem(pose: Pose, frame: Frame, carrier: str, slot: Array) -> list[Shape]:
     return [frame.line((frame.fixed(pin, carrier), frame.fixed(foot, carrier)), look, carrier)]
 
 
+def barrel_ends(pose: Pose, name: str, axis: SliderAxis) -> tuple[float, float] | None:
+    """Bottom and rim, along its axis, of the cylinder whose rod a slider is; None for blocks."""
+    ends, (low, high) = along_carrier(pose, name), travel_of(pose, name, axis)
+    near = 1e-6 * pose.extent
+    if ends is None or not (high > ends[1] + near or low < ends[0] - near):
+        return None
+    return ends if high > ends[1] else ends[::-1]
+
+
 def _cylinder(
     pose: Pose, frame: Frame, name: str, axis: SliderAxis, ends: tuple[float, float]
 ) -> list[Shape]:
@@ -95,8 +112,8 @@ def _cylinder(
     guide = pose.mechanism.bodies[name].guide
     assert guide is not None
     low, high = travel_of(pose, name, axis)
-    side = 1.0 if high > ends[1] else -1.0
-    bottom, rim = ends if side > 0 else ends[::-1]
+    bottom, rim = ends
+    side = 1.0 if rim > bottom else -1.0
     inner, outer = (low, high) if side > 0 else (high, low)
     length = abs(rim - bottom)
     if low == high:
@@ -111,10 +128,13 @@ def _cylinder(
             (first, BARREL), (first, -BARREL), (last, -BARREL), (last, BARREL)
         )
     )  # fmt: skip
-    barrel = Look(body_role(pose.mechanism, str(guide.body)), 1.3, "paper", casing=0.8)
+    loose = play_of(pose, name) is not None
+    edge = WALL.role if loose else body_role(pose.mechanism, str(guide.body))
+    barrel = Look(edge, 1.3, "paper", casing=0.8)
     role, pin = body_role(pose.mechanism, name), pin_of(pose, name)
     piston = Anchor(pin.joints, (-side * rod, 0.0))
-    disc = (moved(piston, 0.0, BARREL - 1.0), moved(piston, 0.0, 1.0 - BARREL))
+    half = BARREL - (0.7 * ROOM if loose else 1.0)
+    disc = (moved(piston, 0.0, half), moved(piston, 0.0, -half))
     return [
         Strokes((corners,), barrel, frame.direction, closed=True, name=name),
         frame.line((piston, pin), Look(role, 2.2, casing=0.8), name),

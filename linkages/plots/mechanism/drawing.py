@@ -9,12 +9,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.plots.mechanism.blocks import draw_blocks
-from linkages.plots.mechanism.dimensions import draw_centres, length_words
+from linkages.plots.mechanism.dimensions import (
+    draw_centres,
+    frame_lines,
+    frame_words,
+    length_words,
+)
 from linkages.plots.mechanism.efforts import draw_drives, draw_forces
+from linkages.plots.mechanism.frictions import draw_linings, draw_shoes
 from linkages.plots.mechanism.gears import draw_cams, draw_gears, draw_racks, gear_notes
 from linkages.plots.mechanism.guides import draw_guides, draw_rods
 from linkages.plots.mechanism.inked import Inked, points_per_unit
@@ -23,18 +30,20 @@ from linkages.plots.mechanism.links import draw_clearances, draw_links
 from linkages.plots.mechanism.names import words_of
 from linkages.plots.mechanism.palette import LIGHT, MEANINGS
 from linkages.plots.mechanism.pins import draw_bearings, draw_masses, draw_pins, draw_welds
-from linkages.plots.mechanism.placing import drawable, placed, swept
+from linkages.plots.mechanism.placing import Cover, placed
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.samples import Poses, pose_at
-from linkages.plots.mechanism.shapes import Shape, Word
+from linkages.plots.mechanism.shapes import Pair, Shape, Word
 from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs
 from linkages.plots.mechanism.stops import draw_stops
 from linkages.plots.mechanism.torsional import draw_torsional
-from linkages.plots.mechanism.view import Box, Positions, frame, picture
+from linkages.plots.mechanism.view import ROOM, Box, Positions, frame, picture, room_in
 from linkages.plots.style import styled
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Array = NDArray[np.float64]
 
 INCHES = 5.0
 """How wide a mechanism is in a picture, roughly."""
@@ -78,28 +87,35 @@ def rough_scale(pose: Pose) -> float:
     return 72.0 * INCHES / pose.extent
 
 
-def reach(pose: Pose) -> Box:
-    """The part of the plane that a drawing shows, for a position in metres."""
+def reach(pose: Pose, room: Pair = ROOM) -> Box:
+    """The part of the plane that a drawing takes, for a position in metres.
+
+    `room` is width and height of its picture in points, without margins for labels.
+    """
     joints = np.array(list(pose.positions.values()), dtype=float).reshape(-1, 2)
-    scale = rough_scale(pose)
-    return Box.around(np.vstack([joints, swept(pose, [*under(pose, scale), *over(pose, scale)])]))
+    return _cover([pose], joints, room).fitted(room)
 
 
-def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+def _cover(poses: Sequence[Pose], joints: Array, room: Pair) -> Cover:
+    """What the shapes of the first position cover in all of them, and all joints, shape (n, 2)."""
+    first, size = poses[0], Box.around(joints).size
+    scale = float(np.min(np.divide(room, np.maximum(size, 1e-9 * size.max()))))
+    shapes = [*under(first, scale), *over(first, scale)]
+    points = Cover(joints, np.zeros_like(joints))
+    return Cover.joined([points, *(Cover.of(pose, shapes) for pose in poses)])
+
+
+def framed(data: xr.Dataset, mechanism: Mechanism, room: Pair = ROOM) -> tuple[Poses, Box]:
     """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
 
-    Films and traces have the same frame. The data must have at least one sample.
+    Films and traces have the same frame, in pictures of the same `room`, as `reach` has it. The
+    data must have at least one sample.
     """
     places = np.asarray(data["joint_position"], dtype=float)
     poses = Poses(data, mechanism, Box.around(places).extent or None)
-    first, scale = poses.at(0), rough_scale(poses.at(0))
-    shapes = [*under(first, scale), *over(first, scale)]
     looks = np.unique(np.linspace(0, len(poses.places) - 1, LOOKS).round().astype(int))
-    covered = [poses.places.reshape(-1, 2)]
-    for look in looks:
-        pose = poses.at(int(look))
-        covered.append(swept(pose, [shape for shape in shapes if drawable(pose, shape)]))
-    return poses, Box.around(np.vstack(covered))
+    shown = [poses.at(int(look)) for look in looks]
+    return poses, _cover(shown, poses.places.reshape(-1, 2), room).fitted(room)
 
 
 def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
@@ -131,11 +147,13 @@ def under(pose: Pose, scale: float) -> list[Shape]:
         *draw_springs(pose, scale),
         *draw_guide_springs(pose, scale),
         *draw_blocks(pose, scale),
+        *draw_linings(pose, scale),
         *draw_stops(pose),
         *draw_welds(pose),
         *draw_masses(pose),
         *draw_pins(pose),
         *draw_torsional(pose),
+        *draw_shoes(pose),
     ]
 
 
@@ -168,11 +186,12 @@ def draw(
 
 def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
-    scale = frame(ax, reach(pose), pose.mechanism)
+    scale = frame(ax, reach(pose, room_in(ax)), pose.mechanism)
     factor = scale.factor
     shapes = shapes_of(pose, points_per_unit(ax) * factor)
     if dimensions:
-        shapes += [*draw_centres(pose), *length_words(pose, scale)]
+        shapes = [*frame_lines(pose), *shapes, *draw_centres(pose)]
+        shapes += [*length_words(pose, scale), *frame_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
     Inked(ax, shapes, shown).avoided(labels)
     note_gears(ax, pose)
@@ -189,9 +208,8 @@ def write(labels: Labels, shapes: Sequence[Shape], shown: Pose) -> None:
             places = placed(shown, word.beside, word.direction, point)
             size = {"fontsize": 8.0} if word.look.role == "load" or word.gap < 4.0 else {}
             weight = "bold" if word.strong else "normal"
-            labels.beside(
-                word.text, places, word.gap, color=LIGHT[word.look.role], weight=weight, **size
-            )
+            font = {"color": LIGHT[word.look.role], "weight": weight, **size}
+            labels.beside(word.text, places, word.gap, along=word.along, **font)
 
 
 def note_gears(ax: Axes, pose: Pose) -> None:

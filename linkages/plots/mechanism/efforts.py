@@ -11,7 +11,7 @@ from linkages.components.contributed.measures import BodyAxis, Coordinate, Load,
 from linkages.components.contributed.sensing import named
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.frames import Frame, body_direction, joints
-from linkages.plots.mechanism.guides import grounded, half_length, pin_of, rod_side
+from linkages.plots.mechanism.guides import block_of, grounded, half_length, pin_of, rod_side
 from linkages.plots.mechanism.kinds import by_kind
 from linkages.plots.mechanism.outlining import BLOCK, MASS, SMALL_BLOCK, Stroke
 from linkages.plots.mechanism.pose import Pose
@@ -20,6 +20,9 @@ from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Word
 from linkages.plots.prefixes import scale_for
 
 RADII, SPAN = (6.5, 18.0), 1.9  # of the arrow about a driven body's pin
+SHORT, OUTSIDE, LONG = 20.0, 10.0, 26.0
+"""Points: cranks with an arrow beyond their ends, how far beyond, and how long it is."""
+
 TORQUE, TORQUE_SPAN = (6.0, 10.0), 4.2
 STRAIGHT = 23.0
 SHAFT = 1.2
@@ -41,6 +44,8 @@ def draw_drives(pose: Pose, scale: float) -> list[Shape]:
             )
             radius = float(np.clip(0.55 * length, *RADII))
             span = min(SPAN, SPAN * length / RADII[0])
+            if length < SHORT:  # no room between its pins: beyond the outer one
+                radius, span = length + OUTSIDE, LONG / (length + OUTSIDE)
             frame = Frame(pose, joints(shown[0], shown[1]))
             found += _arc(frame, frame.at(shown[0]), radius, 0.0, span, sense, "driven", name)
     return found
@@ -133,13 +138,14 @@ def force_side(pose: Pose, name: str, sense: int) -> int:
     """
     if sense == BOTH:
         return 0
-    angle, shown = pose.angle(name), pose.shown(name)
+    block = block_of(pose, name)
+    angle, shown = pose.angle(name), pose.shown(block)
     along = np.array([np.cos(angle or 0.0), np.sin(angle or 0.0)])
     ways = [
         float(np.subtract(other, shown[joint]) @ along)
         for joint in shown
         for body in pose.mechanism.bodies
-        if body != name and joint in pose.shown(body)
+        if body != block and joint in pose.shown(body)
         for other in pose.shown(body).values()
     ]
     balance = sum(ways)

@@ -15,6 +15,10 @@ from linkages.components.contributed.measures import (
     Turn,
 )
 from linkages.components.contributed.terms import Path
+from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.stop import AngleStop, DistanceStop, GuideStop
+
+Stop = GuideStop | AngleStop | DistanceStop
 
 
 @dataclass(frozen=True)
@@ -48,3 +52,19 @@ def by_kind(loads: Iterable[Load]) -> Kinds:
             case _:
                 assert_never(load.measure)
     return found
+
+
+def stops_of(mechanism: Mechanism) -> list[Stop]:
+    """All stops of a mechanism."""
+    return [part for part in mechanism.components if isinstance(part, Stop)]
+
+
+def frictions_of(mechanism: Mechanism) -> list[Load]:
+    """All loads that rub at joints and in guides, and are no dampers."""
+    return [load for load in mechanism.loads if load.called == "friction"]
+
+
+def springs_of(mechanism: Mechanism) -> list[Load]:
+    """All loads but those of stops and friction, which are no springs or dampers to look at."""
+    others = {part.path for part in (*stops_of(mechanism), *frictions_of(mechanism))}
+    return [load for load in mechanism.loads if load.path not in others]

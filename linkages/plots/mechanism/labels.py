@@ -58,12 +58,17 @@ class Labels:
                 steps = np.linspace(0, 1, int(min(length / 2, 2000)) + 2)[:, None]
                 self.avoid(start + steps * (end - start))
 
-    def beside(self, text: str, places: Array, gap: float, **font: Any) -> None:
-        """Label a point, a segment or a polygon of shape (n, 2)."""
+    def beside(
+        self, text: str, places: Array, gap: float, *, along: bool = False, **font: Any
+    ) -> None:
+        """Label a point, a segment or a polygon of shape (n, 2); a segment `along` its direction.
+
+        `gap` is the least distance from a point, in points.
+        """
         if len(places) == 1:
             self.beside_point(text, places[0], gap, **font)
         elif len(places) == 2:
-            self.beside_segment(text, *places, **font)
+            self.beside_segment(text, *places, along=along, **font)
         else:
             self.in_polygon(text, places, **font)
 
@@ -72,16 +77,19 @@ class Labels:
         anchors = np.repeat(np.asarray(point, dtype=float)[None, :], 16, axis=0)
         self._put(text, anchors, _DIRECTIONS, (gap, gap + 4, gap + 9, gap + 16), font)
 
-    def beside_segment(self, text: str, start: ArrayLike, end: ArrayLike, **font: Any) -> None:
-        """Label a segment on one of its sides, near its middle if possible."""
+    def beside_segment(
+        self, text: str, start: ArrayLike, end: ArrayLike, *, along: bool = False, **font: Any
+    ) -> None:
+        """Label a segment on one of its sides, near its middle if possible, or `along` it."""
         p, q = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-        along = np.subtract(*pixels(self.ax, (q, p)))
-        normal = np.array([-along[1], along[0]]) / max(np.hypot(*along), 1e-12)
+        way = np.subtract(*pixels(self.ax, (q, p)))
+        normal = np.array([-way[1], way[0]]) / max(np.hypot(*way), 1e-12)
         if normal[1] < 0:
             normal = -normal
         anchors = np.repeat([p + f * (q - p) for f in _FRACTIONS], 2, axis=0)
         directions = np.tile((normal, -normal), (len(_FRACTIONS), 1))
-        self._put(text, anchors, directions, _BESIDE, font)
+        turn = float(np.arctan2(-normal[0], normal[1])) if along else 0.0
+        self._put(text, anchors, directions, _BESIDE, font, turn)
 
     def in_polygon(self, text: str, corners: ArrayLike, **font: Any) -> None:
         """Label a polygon of shape (n, 2): in its middle if there is room, or beside a side."""
@@ -106,9 +114,15 @@ class Labels:
         self._put(text, anchors, np.tile(_DIRECTIONS, (24, 1)), (4.0, 8.0), font)
 
     def _put(
-        self, text: str, anchors: Array, directions: Array, gaps: tuple[float, ...], font: Any
+        self,
+        text: str,
+        anchors: Array,
+        directions: Array,
+        gaps: tuple[float, ...],
+        font: Any,
+        turn: float = 0.0,
     ) -> None:
-        """Write at the cheapest candidate: anchors × gaps."""
+        """Write at the cheapest candidate: anchors × gaps; turned by an angle in radians."""
         artist = self.ax.annotate(
             text,
             anchors[0],
@@ -123,15 +137,22 @@ class Labels:
         )
         extent = artist.get_window_extent()
         half = 0.5 * np.array([extent.width, _INK * extent.height])
-        reach = np.abs(directions) @ half  # from the centre of the box to its edge
+        axes = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        reach = np.abs(directions @ axes) @ half  # from the centre of the box to its edge
         offsets = np.concatenate([(g * self._point + reach)[:, None] * directions for g in gaps])
         places = np.tile(anchors, (len(gaps), 1))
         centres = pixels(self.ax, places) + offsets
-        cost = self._costs(centres, half) + _COST_LATER * np.arange(len(centres))
+        parts, half = _boxes_of(half, turn)
+        cost = _COST_LATER * np.arange(len(centres))
+        cost += sum(self._costs(centres + part, half) for part in parts)
         best = int(np.argmin(np.where(np.isfinite(cost), cost, np.inf)))
         artist.xy = tuple(places[best])
         artist.set_position(tuple(offsets[best] / self._point))
-        self._boxes.append(np.array([centres[best] - half, centres[best] + half]))
+        if turn:
+            artist.set(rotation=np.degrees(turn), verticalalignment="center")
+        for part in parts:
+            middle = centres[best] + part
+            self._boxes.append(np.array([middle - half, middle + half]))
 
     def _costs(self, centres: Array, half: Array) -> Array:
         """What it would cost to write with the centre of the text at each of these pixels."""
@@ -158,3 +179,13 @@ class Labels:
         x0, y0 = np.clip(low // _CELL, 0, most).astype(int).T
         x1, y1 = np.clip(high // _CELL + 1, 0, most).astype(int).T
         return table[x1, y1] - table[x0, y1] - table[x1, y0] + table[x0, y0]
+
+
+def _boxes_of(half: Array, turn: float) -> tuple[Array, Array]:
+    """Centres of upright boxes that a turned one consists of, roughly, and their half sizes."""
+    if turn == 0.0:
+        return np.zeros((1, 2)), half
+    width, height = half
+    count = int(np.ceil(width / height))
+    along = np.linspace(height - width, width - height, count) if count > 1 else np.zeros(1)
+    return along[:, None] * (np.cos(turn), np.sin(turn)), np.full(2, height)

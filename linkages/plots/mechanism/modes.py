@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,13 +14,13 @@ from matplotlib.figure import Figure
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.mechanism.drawing import reach, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
-from linkages.plots.mechanism.insets import nice_below
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.names import words_of
 from linkages.plots.mechanism.palette import LIGHT
 from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.shapes import Pair
 from linkages.plots.mechanism.view import Box, Positions
-from linkages.plots.prefixes import scale_for
+from linkages.plots.prefixes import nice_below, scale_for
 from linkages.plots.style import DRIVEN, GREY, WIDTH, fitted, styled
 
 MOST = 48
@@ -28,6 +29,21 @@ MOST = 48
 EDGE, HEAD, FOOT = 0.1, 0.24, 0.28  # inches around a drawing, above it, and below all of them
 NAMED = 4
 """Columns in which there is room for names."""
+
+COLUMNS = ((3, 3), (4, 2), (9, 3), (24, 4), (MOST, 6))
+"""Up to how many drawings there are how many beside each other."""
+
+LINE = 0.13
+"""Inches of a further line of a title."""
+
+LETTERS, PER_INCH = 10, 15.0
+"""Of a title: fewest in a line, and how many are sure to have room."""
+
+LABELLED = 13.0
+"""Points around symbols: room for names."""
+
+BAR = 10.0
+"""Points below them: room for the scale."""
 
 ALIKE = 1.05
 """Extents of drawings that are no farther apart than this have one scale."""
@@ -78,21 +94,25 @@ def figure(mechanism: Mechanism, modes: Sequence[Mode]) -> Figure:
         At least one; a note says so if there are more than `MOST`.
     """
     shown = shown_modes(modes)
-    boxes = [reach(Pose(mechanism, mode.positions)) for mode in shown]
-    extents = [box.extent for box in boxes]
-    scaled = max(extents) > ALIKE * min(extents)
-    columns = min(len(shown), 3 if 4 < len(shown) <= 9 else 4 if len(shown) <= 24 else 6)
+    poses = [Pose(mechanism, mode.positions) for mode in shown]
+    columns = next(most for upto, most in COLUMNS if len(shown) <= upto)
+    columns = min(len(shown), columns)
     rows = math.ceil(len(shown) / columns)
     width = WIDTH / columns - EDGE
-    widest, highest = np.max([box.size for box in boxes], axis=0)
+    widest, highest = np.max([reach(pose, _room(width, width, columns)).size for pose in poses], 0)
     shape = float(np.clip(highest / max(widest, 1e-9), LOWEST, HIGHEST))
     height = min(shape * width, 4.5)
-    total = rows * (height + HEAD) + FOOT + HEAD
+    boxes = [reach(pose, _room(width, height, columns)) for pose in poses]
+    extents = [box.bare.extent if box.bare else box.extent for box in boxes]
+    scaled = max(extents) > ALIKE * min(extents)
+    titles = [_title(mode, width) for mode in shown]
+    head = HEAD + LINE * max(title.count("\n") for title in titles)
+    total = rows * (height + head) + FOOT + HEAD
     result = Figure(figsize=(WIDTH, total))
     for index, mode in enumerate(shown):
         row, column = divmod(index, columns)
         left = column * (width + EDGE) + 0.5 * EDGE
-        bottom = total - HEAD - (row + 1) * (height + HEAD)
+        bottom = total - HEAD - (row + 1) * (height + head)
         ax = result.add_axes((left / WIDTH, bottom / total, width / WIDTH, height / total))
         draw(ax, mechanism, mode, boxes[index], columns, scaled=scaled)
     heading = f"{mechanism.name}: assembly modes"
@@ -111,17 +131,18 @@ def draw(
 
     Where it is `scaled`, a bar says how long something is.
     """
-    half = 0.5 * box.size + 0.16 * box.size.max()
-    shape = ax.bbox.height / ax.bbox.width
-    half = np.maximum(half, (half[1] / shape, half[0] * shape))
-    middle = 0.5 * (box.low + box.high)
+    inches = np.array([ax.bbox.width, ax.bbox.height]) / ax.figure.dpi
+    room = _room(float(inches[0]), float(inches[1]), columns)
+    point = float(np.max(box.size / room))
+    half = 0.5 * point * 72.0 * inches / _size(columns)
+    middle = 0.5 * (box.low + box.high) - (0.0, 0.5 * point * BAR)
     ax.set_xlim(middle[0] - half[0], middle[0] + half[0])
     ax.set_ylim(middle[1] - half[1], middle[1] + half[1])
     ax.set_aspect("equal")
     ax.grid(visible=False)
     ax.set(xticks=[], yticks=[])
     pose = Pose(mechanism, mode.positions)
-    size = 0.85 if columns <= 3 else 0.6
+    size = _size(columns)
     drawn = Inked(ax, under(pose, points_per_unit(ax) / size), pose, size=size)
     labels = Labels(ax)
     if scaled:
@@ -131,17 +152,34 @@ def draw(
         for word in words_of(pose):
             if word.strong:
                 labels.beside_point(word.text, pose.positions[word.name], 3.0, fontsize=6.5)
-    text = f"{mode.number}  {mode.text}".rstrip()
     colour = DRIVEN if mode.selected else "black"
-    title = ax.set_title(text, fontsize=8, color=colour, pad=3)
-    while title.get_window_extent().width > ax.bbox.width and len(text) > 1:
-        text = text[:-2] + "…"
-        title.set_text(text)
+    ax.set_title(_title(mode, float(inches[0])), fontsize=8, color=colour, pad=3)
     for spine in ax.spines.values():
         spine.set(
             edgecolor=DRIVEN if mode.selected else GREY, linewidth=1.8 if mode.selected else 0.6
         )
     return ax
+
+
+def _size(columns: int) -> float:
+    """Of symbols, over that of other pictures."""
+    return 0.85 if columns <= 3 else 0.6
+
+
+def _room(width: float, height: float, columns: int) -> Pair:
+    """What a panel has for a drawing, in the points of its symbols."""
+    points = 72.0 * np.array([width, height]) / _size(columns)
+    margins = 2.0 * LABELLED + np.array([0.0, BAR])
+    across, up = np.maximum(points - margins, 0.5 * points).tolist()
+    return across, up
+
+
+def _title(mode: Mode, width: float) -> str:
+    """Number and text in as many lines as a panel so wide in inches needs, all of them whole."""
+    letters = max(LETTERS, int(width * PER_INCH))
+    whole = mode.text.replace(" ", "\u00a0").replace(",\u00a0", ", ")  # lines end at commas
+    indent = " " * len(f"{mode.number}  ")
+    return textwrap.fill(f"{mode.number}  {whole}".rstrip(), letters, subsequent_indent=indent)
 
 
 def _scale_bar(ax: Axes, labels: Labels) -> None:

@@ -74,6 +74,20 @@ def bent_dashpot(radius: float) -> list[Stroke]:
     return [left, [*outer, *inner], [(radius - 2.0, 0.0), (radius + 2.0, 0.0)], right]
 
 
+def spiral_and_dashpot(radius: float) -> list[Stroke]:
+    """A torsional spring in series with a damper: one begins where the other ends."""
+    bend = 1.3  # half the angle of the dashpot
+    strokes = [spiral(), [(SPIRAL[1], 0.0), (radius, 0.0)]]
+    strokes += [turned(stroke, bend) for stroke in bent_dashpot(radius)]
+    return [turned(stroke, -bend) for stroke in strokes]
+
+
+def turned(stroke: Stroke, angle: float) -> Stroke:
+    """The same, turned about the origin."""
+    cos, sin = float(np.cos(angle)), float(np.sin(angle))
+    return [(cos * x - sin * y, sin * x + cos * y) for x, y in stroke]
+
+
 def arrow_head(line: Stroke) -> Stroke:
     """The filled head of an arrow, with its tip where a line ends."""
     points = np.array(line)

@@ -18,6 +18,7 @@ LIGHT: Mapping[str, str] = {
     "load": LOAD,
     "cylinder": LOAD,
     "spring": PALETTE[2],
+    "friction": PALETTE[8],
 }
 """Role → colour."""
 
@@ -33,6 +34,7 @@ DARK: Mapping[str, str] = {
     "load": "#BE94DE",
     "cylinder": "#BE94DE",
     "spring": "#3CC795",
+    "friction": "#CFAE63",
 }
 
 MEANINGS: Mapping[str, str] = {
@@ -42,5 +44,6 @@ MEANINGS: Mapping[str, str] = {
     "load": "load",
     "cylinder": "cylinder",
     "spring": "spring, damper",
+    "friction": "friction",
 }
 """Roles whose colour says something, in the words of a legend."""

@@ -3,14 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.plots.mechanism.pose import Pose
-from linkages.plots.mechanism.shapes import Anchor, Direction, Shape, Weights, anchors_of
+from linkages.plots.mechanism.shapes import (
+    Anchor,
+    Direction,
+    Disc,
+    Pair,
+    Shape,
+    Weights,
+    Word,
+    anchors_of,
+)
+from linkages.plots.mechanism.view import Box
 
 Array = NDArray[np.float64]
+
+ROUNDS, SLACK = 100, 1e-13
+"""Of the iteration for the scale of a picture: most of them, and where it ends."""
+
+MOST = 0.7
+"""Of a picture: what symbols may take of it, so that the iteration converges."""
 
 
 def place_of(pose: Pose, weights: Weights) -> Array:
@@ -61,11 +78,64 @@ def drawable(pose: Pose, shape: Shape) -> bool:
     return used <= known and (body is None or pose.angle(body) is not None)
 
 
-def swept(pose: Pose, shapes: Iterable[Shape]) -> Array:
-    """What shapes cover at least, shape (n, 2): their anchors and discs without any points."""
-    found = [np.empty((0, 2))]
-    for shape in shapes:
-        places = placed(pose, anchors_of(shape), shape.direction, 0.0)
-        radius = getattr(shape, "metres", 0.0) * pose.unit
-        found += [places - radius, places + radius]
-    return np.vstack(found)
+@dataclass(frozen=True)
+class Cover:
+    """What shapes cover in some positions, whatever the scale of their picture is.
+
+    Parameters
+    ----------
+    places, offsets
+        Shape (n, 2): places in the units of the poses, and how far beside them in points.
+    """
+
+    places: Array
+    offsets: Array
+
+    @classmethod
+    def of(cls, pose: Pose, shapes: Iterable[Shape]) -> Cover:
+        """Of shapes in one position, with their lines as wide as they are; words cover nothing."""
+        places, offsets = [np.empty((0, 2))], [np.empty((0, 2))]
+        for shape in shapes:
+            if isinstance(shape, Word) or not drawable(pose, shape):
+                continue
+            anchors = anchors_of(shape)
+            here = placed(pose, anchors, shape.direction, 0.0)
+            beside = placed(pose, anchors, shape.direction, 1.0) - here
+            radius, more = 0.0, 0.5 * shape.look.width
+            if isinstance(shape, Disc):
+                radius, more = shape.metres * pose.unit, more + shape.points
+            for side in (-1.0, 1.0):
+                places.append(here + side * radius)
+                offsets.append(beside + side * more)
+        return cls(np.vstack(places), np.vstack(offsets))
+
+    @classmethod
+    def joined(cls, covers: Sequence[Cover]) -> Cover:
+        """Of several positions."""
+        places = np.vstack([cover.places for cover in covers])
+        return cls(places, np.vstack([cover.offsets for cover in covers]))
+
+    def box(self, point: float) -> Box:
+        """Around everything, where a point is so many units."""
+        return Box.around(self.places + point * self.offsets)
+
+    def fitted(self, room: Pair) -> Box:
+        """Around everything, in a picture that has so many points for its width and height.
+
+        What is of the same size in every picture takes more of the plane, the more of it is shown;
+        so the scale is iterated. It grows by less and less, for symbols are smaller than pictures:
+        in one that is too small for them, they count as far as to `MOST` of it.
+        """
+        bare, point = self.box(0.0), 0.0
+        if bare.extent == 0.0:
+            return bare
+        found = bare
+        wide = np.ptp(self.offsets, axis=0)
+        share = float(np.min(MOST * np.asarray(room) / np.maximum(wide, MOST * np.asarray(room))))
+        for _ in range(ROUNDS):
+            wanted = float(np.max(found.size / room))
+            if wanted <= (1.0 + SLACK) * point:
+                break
+            point = wanted
+            found = self.box(share * point)
+        return replace(found, bare=bare)

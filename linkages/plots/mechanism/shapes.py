@@ -145,6 +145,8 @@ class Word:
         As those of a line.
     strong
         Whether it is bold.
+    along
+        Whether figures turn it into the direction of the two ends of what it is beside.
     """
 
     text: str
@@ -154,6 +156,7 @@ class Word:
     direction: Direction = field(default_factory=Direction)
     name: str = ""
     strong: bool = False
+    along: bool = False
 
 
 Shape: TypeAlias = Strokes | Disc | Word

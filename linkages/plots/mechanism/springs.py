@@ -7,28 +7,28 @@ import numpy as np
 from linkages.components.contributed.measures import Load
 from linkages.components.contributed.state_laws import NOTHING
 from linkages.plots.mechanism import outlining
+from linkages.plots.mechanism.blocks import BARREL, barrel_ends
 from linkages.plots.mechanism.efforts import force_side
 from linkages.plots.mechanism.frames import Frame, body_direction, joints, moved
 from linkages.plots.mechanism.guides import grounded, half_length, mixed, pin_of, travel_of
-from linkages.plots.mechanism.kinds import by_kind
+from linkages.plots.mechanism.kinds import by_kind, springs_of
 from linkages.plots.mechanism.outlining import CUP
-from linkages.plots.mechanism.pose import Pose
+from linkages.plots.mechanism.pose import Pose, SliderAxis
 from linkages.plots.mechanism.senses import load_sense
 from linkages.plots.mechanism.shapes import Anchor, Look, Shape, Strokes
-from linkages.plots.mechanism.stops import without_stops
 
 SPRING, THRUST = Look("spring", 1.1), Look("cylinder", 1.1)
 BESIDE = 13.0  # points between symbols that lie side by side
 STUB = 9.0  # points from a joint to where they part
 COIL, AMPLITUDE = 8.0, 4.5  # points along and across
 COILS = (4, 14)
-WALL = 28.0  # points from the last place of a block to a wall
+WALL, SERIES = 28.0, 48.0  # points from the last place of a block to a wall
 
 
 def draw_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs, dampers and cylinders between joints; those of the same two lie side by side."""
     lines: dict[tuple[str, str], list[str]] = {}
-    for ends, load in by_kind(without_stops(pose.mechanism)).lines:
+    for ends, load in by_kind(springs_of(pose.mechanism)).lines:
         if {ends.first, ends.second} <= set(pose.positions):
             first, second = sorted((ends.first, ends.second))
             lines.setdefault((first, second), []).extend(_parts(load))
@@ -120,7 +120,7 @@ def _barrel(first: Anchor, second: Anchor, length: float) -> list[tuple[Anchor, 
 def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     """Springs and dampers in guides: from the block to a wall beyond its travel."""
     of_slider: dict[str, list[str]] = {}
-    for slide, load in by_kind(without_stops(pose.mechanism)).slides:
+    for slide, load in by_kind(springs_of(pose.mechanism)).slides:
         found = of_slider.setdefault(slide.body, [])
         if not load.pushes:
             found += _parts(load)
@@ -129,14 +129,19 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
         axis = pose.axis(name)
         if axis is None or not parts:
             continue
+        barrel = None if grounded(pose, name) else barrel_ends(pose, name, axis)
+        if barrel is not None:
+            shapes += _beside_barrel(pose, name, axis, barrel[0], parts, scale)
+            continue
         side, (low, high) = _damper_side(pose, name), travel_of(pose, name, axis)
         frame = Frame(pose, body_direction(pose, name))
         carrier = None if grounded(pose, name) else pose.mechanism.bodies[name].guide.body  # type: ignore[union-attr]
         last = high if side > 0 else low
         start = half_length(pose, name)
-        wall = frame.fixed(axis.at(last), carrier, (side * (start + WALL), 0.0))
+        room = SERIES if "series" in parts else WALL
+        wall = frame.fixed(axis.at(last), carrier, (side * (start + room), 0.0))
         block = moved(pin_of(pose, name), side * start, 0.0)
-        length = abs(last - axis.reach) * scale + WALL
+        length = abs(last - axis.reach) * scale + room
         first, second = (block, wall) if side > 0 else (wall, block)
         shapes += _abreast(frame, first, second, length, parts, 10.0)
         half = 5.0 * len(parts)
@@ -145,9 +150,25 @@ def draw_guide_springs(pose: Pose, scale: float) -> list[Shape]:
     return shapes
 
 
+def _beside_barrel(
+    pose: Pose, name: str, axis: SliderAxis, bottom: float, parts: list[str], scale: float
+) -> list[Shape]:
+    """Beside a cylinder, from its bottom to the pin of its rod."""
+    frame, guide = Frame(pose, body_direction(pose, name)), pose.mechanism.bodies[name].guide
+    assert guide is not None
+    side = 1.0 if axis.reach > bottom else -1.0
+    ends = [frame.fixed(axis.at(bottom), guide.body), pin_of(pose, name)]
+    aside = BARREL + 8.0 + 5.0 * (len(parts) - 1)
+    stems = [(end, moved(end, 0.0, -aside)) for end in ends]
+    first, second = (stem[1] for stem in (stems if side > 0 else stems[::-1]))
+    length = scale * abs(axis.reach - bottom)
+    shapes = _abreast(frame, first, second, length, parts, 10.0)
+    return [*shapes, Strokes(tuple(stems), SPRING, frame.direction)]
+
+
 def _damper_side(pose: Pose, name: str) -> int:
     """Where a damper finds room: where no bars are, unless a force stands there."""
-    slides = by_kind(without_stops(pose.mechanism)).slides
+    slides = by_kind(springs_of(pose.mechanism)).slides
     forces = [load for slide, load in slides if slide.body == name and load.pushes]
     side = force_side(pose, name, -1)
     stands = [force_side(pose, name, load_sense(load, pose.mechanism)) for load in forces]

@@ -4,32 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from linkages.components.contributed.measures import Load
 from linkages.components.contributed.revolute import GROUND
-from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.components.stop import AngleStop, DistanceStop, GuideStop
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.frames import Frame, body_direction, joints
 from linkages.plots.mechanism.guides import grounded, half_length
+from linkages.plots.mechanism.kinds import stops_of
 from linkages.plots.mechanism.outlining import BLOCK
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Look, Shape
 
-Stop = GuideStop | AngleStop | DistanceStop
-
 EDGE = (9.0, 21.0)
 """Points from a pin to both ends of an edge that a bar meets."""
-
-
-def stops_of(mechanism: Mechanism) -> list[Stop]:
-    """All stops of a mechanism."""
-    return [part for part in mechanism.components if isinstance(part, Stop)]
-
-
-def without_stops(mechanism: Mechanism) -> list[Load]:
-    """All loads but those of stops, which are no springs to look at."""
-    paths = {stop.path for stop in stops_of(mechanism)}
-    return [load for load in mechanism.loads if load.path not in paths]
 
 
 def draw_stops(pose: Pose) -> list[Shape]:

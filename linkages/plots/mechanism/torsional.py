@@ -10,11 +10,10 @@ from linkages.components.contributed.measures import Turn
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.bodies import ground_direction
 from linkages.plots.mechanism.frames import Frame, joints
-from linkages.plots.mechanism.kinds import by_kind
+from linkages.plots.mechanism.kinds import by_kind, frictions_of, springs_of
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Direction, Shape
 from linkages.plots.mechanism.springs import SPRING
-from linkages.plots.mechanism.stops import without_stops
 
 OUTER = 15.0
 """Points: radius of a bent dashpot around a spiral."""
@@ -24,20 +23,25 @@ def draw_torsional(pose: Pose) -> list[Shape]:
     """Spirals of torsional springs and bent dashpots of torsional dampers."""
     taken: Counter[str] = Counter()
     found: list[Shape] = []
-    for turn, load in by_kind(without_stops(pose.mechanism)).turns:
+    rubbing = {pivot(pose, turn) for turn, _ in by_kind(frictions_of(pose.mechanism)).turns}
+    for turn, load in by_kind(springs_of(pose.mechanism)).turns:
         joint = pivot(pose, turn)
         if load.given or load.applied or joint is None:
+            continue
+        full = load.elastic or taken[joint] or joint in rubbing
+        free = Frame(pose, Direction(_free_direction(pose, joint) + np.pi * taken[joint]))
+        taken[joint] += 1
+        if load.states:  # a spring, to which a damper is tied
+            strokes = outlining.spiral_and_dashpot(OUTER)
+            found.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
             continue
         if load.elastic:
             far = farthest(pose, turn.body, joint)
             frame = Frame(pose, Direction(body=turn.body) if far is None else joints(joint, far))
             found.append(frame.symbol(frame.at(joint), [outlining.spiral()], SPRING, name=joint))
         if load.dissipates:
-            radius = OUTER if load.elastic or taken[joint] else outlining.BENT
-            free = Frame(pose, Direction(_free_direction(pose, joint) + np.pi * taken[joint]))
-            strokes = outlining.bent_dashpot(radius)
+            strokes = outlining.bent_dashpot(OUTER if full else outlining.BENT)
             found.append(free.symbol(free.at(joint), strokes, SPRING, name=joint))
-        taken[joint] += 1
     return found
 
 
@@ -63,7 +67,7 @@ def _free_direction(pose: Pose, joint: str) -> float:
     """The direction from a joint that is farthest from all bars there."""
     place = pose.positions[joint]
     groups = [list(pose.shown(name).values()) for name in pose.mechanism.bodies]
-    pairs = [(line.first, line.second) for line, _ in by_kind(without_stops(pose.mechanism)).lines]
+    pairs = [(line.first, line.second) for line, _ in by_kind(springs_of(pose.mechanism)).lines]
     groups += [[pose.positions[j] for j in pair if j in pose.positions] for pair in pairs]
     ways = [
         np.subtract(other, place)

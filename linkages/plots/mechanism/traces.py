@@ -16,8 +16,9 @@ from linkages.plots.mechanism.bodies import clearance_ends
 from linkages.plots.mechanism.drawing import framed, under
 from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
+from linkages.plots.mechanism.marks import draw_marks, mark_times, note_marks
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import Box, frame, picture, pixels
+from linkages.plots.mechanism.view import Box, frame, picture, pixels, room_in
 from linkages.plots.style import line_style, styled
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.4  # inches
 STILL = 1e-9  # of the picture's size: what moves less is at rest
 COUPLER, LED = 1.8, 0.9  # points
 DOT, AHEAD, HEAD = 2.6, 26.0, (7.0, 3.0)  # points: radius; from there to an arrow, and its size
@@ -37,7 +37,7 @@ def figure(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
     """Traces over the run; None for data without joint positions."""
     if not pose_at(data, mechanism, 0).positions:
         return None
-    result, ax = picture(framed(data, mechanism)[1], MARGIN)
+    result, ax = picture(framed(data, mechanism)[1])
     draw(ax, data, mechanism)
     return result
 
@@ -86,8 +86,8 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     """Draw the trace of each moving joint over the mechanism at the first sample.
 
     Coupler curves are thicker than the arcs and lines that the ground leads joints along. A dot
-    says where each begins, an arrow which way it goes. Every sample is a vertex, in vector
-    graphics, too; the name of a joint is that of its path there.
+    says where each begins, an arrow which way it goes, and marks where it is at equal times. Every
+    sample is a vertex, in vector graphics, too; the name of a joint is that of its path there.
 
     Parameters
     ----------
@@ -98,12 +98,14 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     mechanism
         Whose motion it is.
     """
-    poses, box = framed(data, mechanism)
-    pose, scale = poses.at(0), frame(ax, box, mechanism, MARGIN)
+    poses, box = framed(data, mechanism, room_in(ax))
+    pose, scale = poses.at(0), frame(ax, box, mechanism)
     shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)
     Inked(ax, shapes, pose.scaled(scale.factor), pale=True).avoided(labels)
     names, led = moving_joints(data, mechanism), led_joints(mechanism)
+    time = np.asarray(data["time"], dtype=float)
+    at = mark_times(data, mechanism) if len(time) > 1 and names else np.empty(0)
     finite: dict[str, tuple[Array, str]] = {}
     with rc_context({"path.simplify": False}):
         for index, (name, path) in enumerate(names.items()):
@@ -116,6 +118,9 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
                 finite[name] = known, colour
                 labels.avoid(pixels(ax, known[:: max(1, len(known) // 1000)]))
                 _beginning(ax, known, colour, labels)
+                draw_marks(ax, shown, time, at, colour)
+    if len(at):
+        note_marks(ax, at)
     for name, (known, colour) in finite.items():
         labels.beside_curve(name, known, color=colour, weight="bold")
     return ax

@@ -17,17 +17,28 @@ from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH, fitted
 Array = NDArray[np.float64]
 Positions = Mapping[str, tuple[float, float]]
 
-MARGIN = 0.55  # inches around the outermost points, for symbols and labels
+MARGIN = 0.4  # inches around everything, for labels
 LOWEST, HIGHEST = 2.0, 4.8  # inches
+ROOM = (72.0 * (WIDTH - LEFT - RIGHT - 2 * MARGIN), 72.0 * (HIGHEST - 2 * MARGIN))
+"""Points that a picture has within its margins."""
 _ARROWS = "→↗↑↖←↙↓↘"
 
 
 @dataclass(frozen=True)
 class Box:
-    """The part of the plane that a picture shows, in metres."""
+    """The part of the plane that a picture shows, in metres.
+
+    Parameters
+    ----------
+    low, high
+        Its corners, shape (2,).
+    bare
+        The same without symbols, which choose no unit; itself if not given.
+    """
 
     low: Array
     high: Array
+    bare: Box | None = None
 
     @classmethod
     def around(cls, points: ArrayLike) -> Box:
@@ -52,6 +63,8 @@ class Box:
     @property
     def scale(self) -> Scale:
         """Metres, or millimetres for a mechanism of less than a metre."""
+        if self.bare is not None:
+            return self.bare.scale
         return scale_for(0.1 * float(np.max(np.abs((self.low, self.high, self.size)))), "m")
 
 
@@ -68,12 +81,8 @@ def picture(box: Box, margin: float = MARGIN) -> tuple[Figure, Axes]:
 
 def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> Scale:
     """Set limits that show a box at equal scale, labels, and a title; return the scale."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    place = ax.get_position(original=True)
-    inches = np.array(figure.get_size_inches()) * (place.width, place.height)
-    usable = np.maximum(inches - 2 * margin, 0.4 * inches)
-    half = 0.5 * inches * np.max(box.size / usable)
+    inches = _inches(ax)
+    half = 0.5 * inches * np.max(72.0 * box.size / room_in(ax, margin))
     centre = 0.5 * (box.low + box.high)
     factor = box.scale.factor
     (left, right), (bottom, top) = np.column_stack((centre - half, centre + half)) * factor
@@ -88,6 +97,21 @@ def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> S
     if arrow:
         ax.set_title(f"gravity {arrow}", loc="right")
     return box.scale
+
+
+def room_in(ax: Axes, margin: float = MARGIN) -> tuple[float, float]:
+    """Points that axes have within their margins, for their width and height."""
+    inches = _inches(ax)
+    width, height = (72.0 * np.maximum(inches - 2 * margin, 0.4 * inches)).tolist()
+    return width, height
+
+
+def _inches(ax: Axes) -> Array:
+    """Width and height of axes before their aspect is equal, shape (2,)."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    place = ax.get_position(original=True)
+    return np.array(figure.get_size_inches()) * (place.width, place.height)
 
 
 def gravity_arrow(mechanism: Mechanism) -> str:

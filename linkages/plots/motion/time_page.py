@@ -15,7 +15,7 @@ HEIGHT, LOW = 2.7, 1.9
 ROW, HEAD = 0.155, 0.04
 """Inches: a row of a legend, and what it keeps from the panel."""
 
-ZOOM, GAP, SCALE = 0.29, 0.22, 0.5
+ZOOM, GAP, SCALE = 0.29, 0.36, 0.5
 """Part of the width that a few swings get; inches between, and for the numbers at the right."""
 
 

@@ -6,7 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.mechanisms.units import unit_at
 from linkages.plots.paths import path_words
+from linkages.reading.document import Document
 from linkages.reading.paths import dotted
 from linkages.reading.wording import shown
 from linkages.spec.arithmetic import leading_number
@@ -32,7 +34,7 @@ def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()
     Those that are still alike are numbered.
     """
     found = [""] * len(mechanisms)
-    known = [mechanism.definition.content for mechanism in mechanisms if mechanism]
+    known = [mechanism.definition for mechanism in mechanisms if mechanism]
     if len(known) == len(found):
         found = _differences(known)
     if len({*found}) < len(found):
@@ -44,28 +46,32 @@ def told_apart(mechanisms: Sequence[Mechanism | None], names: Sequence[str] = ()
     return found
 
 
-def _differences(contents: Sequence[Any]) -> list[str]:
+def _differences(definitions: Sequence[Document]) -> list[str]:
     """What each definition has where not all agree; empty texts where they differ in too much."""
-    flat = [dict(_leaves(content)) for content in contents]
+    flat = [dict(_leaves(definition.content)) for definition in definitions]
     paths = dict.fromkeys(path for one in flat for path in one)
     differing = [p for p in paths if len({shown(one.get(p)) for one in flat}) > 1]
     differing = [p for p in differing if p not in (("name",), ("description",))]
     if not 0 < len(differing) <= MOST:
         return [""] * len(flat)
     return [
-        ", ".join(f"{path_words(dotted(path))} = {_text(one.get(path))}" for path in differing)
-        for one in flat
+        ", ".join(
+            f"{path_words(path)} = {_text(value, unit_at(definition, path))}"
+            for path, value in ((dotted(steps), one.get(steps)) for steps in differing)
+        )
+        for one, definition in zip(flat, definitions, strict=True)
     ]
 
 
-def _text(value: object) -> str:
+def _text(value: object, si: str) -> str:
+    """A value with its unit: the one that it is written with, else that of SI."""
     if value is None:
         return "none"
     try:
         number, unit = leading_number(str(value))
     except NumberError:
         return str(value)
-    return f"{number:.6g} {unit}".rstrip()
+    return f"{number:.6g} {unit or si}".rstrip()
 
 
 def _leaves(content: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[Any, Any]]:

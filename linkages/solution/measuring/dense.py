@@ -34,7 +34,7 @@ FEWEST = 2000
 """Intervals of a motion that is not integrated: a load may change wherever it likes."""
 
 PER_TURN = 128
-"""Samples of a turn of a drive: what a turn repeats swings a few times in it."""
+"""Samples of a turn of a drive: what a turn repeats oscillates a few times in it."""
 
 
 class Dense:

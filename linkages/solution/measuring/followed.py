@@ -151,7 +151,7 @@ class Followed:
 def enough(motion: Motion, samples: int) -> bool:
     """Whether quintic polynomials through so many samples are as good as the steps of a motion.
 
-    An adaptive method takes several steps per swing, so that nothing happens between such samples.
+    An adaptive method takes several steps per oscillation: nothing happens between such samples.
     """
     return samples - 1 >= PER_STEP * motion.cost.get("steps", 0)
 

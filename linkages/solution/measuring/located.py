@@ -45,7 +45,7 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
     values = samples if finite.all() else np.where(finite[:, None], samples, 0.0)
     best = np.argmax(values, axis=1)
     top, bottom = values[np.arange(len(values)), best], values.min(axis=1)
-    rows, starts = _candidates(values, top)
+    rows, starts = _candidates(values, best)
     kept = (finite & (bottom < top))[rows]
     rows, starts = rows[kept], starts[kept]
     place = best.astype(float)
@@ -56,8 +56,11 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
     return Extremes(np.where(finite, top, np.nan), place)
 
 
-def _candidates(values: Floats, top: Floats) -> tuple[Whole, Whole]:
-    """Rows and samples beside which the largest value may lie: as far as the bend there allows."""
+def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
+    """Rows and samples beside which the largest value may lie: as far as the bend there allows.
+
+    Without a bend there is no more than the sample: of a series that rests, the first is enough.
+    """
     count = values.shape[1]
     if count < 3:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
@@ -68,7 +71,8 @@ def _candidates(values: Floats, top: Floats) -> tuple[Whole, Whole]:
     inner = np.clip(starts, 1, count - 2)
     bend = 2 * values[rows, inner] - values[rows, inner - 1] - values[rows, inner + 1]
     # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
-    found = values[rows, starts] + 0.5 * np.abs(bend) >= top[rows]
+    most = values[rows, starts] + 0.5 * np.abs(bend)
+    found = (most >= values[rows, best[rows]]) & ((bend != 0.0) | (starts == best[rows]))
     return rows[found], starts[found]
 
 

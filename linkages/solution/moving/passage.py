@@ -218,7 +218,7 @@ class Crossing:
         self, t: float, y: Floats, h: float, stages: int
     ) -> tuple[Floats, list[Floats], list[Floats]] | None:
         """Times, states and outputs of the kernel at the start, the nodes and the end of a step."""
-        nodes, weights, once = _gauss(stages)
+        nodes, weights, once = gauss(stages)
         times = t + h * nodes
         beyond = nodes > 0.5
         n = self._flow.coordinates
@@ -260,7 +260,7 @@ class Crossing:
         end = self._size - 2 * self._flow.switches
         last = np.array(outputs)[:, end - 3 * len(start) : end].reshape(len(outputs), 3, -1)
         cosines, sines, speeds = last.transpose(1, 2, 0)
-        _, weights, once = _gauss(STAGES)
+        _, weights, once = gauss(STAGES)
         turned = h * speeds[:, 1:-1] @ np.vstack([np.zeros(STAGES), once, weights]).T
         angles = np.arctan2(sines, cosines)
         return angles + 2 * np.pi * np.round((start[:, None] + turned - angles) / (2 * np.pi))
@@ -277,7 +277,7 @@ class Crossing:
 
 
 @cache
-def _gauss(stages: int) -> tuple[Floats, Floats, Floats]:
+def gauss(stages: int) -> tuple[Floats, Floats, Floats]:
     """Nodes and weights on [0, 1], and integrals of the cardinal polynomials up to each node."""
     nodes, weights = (1.0 + leggauss(stages)[0]) / 2, leggauss(stages)[1] / 2
     once = np.array([node * (weights @ cardinals(nodes, node * nodes)) for node in nodes])

@@ -19,12 +19,12 @@ JAMMED = 1e-6
 """Of W_nn², and of the size: how near to jamming a contact is that is called so."""
 
 
-def block_place(model: Model, block: int, time: float) -> str:
-    """When and where something happens to a block."""
+def block_place(model: Model, block: int) -> str:
+    """Where something happens to a block."""
     found = next(b for b in model.topology.solved_blocks if b.index == block)
     names = " and ".join(found.unknowns)
     joint = joint_of(model, found)
-    return f"at t = {time:.9g} s, joint {joint}, block {block} ({found.title} of {names})"
+    return f"joint {joint}, block {block} ({found.title} of {names})"
 
 
 def joint_of(model: Model, block: Block) -> str:
@@ -48,7 +48,7 @@ def block_alignment(model: Model, block: int) -> str:
 
 def passed_text(model: Model, time: float, blocks: tuple[int, ...]) -> str:
     """A sentence about a change point that a motion went through."""
-    places = [block_place(model, block, time).split(", ", 1)[1] for block in blocks[:3]]
+    places = [block_place(model, block) for block in blocks[:3]]
     more = f" and {len(blocks) - 3} more" if len(blocks) > 3 else ""
     return (
         f"at t = {time:.6g} s the motion went on smoothly through a change point: "
@@ -70,8 +70,13 @@ def block_failure(
     way_on
         What can be said of the way on then: `COULD_PASS` or its like.
     """
+    return f"at t = {time:.9g} s, {block_stop(model, block, singular, way_on)}"
+
+
+def block_stop(model: Model, block: int, singular: bool, way_on: str = COULD_PASS) -> str:
+    """The same without the time."""
     found = next(b for b in model.topology.solved_blocks if b.index == block)
-    place = block_place(model, block, time)
+    place = block_place(model, block)
     aligned = block_alignment(model, block)
     if found.kind == "PP":
         return f"{place}: {aligned}, so nothing determines their positions"

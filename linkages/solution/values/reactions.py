@@ -24,6 +24,7 @@ from linkages.kernel.model import Model
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.topology.graph import pairs
+from linkages.topology.topology import Topology
 
 _CHUNK = 1024
 _NO_RESIDUE = 1e-6
@@ -52,10 +53,10 @@ def joint_reactions(motion: Motion) -> Floats:
 
 def _of_piece(piece: Piece) -> Iterator[Floats]:
     if piece.samples is not None:
-        yield _across(piece, Statics(replace(piece, samples=None)).reactions())
+        yield _across(piece, statics_of(replace(piece, samples=None)).reactions())
         return
     for start in range(0, len(piece.time), _CHUNK):
-        yield Statics(piece.part(slice(start, start + _CHUNK))).reactions()
+        yield statics_of(piece.part(slice(start, start + _CHUNK))).reactions()
 
 
 def _across(piece: Piece, reactions: Floats) -> Floats:
@@ -86,13 +87,19 @@ def reaction_nodes(model: Model) -> list[Scalar]:
     return [*(node for v in vectors for node in (v.x, v.y)), *torques]
 
 
+def statics_of(piece: Piece) -> Statics:
+    """The forces at the samples of a piece."""
+    system = piece.system
+    return Statics(system.model, system.topology, len(piece.time), partial(evaluate_nodes, piece))
+
+
 class Statics:
     """The linear system of forces at some samples: three equations per body.
 
     Parameters
     ----------
-    piece
-        The samples.
+    model, topology, samples
+        The equations, a mechanism of their structure, and at how many samples they are asked.
     evaluate
         Nodes → their values there, shape (nodes, samples); in any arithmetic of NumPy.
     number
@@ -101,24 +108,24 @@ class Statics:
 
     def __init__(
         self,
-        piece: Piece,
-        evaluate: Callable[[Sequence[Scalar]], NDArray] | None = None,
+        model: Model,
+        topology: Topology,
+        samples: int,
+        evaluate: Callable[[Sequence[Scalar]], NDArray],
         number: Callable[[Parameter], Any] = operator.attrgetter("value"),
     ) -> None:
-        self._values = evaluate or partial(evaluate_nodes, piece)
-        self._number = number
-        self._system = system = piece.system
-        self._topology = system.topology
-        self._samples = len(piece.time)
-        self._pairs = pairs(system.mechanism)
-        self._bodies = list(system.mechanism.bodies.values())
+        self._values, self._number = evaluate, number
+        self._model, self._samples = model, samples
+        self._topology, self._mechanism = topology, topology.mechanism
+        self._pairs = pairs(self._mechanism)
+        self._bodies = list(self._mechanism.bodies.values())
         self._joint = {joint: index for index, joint in enumerate(self._topology.joints)}
         self._row = {body.name: 3 * index for index, body in enumerate(self._bodies)}
         self._evaluate()
 
     def _evaluate(self) -> None:
         """Places and accelerations of joints, directions and angular accelerations of bodies."""
-        model, joints, bodies = self._system.model, self._topology.joints, self._bodies
+        model, joints, bodies = self._model, self._topology.joints, self._bodies
         places = [model.positions.joints[joint] for joint in joints]
         moved = [model.accelerations.joints[joint] for joint in joints]
         units = [model.positions.unit(body.name) for body in bodies]
@@ -148,7 +155,7 @@ class Statics:
 
     def at_joints(self, forces: Floats) -> Floats:
         """Reactions, shape (samples, joints, 2), of unknowns of shape (samples, unknowns)."""
-        result = np.zeros((self._samples, len(self._joint), 2))
+        result = np.zeros((self._samples, len(self._joint), 2), dtype=forces.dtype)
         for index, pair in enumerate(self._pairs):
             result[:, self._joint[pair.joint]] += forces[:, 2 * index : 2 * index + 2]
         return result
@@ -156,7 +163,7 @@ class Statics:
     def _applied(self) -> Floats:
         """Forces and moments of all loads on each body."""
         rows = self._column()
-        for load in self._system.model.acting:
+        for load in self._model.acting:
             for body, joint, force in load.forces():
                 if body is not None:
                     self._add(rows, body, joint, self._values([force.x, force.y]).T)
@@ -200,7 +207,7 @@ class Statics:
         """A unit force between a slider and its carrier, across the axis or along it."""
         column, axis = self._column(), self._units[self._index[body.name]]
         force = np.stack([-axis[:, 1], axis[:, 0]], axis=1) if across else axis
-        pin, bearing = next(iter(body.points), body.axis), self._system.mechanism.bearing(body)
+        pin, bearing = next(iter(body.points), body.axis), self._mechanism.bearing(body)
         self._add(column, body.name, pin, force)
         if bearing is not None:
             self._add(column, bearing, pin, -force)
@@ -213,23 +220,23 @@ class Statics:
         """Efforts of drives (of free coordinates too, which come out as zero) and of relations."""
         for name in (*self._topology.driven, *self._topology.free):
             yield self._effort(name)
-        for relation in self._system.mechanism.relations:
+        for relation in self._mechanism.relations:
             column = self._effort(relation.body)
             slope = self._slope(relation)
             for other, ratio in relation.parts:
-                column -= self._number(ratio) * slope * self._effort(other)
+                column -= self._effort(other) * (slope * self._number(ratio))
             yield column
 
     def _slope(self, relation: Relation) -> Floats | float:
         """Of the lift of a cam, shape (samples, 1)."""
         if relation.profile is None:
             return 1.0
-        slope = self._system.model.positions.slope(relation.body)
+        slope = self._model.positions.slope(relation.body)
         return self._values([slope]).T
 
     def _effort(self, name: str) -> Floats:
         """A unit torque on a body that turns, or force along the axis of one that slides."""
-        body = self._system.mechanism.bodies[name]
+        body = self._mechanism.bodies[name]
         if not body.rotates:
             return self._along_guide(body, across=False)
         column = self._column()
@@ -241,26 +248,26 @@ class Statics:
         return self._places[self._first(body)]
 
     def _first(self, body: str) -> int:
-        moved = self._system.mechanism.bodies[body]
+        moved = self._mechanism.bodies[body]
         return self._joint[next(iter(moved.points), moved.axis)]
 
     def _inertia(self) -> Floats:
         """Mass times acceleration less weight, and rates of angular momentum."""
         rows = self._column()
-        gravity = self._system.mechanism.gravity
+        gravity = self._mechanism.gravity
         g = np.array([self._number(gravity.x), self._number(gravity.y)])
         for body in self._bodies:
             row, spin = self._row[body.name], self._spins[self._index[body.name]]
             arm, acceleration = self._centre(body)
-            force = self._number(body.mass) * (acceleration - g)
+            force = (acceleration - g) * self._number(body.mass)
             rows[:, row : row + 2] += force
             rows[:, row + 2] += arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-            rows[:, row + 2] += self._number(body.inertia) * spin
-        for mass in self._system.mechanism.point_masses:
-            carrier = self._system.mechanism.carrier(mass.joint)
+            rows[:, row + 2] += spin * self._number(body.inertia)
+        for mass in self._mechanism.point_masses:
+            carrier = self._mechanism.carrier(mass.joint)
             if carrier is not None:
                 acceleration = self._accelerations[self._joint[mass.joint]]
-                self._add(rows, carrier, mass.joint, self._number(mass.mass) * (acceleration - g))
+                self._add(rows, carrier, mass.joint, (acceleration - g) * self._number(mass.mass))
         return rows
 
     def _centre(self, body: Body) -> tuple[Floats, Floats]:
@@ -275,7 +282,7 @@ class Statics:
         arm = unit * x + np.stack([-unit[:, 1], unit[:, 0]], axis=1) * y
         spin, rate = self._spins[index][:, None], self._rates[index][:, None]
         turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-        return arm, self._accelerations[first] + turned * spin - arm * rate**2
+        return arm, self._accelerations[first] + turned * spin - arm * (rate * rate)
 
 
 def _solved(matrix: Floats, right: Floats) -> Floats:

@@ -20,7 +20,7 @@ function drawArrow(ctx, [x, y], [dx, dy], colour, { ends = false, width = 2.2 } 
   const length = Math.hypot(dx, dy);
   if (!(length > 1.5)) return;
   const [ux, uy] = [dx / length, dy / length];
-  const head = Math.min(11, 0.6 * length), half = 0.42 * head;
+  const head = Math.min(11, 0.6 * length);
   const [bx, by] = ends ? [x - dx, y - dy] : [x, y];
   const [tx, ty] = [bx + dx, by + dy], [nx, ny] = [tx - head * ux, ty - head * uy];
   ctx.strokeStyle = ctx.fillStyle = colour;
@@ -30,8 +30,15 @@ function drawArrow(ctx, [x, y], [dx, dy], colour, { ends = false, width = 2.2 } 
   ctx.moveTo(bx, by);
   ctx.lineTo(nx, ny);
   ctx.stroke();
+  drawHead(ctx, [tx, ty], [ux, uy], head, colour);
+}
+
+/** The head of an arrow that ends at a place, in a direction of length 1. */
+function drawHead(ctx, [x, y], [ux, uy], length, colour) {
+  const half = 0.42 * length, nx = x - length * ux, ny = y - length * uy;
+  ctx.fillStyle = colour;
   ctx.beginPath();
-  ctx.moveTo(tx, ty);
+  ctx.moveTo(x, y);
   ctx.lineTo(nx - half * uy, ny + half * ux);
   ctx.lineTo(nx + half * uy, ny - half * ux);
   ctx.fill();
@@ -48,8 +55,7 @@ function drawTorque(ctx, [x, y], part, radius, colour) {
   ctx.stroke();
   const way = to + (Math.sign(sweep) * Math.PI) / 2;
   const tip = [x + radius * Math.cos(to), y + radius * Math.sin(to)];
-  const step = [9 * Math.cos(way), 9 * Math.sin(way)];
-  drawArrow(ctx, [tip[0], tip[1]], step, colour, { width: 0.1 });
+  drawHead(ctx, [tip[0] + 7 * Math.cos(way), tip[1] + 7 * Math.sin(way)], [Math.cos(way), Math.sin(way)], 11, colour);
 }
 
 /** The loads and reactions of a motion, each with the scale of its kind. */
@@ -123,10 +129,7 @@ function spots(load, scene) {
       const turned = scene.angle(load.body);
       return [[scene.joint(load.joint), turned === null ? null : turned + (load.axis * Math.PI) / 2]];
     }
-    case "along": {
-      const turned = scene.angle(load.body);
-      return [[scene.joint(load.joint), turned === null ? null : turned + load.angle]];
-    }
+    case "along": return [[scene.joint(load.joint), scene.angle(load.body)]];
     default: throw new Error(`unknown kind of load: ${load.kind}`);
   }
 }

@@ -28,48 +28,32 @@ class Ghost {
 /** The ideal mechanism at the time of a scene. */
 class GhostScene extends Scene {
   constructor(scene, ghost) {
-    super(scene.motion, scene.place, scene.bodies);
+    super(scene.motion, scene.place, scene.parts);
     this.ghost = ghost;
     this.time = timeAt(scene);
   }
 
-  joint(name) {
-    if (!this.known.has(name)) this.known.set(name, this.ghost.joint(name, this.time));
-    return this.known.get(name);
-  }
+  moved(name) { return this.ghost.joint(name, this.time); }
 
   found(body) {
-    return body && !body.guide && !body.pair && !body.follows ? null
-      : body && body.pair ? pairAngle(this, body) : super.found(body);
+    if (body?.pair) return pairAngle(this, body);
+    return body?.guide || body?.follows ? super.found(body) : null;
   }
 }
 
 /** A mechanism whose deviation from the ideal one is enlarged. */
 class EnlargedScene extends Scene {
   constructor(scene, ghost, factor) {
-    super(scene.motion, scene.place, scene.bodies);
+    super(scene.motion, scene.place, scene.parts);
     this.ghost = ghost;
     this.factor = factor;
     this.time = timeAt(scene);
   }
 
-  joint(name) {
-    if (this.known.has(name)) return this.known.get(name);
-    const own = super.joint(name), ideal = this.ghost.joint(name, this.time);
-    if (own && ideal) {
-      this.known.set(name, own.map((value, k) => ideal[k] + this.factor * (value - ideal[k])));
-    }
-    return this.known.get(name);
+  moved(name) {
+    const own = super.moved(name), ideal = this.ghost.joint(name, this.time);
+    return own && ideal ? own.map((value, k) => ideal[k] + this.factor * (value - ideal[k])) : own;
   }
-
-  found(body) {
-    return body && body.pair ? pairAngle(this, body) : super.found(body);
-  }
-}
-
-function pairAngle(scene, { pair: [first, second, own] }) {
-  const a = scene.joint(first), b = scene.joint(second);
-  return a && b ? Math.atan2(b[1] - a[1], b[0] - a[0]) - own : null;
 }
 
 function timeAt({ motion, place }) {

@@ -37,7 +37,7 @@ class Grip {
 
   /** The place of the motion at which the held point is nearest to a point of the plane. */
   nearest(held, target, from) {
-    const { motion, camera, bodies } = this.stage;
+    const { motion, camera } = this.stage;
     const [left, low, right, high] = camera.box;
     const size = Math.max(right - left, high - low), count = motion.time.length;
     const terms = Object.entries(held.weights).map(([joint, weight]) => [weight,
@@ -51,13 +51,13 @@ class Grip {
       const cost = x * x + y * y + detour * detour;
       if (cost < least) [best, least] = [i, cost];
     }
-    return this.between(held, target, best, bodies);
+    return this.between(held, target, best);
   }
 
   /** The same between frames. */
-  between(held, target, i, bodies) {
-    const { motion } = this.stage, last = motion.time.length - 1;
-    const at = (k) => new Scene(motion, k, bodies).mean(held.weights);
+  between(held, target, i) {
+    const { motion, parts } = this.stage, last = motion.time.length - 1;
+    const at = (k) => new Scene(motion, k, parts).mean(held.weights);
     let found = i, least = apart(at(i), target);
     for (const k of [i - 1, i]) {
       if (k < 0 || k >= last) continue;

@@ -7,40 +7,77 @@ class Live {
   static limit = 20; // seconds after which a computation is given up
 
   constructor(text) {
-    this.address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
-    this.model = this.begin();
+    this.text = text;
     this.next = null;
+    this.model = this.begin();
   }
 
+  /** What can be computed, once the worker is there. */
   begin() {
-    this.worker = new Worker(this.address);
     this.busy = null;
-    return new Promise((done, failed) => {
+    return new Promise((done) => {
+      try {
+        this.address ??= URL.createObjectURL(new Blob([this.text], { type: "text/javascript" }));
+        this.worker = new Worker(this.address);
+      } catch (error) { // the page stands where workers are forbidden
+        done(this.onPage());
+        return;
+      }
+      let ready = false;
       this.worker.onerror = (event) => {
-        failed(new Error(event.message));
-        if (this.busy) this.restart(event.message);
+        event.preventDefault();
+        if (!ready) done(this.onPage());
+        else if (this.busy) this.restart(event.message);
       };
       this.worker.onmessage = ({ data }) => {
-        if (data.kind === "model") done(data.model); else this.finished(data);
+        ready = true;
+        if (data.kind === "model") done(data); else this.finished(data);
       };
     });
   }
 
-  /** The motion for numbers at times: {time, series, status}; null if it was overtaken. */
+  /** Compute on the page itself. */
+  onPage() {
+    if (!window.computing) {
+      document.body.append(element("script", {}, `(() => {"use strict";${this.text}\n})();`));
+    }
+    this.worker = {
+      postMessage: (request) => setTimeout(() => this.compute(request), 30), // sliders move first
+      terminate: () => {},
+    };
+    this.beside = false;
+    return window.computing.known;
+  }
+
+  compute(request) {
+    const until = performance.now() + 1000 * Live.limit;
+    const why = `Not computed within ${Live.limit} s`;
+    try {
+      this.finished(window.computing.answer(request, () => { if (performance.now() > until) throw why; }));
+    } catch (error) {
+      if (error !== why) throw error;
+      this.finished({ rows: [], reached: 0, status: why });
+    }
+  }
+
+  /** The motion for numbers at times: {time, rows, status, …}; null if it was overtaken. */
   motion(numbers, times, tolerances) {
     this.next?.done(null);
     return new Promise((done) => {
       this.next = { numbers, times, tolerances, done };
       if (!this.busy) this.send();
-      else if (performance.now() - this.busy.since > PATIENCE) this.restart();
+      else if (this.beside && performance.now() - this.busy.since > PATIENCE) this.restart();
     });
   }
+
+  beside = true;
 
   send() {
     const { numbers, times, tolerances } = this.next;
     this.busy = { ...this.next, since: performance.now() };
     this.next = null;
     this.worker.postMessage({ numbers, times, ...tolerances });
+    if (!this.beside) return;
     this.watch = setTimeout(
       () => this.restart(`Not computed within ${Live.limit} s`), 1000 * Live.limit);
   }
@@ -54,7 +91,7 @@ class Live {
     this.begin().then(() => this.next && !this.busy && this.send());
   }
 
-  finished({ rows, reached, status }) {
+  finished({ rows, reached, ...found }) {
     clearTimeout(this.watch);
     const { times, done } = this.busy;
     this.busy = null;
@@ -62,20 +99,31 @@ class Live {
       done(null);
       this.send();
     } else {
-      done({ time: times.subarray(0, reached), rows: rows.map((row) => row.subarray(0, reached)), status });
+      done({ ...found, time: times.subarray(0, reached), rows: rows.map((row) => row.subarray(0, reached)) });
     }
   }
 }
 
 /** Series of a live motion with all that the page knows of them by name. */
-function liveMotion(model, { time, rows }) {
-  return new Motion(time, model.series.flatMap((one, k) => {
-    const known = CONTENT.series[one.name];
-    return known ? [{ ...known, name: one.name, values: rows[k], bounds: null }] : [];
-  }));
+function liveMotion({ model, ideal }, { time, rows, ideal: beside }) {
+  const own = new Motion(time, liveSeries(model, rows));
+  if (!beside || beside.status) return { own, ideal: null };
+  const other = new Motion(time, liveSeries(ideal, beside.rows));
+  const deviations = Object.entries(CONTENT.series).flatMap(([name, known]) => {
+    const [a, b] = [own, other].map((motion) => known.compared && motion.find(known.compared, ...known.place));
+    return a && b ? [{ ...known, name, values: a.values.map((value, i) => value - b.values[i]), bounds: null }] : [];
+  });
+  return { own: new Motion(time, [...own.series, ...deviations]), ideal: other };
+}
+
+function liveSeries({ series }, rows) {
+  return series.flatMap(({ name }, k) => {
+    const known = CONTENT.series[name];
+    return known ? [{ ...known, name, values: rows[k], bounds: null }] : [];
+  });
 }
 
 /** So many times from one to another one. */
 function evenTimes(start, end, count) {
-  return Float64Array.from({ length: count }, (_, k) => start + ((end - start) * k) / (count - 1));
+  return Float64Array.from({ length: count }, (_, k) => (k === count - 1 ? end : start + ((end - start) * k) / (count - 1)));
 }

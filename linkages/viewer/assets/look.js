@@ -10,6 +10,8 @@ function setTheme(name) {
   colours = {
     ...CONTENT.palette[name], paper: own("--card"), line: own("--line"), soft: own("--soft"),
   };
+  root.style.setProperty("--load", colours.load);
+  root.style.setProperty("--reaction", colours.spring);
   changed();
 }
 
@@ -18,6 +20,17 @@ function theme() { return colours; }
 function lineColour(k) {
   const lines = CONTENT.lines[document.documentElement.dataset.theme];
   return lines[k % lines.length];
+}
+
+/** Paper is light; `draw` draws at once. */
+function followPrinter(draw) {
+  let before = null;
+  const take = (name) => { setTheme(name); draw(); };
+  window.addEventListener("beforeprint", () => {
+    before = document.documentElement.dataset.theme;
+    take("light");
+  });
+  window.addEventListener("afterprint", () => take(before ?? "light"));
 }
 
 function followTheme(button) {

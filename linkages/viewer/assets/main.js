@@ -10,15 +10,13 @@ function layerChips(host, stage) {
     box.checked = stage.on[key];
     box.addEventListener("change", () => {
       stage.on[key] = box.checked;
+      chip.classList.toggle("on", box.checked);
       stage.words.sides = null;
       changed();
     });
     const chip = element("label", { class: "chip" }, box);
-    if (colour) {
-      const mark = element("i");
-      mark.style.color = CONTENT.palette.light[colour];
-      chip.append(mark);
-    }
+    chip.classList.toggle("on", box.checked);
+    if (colour) chip.append(element("i", { class: colour }));
     chip.append(text);
     return chip;
   }));
@@ -49,8 +47,8 @@ async function start() {
   followTheme(get("theme"));
   get("summary").textContent = CONTENT.summary;
   about(get("about"));
-  const show = (motion, ideal, radii) => {
-    stage.show(motion, ideal, radii);
+  const show = (motion, ideal, radii, given) => {
+    stage.show(motion, ideal, radii, given);
     panels.show(motion);
     values.show(motion);
     player.show(motion, [...driven, ...free]);
@@ -61,9 +59,9 @@ async function start() {
     get("message").textContent = text;
     get("message").hidden = !text;
   };
-  show(recorded, ghost, sizes);
+  show(recorded, ghost, sizes, new Map());
   message(CONTENT.stopped ? `The motion stopped ${CONTENT.stopped}` : "");
-  const page = { stage, player, panels, values, recorded, ghost, sizes, show, message };
+  const page = { stage, player, panels, values, recorded, ghost, aliases, sizes, show, message };
   page.tabs = new Tabs(get("tabs"), {
     plots: "Diagrams", values: "Values", numbers: "Change", about: "About",
   });
@@ -72,17 +70,22 @@ async function start() {
   sizeButtons(stage);
   followKeys(player);
   new ResizeObserver(changed).observe(document.body);
+  const draw = () => {
+    if (!dirty) return;
+    dirty = false;
+    stage.draw(player.place, stage.held && stage.scene(player.place).mean(stage.held.weights));
+    if (page.tabs.chosen === "plots") panels.draw(player.place);
+    values.draw(player.place);
+  };
   const frame = () => {
-    if (dirty) {
-      dirty = false;
-      stage.draw(player.place, stage.held && stage.scene(player.place).mean(stage.held.weights));
-      if (page.tabs.chosen === "plots") panels.draw(player.place);
-      values.draw(player.place);
-    }
+    draw();
     requestAnimationFrame(frame);
   };
   frame();
-  return Object.assign(page, { live });
+  followPrinter(draw);
+  Object.assign(page, { live });
+  await shareAddress(get("share"), get("address"), page);
+  return page;
 }
 
 /** What tests ask, and whoever opens the console. */

@@ -61,12 +61,6 @@ class Motion {
       .map((one) => one.place[0]);
   }
 
-  /** How a body is turned: by its angle, or by the two joints that it has. */
-  angle(body, place) {
-    const series = this.find("bar_angle", body);
-    return series ? this.at(series, place) : 0;
-  }
-
   /** Least and largest of a series, over what it does between frames too. */
   range(series) {
     let low = Infinity, high = -Infinity;

@@ -2,14 +2,17 @@
 const TIMES = 4; // up to which factor a slider changes a number
 
 class Numbers {
-  /** @param {Function} moved called with all numbers in SI when one has changed */
-  constructor(host, model, size, moved) {
+  /**
+   * @param {string} slow what is to be said of how motions are computed
+   * @param {Function} moved called with all numbers in SI when one has changed
+   */
+  constructor(host, known, size, slow, moved) {
+    const { model } = known;
     this.model = model;
     this.moved = moved;
     this.values = model.numbers.map((one) => one.value);
     this.rows = model.numbers.map((one, k) => this.row(one, k, size));
     this.note = element("p");
-    this.missing = missingText(model);
     this.reset = element("button", { type: "button" }, "Reset all");
     this.save = element("button", { type: "button" }, "Download YAML");
     this.reset.addEventListener("click", () => this.set(model.numbers.map((one) => one.value)));
@@ -22,7 +25,8 @@ class Numbers {
       if (!groups.has(key)) groups.set(key, element("fieldset", {}, element("legend", {}, ...heading)));
       groups.get(key).append(this.rows[k].root);
     });
-    host.append(...groups.values());
+    const rest = [missingText(known), slow].filter(Boolean).map((text) => element("p", { class: "rest" }, text));
+    host.append(...groups.values(), ...rest);
     this.tell();
   }
 
@@ -79,7 +83,7 @@ class Numbers {
     this.reset.disabled = this.save.disabled = count === 0;
     this.note.textContent = count === 0 ? "All numbers are those of the file."
       : `${count === 1 ? "One number differs" : `${count} numbers differ`} from the file: ${
-        different.map((k) => this.model.numbers[k].path).join(", ")}.${this.missing}`;
+        different.map((k) => this.model.numbers[k].path).join(", ")}.`;
     const badge = document.querySelector("#tab-numbers");
     badge?.replaceChildren("Change", ...(count ? [element("span", { class: "count" }, String(count))] : []));
   }
@@ -104,10 +108,11 @@ class Numbers {
 }
 
 /** Quantities of the file's motion that are not there for other numbers. */
-function missingText(model) {
+function missingText({ model, ideal }) {
   const live = new Set(model.series.map((one) => one.variable));
-  const gone = new Set(Object.values(CONTENT.series).filter((one) => !live.has(one.variable)).map((one) => one.label));
-  return gone.size ? ` Not computed for other numbers: ${[...gone].join(", ")}.` : "";
+  const there = ({ variable, compared }) => live.has(variable) || (ideal && compared && live.has(compared));
+  const gone = new Set(Object.values(CONTENT.series).filter((one) => !there(one)).map((one) => one.label));
+  return gone.size ? `Not computed for other numbers: ${[...gone].join(", ")}.` : "";
 }
 
 /** How a slider from -1 to 1 becomes a value: by a factor, or by a distance. */

@@ -77,7 +77,7 @@ class Plot {
   }
 
   drawAxes(ctx, colours, width, height) {
-    ctx.font = "11px system-ui, sans-serif";
+    ctx.font = "12px system-ui, sans-serif";
     ctx.lineWidth = 1;
     const bottom = height - MARGIN.bottom;
     ctx.textBaseline = "middle";

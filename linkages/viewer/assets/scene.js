@@ -1,16 +1,37 @@
 /** A mechanism at one place of a motion: joints and angles, each computed once. */
 class Scene {
-  constructor(motion, place, bodies) {
+  /** @param {object} parts {bodies, places} as `partsOf` has them */
+  constructor(motion, place, parts) {
     this.motion = motion;
     this.place = place;
-    this.bodies = bodies;
+    this.parts = parts;
     this.known = new Map();
     this.turned = new Map();
   }
 
+  /** Where a joint is, or a place on an axis. */
   joint(name) {
-    if (!this.known.has(name)) this.known.set(name, this.motion.joint(name, this.place));
+    if (!this.known.has(name)) {
+      const on = this.parts.places[name];
+      this.known.set(name, on ? this.onAxis(on) : this.moved(name));
+    }
     return this.known.get(name);
+  }
+
+  moved(name) { return this.motion.joint(name, this.place); }
+
+  /** A displacement along the axis of a slider. */
+  onAxis({ slider, reach }) {
+    const { guide } = this.parts.bodies[slider], along = this.angle(slider);
+    let [x, y] = guide.origin;
+    if (guide.body !== null) {
+      const from = this.joint(guide.joint), turned = this.angle(guide.body);
+      if (!from || turned === null) return null;
+      const u = x - guide.own[0], v = y - guide.own[1];
+      x = from[0] + Math.cos(turned) * u - Math.sin(turned) * v;
+      y = from[1] + Math.sin(turned) * u + Math.cos(turned) * v;
+    }
+    return along === null ? null : [x + reach * Math.cos(along), y + reach * Math.sin(along)];
   }
 
   /** A weighted mean of joints, {joint: weight}; null if one is not known. */
@@ -28,7 +49,7 @@ class Scene {
   /** How a body is turned; null if that cannot be told. The ground is no body. */
   angle(name) {
     if (name === null) return 0;
-    if (!this.turned.has(name)) this.turned.set(name, this.found(this.bodies[name]));
+    if (!this.turned.has(name)) this.turned.set(name, this.found(this.parts.bodies[name]));
     return this.turned.get(name);
   }
 
@@ -38,13 +59,10 @@ class Scene {
       const carrier = this.angle(body.guide.body);
       return carrier === null ? null : carrier + body.guide.angle;
     }
+    const found = body.pair && pairAngle(this, body);
+    if (found !== null) return found;
     const series = this.motion.find("bar_angle", body.name);
     if (series) return this.motion.at(series, this.place);
-    if (body.pair) {
-      const [first, second, own] = body.pair;
-      const a = this.joint(first), b = this.joint(second);
-      return a && b ? Math.atan2(b[1] - a[1], b[0] - a[0]) - own : null;
-    }
     if (!body.follows) return null;
     let sum = body.follows.offset;
     for (const [other, ratio] of body.follows.parts) {
@@ -80,4 +98,37 @@ class Scene {
     const v = across * camera.scale + pointsAcross * point;
     return [x + cos * u - sin * v, y - sin * u - cos * v];
   }
+}
+
+/** How a body is turned by the two joints that are farthest apart on it. */
+function pairAngle(scene, { pair: { joints: [first, second], own } }) {
+  const a = scene.joint(first), b = scene.joint(second);
+  return a && b ? Math.atan2(b[1] - a[1], b[0] - a[0]) - own : null;
+}
+
+/**
+ * Bodies and places on axes of a motion, with numbers as they are: `given` has those that are not
+ * as the page was written with, by their paths.
+ */
+function partsOf(motion, given) {
+  const value = ([own, path]) => given.get(path) ?? own;
+  const bodies = Object.fromEntries(CONTENT.mechanism.bodies.map((body) => {
+    const { guide, pair, follows } = body, found = { ...body };
+    if (guide) {
+      found.guide = { ...guide, angle: value(guide.angle), origin: guide.origin?.map(value), own: guide.own?.map(value) };
+    }
+    if (pair) {
+      const [[ax, ay], [bx, by]] = pair.places.map((place) => place.map(value));
+      found.pair = { joints: pair.joints, own: Math.atan2(by - ay, bx - ax) };
+    }
+    if (follows) {
+      found.follows = { offset: value(follows.offset), parts: follows.parts.map(([name, ratio]) => [name, value(ratio)]) };
+    }
+    return [body.name, found];
+  }));
+  const places = Object.fromEntries(Object.entries(CONTENT.places).map(([name, { slider, at }]) => {
+    const [low, high] = typeof at === "number" ? [at, at] : motion.range(motion.find("slider_position", slider));
+    return [name, { slider, reach: at === "high" ? high : low }];
+  }));
+  return { bodies, places };
 }

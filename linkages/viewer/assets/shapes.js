@@ -70,8 +70,10 @@ class Words {
     this.sides = null;
   }
 
+  size(point) { return Math.max(12, Math.round(9 * point)); }
+
   font(word, point) {
-    return `${word.strong ? "600 " : ""}${Math.round(9 * point)}px system-ui, sans-serif`;
+    return `${word.strong ? "600 " : ""}${this.size(point)}px system-ui, sans-serif`;
   }
 
   /** Choose the sides, from some scenes of the motion. */
@@ -80,7 +82,7 @@ class Words {
     const taken = scenes.map(() => []);
     this.sides = this.words.map((word) => {
       ctx.font = this.font(word, point);
-      const size = [ctx.measureText(word.text).width, 10 * point];
+      const size = [ctx.measureText(word.text).width, this.size(point) + 1];
       let best = 0, least = Infinity, crowd = 0;
       for (let side = 0; side < 8; side++) {
         let cost = side === 1 ? 0 : 0.2, met = 0;
@@ -139,12 +141,14 @@ class Words {
   draw(ctx, scene, camera, colours, point) {
     ctx.textAlign = "center";
     ctx.textBaseline = "middle";
+    const taken = [];
     this.words.forEach((word, k) => {
       if (this.sides[k] === HIDDEN) return;
       ctx.font = this.font(word, point);
-      const size = [ctx.measureText(word.text).width, 10 * point];
+      const size = [ctx.measureText(word.text).width, this.size(point) + 1];
       const box = this.box(word, scene, camera, point, this.sides[k], size);
-      if (!box) return;
+      if (!box || (!word.strong && taken.some((other) => meet(other, box)))) return;
+      taken.push(box);
       const middle = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
       ctx.strokeStyle = colours.paper;
       ctx.lineWidth = 3 * point;

@@ -11,15 +11,18 @@ class Stage {
   constructor(canvas, glasses) {
     this.canvas = canvas;
     this.camera = new Camera();
-    this.bodies = Object.fromEntries(CONTENT.mechanism.bodies.map((body) => [body.name, body]));
     this.words = new Words(CONTENT.shapes);
     this.glasses = CONTENT.mechanism.clearances.map((one) => new Glass(glasses, one));
     this.on = Object.fromEntries(LAYERS.map((layer) => [layer.key, layer.on]));
   }
 
-  /** Show another motion; `sizes` are radial clearances by name, `ghost` what has none. */
-  show(motion, ghost, sizes) {
+  /**
+   * Show another motion; `sizes` are radial clearances by name, `ghost` what has none, `given`
+   * other numbers by their paths.
+   */
+  show(motion, ghost, sizes, given) {
     this.motion = motion;
+    this.parts = partsOf(motion, given);
     this.ghost = ghost;
     this.forces = new Forces(motion, CONTENT.mechanism.loads);
     this.camera.show(this.boxFor(boxOf(motion)));
@@ -58,7 +61,7 @@ class Stage {
   get longest() { return 0.16 * Math.min(this.camera.width, this.camera.height); }
 
   scene(place) {
-    const plain = new Scene(this.motion, place, this.bodies);
+    const plain = new Scene(this.motion, place, this.parts);
     return this.on.ghost && this.ghost && this.enlarged > 1
       ? new EnlargedScene(plain, this.ghost, this.enlarged) : plain;
   }

@@ -1,8 +1,12 @@
+/** What linkages/viewer/packed.py has deflated. */
+function inflated(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
+}
+
 /** Numbers of the page from their text, as linkages/viewer/packed.py writes it. */
 async function unpacked(text) {
-  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const planes = new Uint8Array(await inflated(text).arrayBuffer());
   const count = planes.length / 4;
   const bits = new Uint32Array(count);
   let sum = 0;

@@ -1,0 +1,42 @@
+/** Addresses of the page that hold changed numbers and the time. */
+const TIME_KEY = "t";
+
+/** What stands behind the # of an address: the time, and numbers in SI that are not those of the file. */
+function stateText(numbers, time) {
+  const parts = new URLSearchParams();
+  for (const k of numbers.changedOnes) parts.append(numbers.model.numbers[k].path, String(numbers.values[k]));
+  parts.append(TIME_KEY, String(time));
+  return parts.toString();
+}
+
+/** The same read: {values, time}; numbers that the page does not have are left out. */
+function stateOf(text, { numbers }) {
+  const parts = new URLSearchParams(text.replace(/^#/, ""));
+  const known = (key) => parts.has(key) && parts.get(key).trim() !== "" && Number.isFinite(Number(parts.get(key)));
+  const values = numbers.map(({ path, value }) => (known(path) ? Number(parts.get(path)) : value));
+  return { values, time: known(TIME_KEY) ? Number(parts.get(TIME_KEY)) : null };
+}
+
+/** Follows the address, and gives the one of what is shown. A page in a frame has none. */
+function shareAddress(button, field, { live, player }) {
+  const own = window.location.protocol !== "about:";
+  button.hidden = !own;
+  if (!own) return Promise.resolve();
+  button.addEventListener("click", () => {
+    field.value = `${window.location.href.split("#")[0]}#${stateText(live.numbers, player.time)}`;
+    field.hidden = false;
+    field.select();
+    navigator.clipboard?.writeText(field.value).catch(() => {}); // the field has it as well
+  });
+  const follow = async () => {
+    if (window.location.hash.length < 2) return;
+    const { values, time } = stateOf(window.location.hash, live.model);
+    if (values.some((value, k) => value !== live.numbers.values[k])) live.numbers.set(values);
+    await live.shown;
+    if (time === null) return;
+    player.pause();
+    player.seek(time);
+  };
+  window.addEventListener("hashchange", follow);
+  return follow();
+}

@@ -14,6 +14,7 @@ import linkages
 from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos import bifurcations, exponents, maps, sections
+from linkages.plots.chaos.zooms import Zoom
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.sweeps.axes import parse_range
@@ -29,9 +30,13 @@ def driven(**changes: object) -> Mechanism:
     return from_document(apply(parse(block.group(1), "driven.yaml"), changes))
 
 
+LAYERS = Zoom(-160, -70, 2.04, 2.19), Zoom(-112, -100, 2.158, 2.18)
+"""Parts of the strange attractor, the second within the first."""
+
+
 def attractor() -> None:
-    """Five thousand points of the strange attractor."""
-    figure = sections.figure(linkages.poincare(driven(), periods=5000, skip=100))
+    """A hundred thousand points of the strange attractor."""
+    figure = sections.figure(linkages.poincare(driven(), periods=100_000, skip=100), LAYERS)
     assert figure is not None
     write_small(figure, STATIC / "chaos-section.png")
 
@@ -48,8 +53,8 @@ def diagram() -> None:
     parts = [
         linkages.bifurcation(
             driven(),
-            parse_range(f"{DAMPING}=0.45:0.8:281"),
-            periods=60,
+            parse_range(f"{DAMPING}=0.45:0.8:841"),
+            periods=100,
             skip=200,
             start=start,
             exponent=True,
@@ -62,13 +67,10 @@ def diagram() -> None:
 
 
 def plane() -> None:
-    """Which initial states of the nine-bar's clearance are chaotic."""
-    mechanism = linkages.load(
-        "ninebar", set={"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}
-    )
-    angles = parse_range("clearances.r1.angle=-180deg:180deg:200")
-    speeds = parse_range("clearances.r1.speed=-600:600:200")
-    figure = maps.figure(linkages.chaos_map(mechanism, angles, speeds, indicator="fli", periods=10))
+    """Where the pendulum is chaotic, over its damping and gravity."""
+    damping = parse_range(f"{DAMPING}=0.4:0.8:300")
+    gravity = parse_range("gravity[1]=-1.5:-0.7:300")
+    figure = maps.figure(linkages.chaos_map(driven(), damping, gravity, periods=60, skip=60))
     assert figure is not None
     write_small(figure, STATIC / "chaos-map.png", colours=256)
 

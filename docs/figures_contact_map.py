@@ -59,6 +59,7 @@ def figure(data: xr.Dataset) -> Figure:
         box = panel.get_position()
         above = drawn.add_axes((box.x0, box.y1 + 0.02, box.width, 0.03))
         drawn.colorbar(panel.collections[0], cax=above, label=text, location="top", format=plain)
+    axes[0].set_ylabel("radial clearance [mm]")
     axes[1].set_ylabel("")
     return drawn
 

@@ -14,7 +14,7 @@ import linkages
 from linkages.plots.films.pace import too_fast
 
 PATH = Path(__file__).resolve().parent / "_static" / "ninebar.gif"
-SHOWN = {".gif": (80.0, 0.05), ".webp": (130.0, 0.027)}
+SHOWN = {".gif": (80.0, 0.05), ".webp": (120.0, 0.027)}
 """Pixels per inch, and how much of the motion: five swings of the clearance, or three."""
 
 MOST_BYTES = 1_000_000

@@ -250,7 +250,15 @@ def plot(
 
 
 @computes(SectionOptions)
-def poincare() -> None:
+def poincare(
+    zoom: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="LEFT,RIGHT,BOTTOM,TOP",
+            help="A part to draw once more, larger, in units of the axes; repeatable.",
+        ),
+    ] = None,
+) -> None:
     """Take a point of the motion every period of the drives, or at every crossing of a section."""
 
 

@@ -17,7 +17,7 @@ def javascript(subject: Subject) -> Mapping[str, str]:
     """
     from linkages.exports.kernels.javascript import javascript_module
 
-    return {f"{subject.name}.js": javascript_module(subject.system, subject.simulation)}
+    return {f"{subject.name}.js": javascript_module(subject.system, options=subject.simulation)}
 
 
 EXPORT = javascript

@@ -101,7 +101,8 @@ def mechanism(
     time
         In seconds.
     dimensions
-        Whether to write lengths of bars and of sides of plates, and to mark centres of mass.
+        Whether to write lengths of bars, of sides of plates and of the ground's frame, and to mark
+        centres of mass.
 
     Raises
     ------

@@ -15,6 +15,8 @@ def path_words(path: str) -> str:
             return f"radial clearance {name}"
         case ("clearances", str(name), str(key)):
             return f"{_spaced(key)} of clearance {name}"
+        case ("gravity", int(index)):
+            return f"gravity along {'xy'[index]}"
         case ("masses", name):
             return f"mass at {name}"
         case (str(section), int(index), *between, str(key)):

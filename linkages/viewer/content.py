@@ -22,6 +22,7 @@ from linkages.solution.origin import origin_of
 from linkages.solution.values.series import system_series
 from linkages.viewer.described import described
 from linkages.viewer.drawn import drawn
+from linkages.viewer.frames import chosen
 from linkages.viewer.ideal import ideal_module
 from linkages.viewer.packed import Packed
 from linkages.viewer.page import page
@@ -60,7 +61,7 @@ def written(
         "mechanism": described(system),
         "summary": _summary(system),
         "motion": recorded(data, system, packed),
-        **drawn(data, mechanism),
+        **drawn(data.isel(time=chosen(data)), mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
         "stopped": None if failure is None else str(failure),
         "how": _how(origin),

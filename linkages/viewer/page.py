@@ -34,8 +34,7 @@ def page(content: dict[str, Any], models: Mapping[str, str]) -> str:
     content
         What scripts find in ``CONTENT``: numbers as text, the mechanism, its motion.
     models
-        Name → module without imports that exports ``model`` and ``integrate``; empty for a model
-        that is not there.
+        Name → module without imports that exports ``model``; empty for a model that is not there.
     """
     beside = [*(_named(*item) for item in models.items()), _asset("worker.js")]
     parts = {
@@ -52,7 +51,7 @@ def _named(name: str, module: str) -> str:
     """A module in a scope of its own, and its model under a name."""
     if not module:
         return f"const {name} = null;"
-    return f"const {name} = (() => {{\n{module}\nreturn {{ ...model, integrate }};\n}})();"
+    return f"const {name} = (() => {{\n{module}\nreturn model;\n}})();"
 
 
 def _json(content: dict[str, Any]) -> str:

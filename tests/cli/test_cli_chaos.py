@@ -58,6 +58,14 @@ def test_poincare_writes_a_point_for_each_period(pendulum, tmp_path):
     assert "results/m/poincare.png" in result.files
 
 
+@pytest.mark.parametrize("zoom", ["1,2,3", "2,1,0,1", "0,5,nan,1", "rod:0,1,0,1"])
+def test_parts_of_sections_are_checked_first(pendulum, zoom):
+    result = pendulum("poincare", "--periods", "8", f"--zoom={zoom}")
+    assert result.code == 2
+    assert "--zoom" in result.err
+    assert zoom in result.err
+
+
 def test_poincare_as_json(pendulum):
     result = pendulum("poincare", "--periods", "5", "--no-figures", "--json", "--out", "o")
     content = json.loads(result.out)

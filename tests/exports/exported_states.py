@@ -121,7 +121,7 @@ clearances:
 drives: {crank: {angle: 0, speed: 3000 rpm}}
 assembly: {B: [0.17, 0]}
 """,
-        0.04,
+        0.01,
     ),
 }
 """The same moving freely, and led through, past three and two change points; rigid contacts with

@@ -95,7 +95,7 @@ MOVED = """
 (() => {
   const values = [], state = model.state.slice(), out = new Float64Array(model.series.length);
   const parameters = model.parameters.slice();
-  const ended = integrate(parameters, state, times, { rtol: 1e-12, atol: 1e-14 },
+  const ended = model.integrate(parameters, state, times, { rtol: 1e-12, atol: 1e-14 },
     (i, t, reached) => {
       model.outputs(t, reached, parameters, out);
       values.push([...out]);
@@ -136,7 +136,7 @@ def test_what_stays_zero_has_no_error(tolerances, page):
     """A bar at rest in its balance: no tolerance is asked of zeros."""
     text = "joints: {O: [0, 0]}\nbars: {b: {joints: [O, P], length: 1, mass: 1}}\n"
     of = System(linkages.loads(text + "free: {b: {angle: 0, speed: 0}}"))
-    still = f"integrate(model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
+    still = f"model.integrate(model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
     ended = run(page, javascript_module(of), still)
     assert (ended["status"], ended["time"]) == (0, 1)
 
@@ -156,7 +156,7 @@ def test_contacts_and_friction_are_those_of_simulate(name, page):
 def test_change_points_end_driven_motions(page):
     of = System(linkages.loads(PARALLELOGRAM))
     times = "[0, 0.4 / 3, 0.8 / 3, 0.4]"
-    followed = f"integrate(model.parameters, model.state, {times}, {{}}, () => 0)"
+    followed = f"model.integrate(model.parameters, model.state, {times}, {{}}, () => 0)"
     said = f"[{followed}].map((e) => [e.time, model.statuses[e.status]])[0]"
     time, text = run(page, javascript_module(of), said)
     assert time == pytest.approx(CHANGES, abs=1e-5)

@@ -407,3 +407,32 @@ def test_equal_steps_in_c_follow_contacts(name, program):
     assert done.returncode == 0, done.stderr
     table = np.array([*csv.reader(done.stdout.splitlines())][1:], dtype=float)[:, 1:]
     np.testing.assert_allclose(table[:, followed_rows(name)], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("samples", [3, 1001])
+def test_drives_lead_through_change_points_however_close_samples_are(samples, module):
+    """Near them positions are closed forms of angles in line: half of the digits are left."""
+    _, found = module("driven")
+    times = np.linspace(0.0, 0.8, samples)
+    p, y = found["start"]()
+    rows = [found["NAMES"].index(f"B.{axis} position") for axis in "xy"]
+    values = []
+    found["integrate"](
+        times, p, y, visit=lambda t, state: values.append(found["outputs"](t, state, p)[rows])
+    )
+    angle = np.pi / 3 - 6 * times  # bars a and c stay parallel
+    expected = np.stack([1 + 0.5 * np.cos(angle), 0.5 * np.sin(angle)], axis=1)
+    np.testing.assert_allclose(values, expected, rtol=0, atol=1e-8)
+
+
+def test_driven_iterated_groups_end_as_simulate_does(tmp_path):
+    """With the same sentence: time, joint, group. Both bisect on the time, to 1e-9 and better."""
+    mechanism = system("class-three").mechanism.with_values({"bars.crank.length": 0.16})
+    found = run_module(in_python(System(mechanism)), tmp_path)
+    with pytest.raises(linkages.ComputationError) as expected:
+        linkages.simulate(mechanism, end=0.1, samples=11)
+    with pytest.raises(ArithmeticError) as refusal:
+        found["integrate"](np.linspace(0.0, 0.1, 11), *found["start"](), 1e-8, 1e-8)
+    here, there = (re.split(r"at t = ([\d.]+) s, ", str(e.value)) for e in (refusal, expected))
+    assert float(here[1]) == pytest.approx(float(there[1]), abs=1e-8)
+    assert here[2] == there[2]

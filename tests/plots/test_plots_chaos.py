@@ -15,6 +15,7 @@ from linkages.chaos.series.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
 from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
 from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
+from linkages.plots.chaos.zooms import Zoom
 from linkages.plots.motion.free_axes import free_coordinates, show_degrees
 from linkages.plots.style import PALETTE
 
@@ -124,6 +125,23 @@ def test_points_that_coincide_are_one():
     assert np.ptp(ax.get_ylim()) > 0.1
 
 
+def test_parts_of_a_section_are_drawn_once_more():
+    angles, rates = np.radians(np.linspace(-40.0, 40.0, 9)), np.linspace(0.0, 4.0, 9)
+    data, part = section_data(angles, rates), Zoom(-25.0, 25.0, 0.5, 3.5)
+    main, one, other = sections.figure(data, [part, Zoom(5.0, 15.0, 2.0, 3.0)]).axes
+    assert [len(ax.lines[0].get_xdata()) for ax in (main, one, other)] == [9, 5, 1]
+    assert one.get_xlim() == (-25.0, 25.0)
+    (frame, _) = main.patches
+    assert (*frame.get_xy(), frame.get_width(), frame.get_height()) == (-25.0, 0.5, 50.0, 3.0)
+
+
+def test_parts_belong_to_one_free_coordinate():
+    data = section_data(np.zeros((3, 2)), np.zeros((3, 2)), names=("arm", "rod"))
+    assert len(sections.figure(data, [Zoom(-1, 1, -1, 1, "rod")]).axes) == 2
+    with pytest.raises(ValueError, match="one free coordinate, arm or rod; found -1,1,-1,1"):
+        sections.figure(data, [Zoom(-1, 1, -1, 1)])
+
+
 def test_no_section_without_points():
     assert sections.figure(section_data([], [])) is None
 
@@ -179,15 +197,14 @@ def test_varied_angles_are_drawn_in_degrees():
     assert {0, 90, 180, 270, 360} <= set(ticks(points))
 
 
-def test_headings_of_panels_keep_clear_of_the_tick_labels_above():
+def test_headings_of_panels_keep_clear_of_the_panel_above():
     one, other = sweep_data(exponent=True), sweep_data(exponent=True)
     data = xr.concat([one, other.assign_coords(clearance=["r2"])], "clearance", data_vars="minimal")
     figure = bifurcations.figure(data)
     figure.canvas.draw()
     for above, below in zip(figure.axes, figure.axes[1:], strict=False):
         heading = below._right_title.get_window_extent()
-        labels = [label.get_window_extent() for label in above.get_xticklabels()]
-        assert min(label.y0 for label in labels) > heading.y1
+        assert above.get_window_extent().y0 > heading.y1
 
 
 def test_values_that_could_not_be_computed_are_shaded():

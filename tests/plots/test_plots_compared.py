@@ -32,6 +32,7 @@ def cranks():
         ("masses.W", "mass at W"),
         ("simulate.rtol", "rtol"),
         ("gravity", "gravity"),
+        ("gravity[1]", "gravity along y"),
         ("no path at all..", "no path at all.."),
     ],
 )

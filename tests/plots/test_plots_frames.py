@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import linkages
 from linkages.plots.films.stage import MARGIN as FILM
@@ -70,6 +71,14 @@ def test_a_fitted_box_is_as_large_as_its_room_lets_it_be():
     """One point with a symbol beside it, and one without: both ends are known."""
     cover = Cover(np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[-50.0, 0.0], [0.0, 0.0]]))
     box = cover.fitted((150.0, 100.0))  # 100 points are left for a metre
-    assert box.low == pytest.approx([-0.5, 0.0], rel=1e-5)  # SLACK of the scale
+    assert box.low == pytest.approx([-0.5, 0.0], rel=1e-12)
     assert box.high == pytest.approx([1.0, 0.0])
     assert cover.fitted(ROOM).bare.scale == Box.around([[0, 0], [1, 0]]).scale
+
+
+@pytest.mark.parametrize("size", [(6.0, 5.0), (3.6, 3.2)])
+def test_axes_of_any_size_hold_everything(size):
+    pose = Pose(linkages.loads(NARROW), {"O": (0.0, 0.0), "C": (0.0, 0.001)})
+    with style():
+        ax = drawing.draw_pose(Figure(figsize=size).add_subplot(), pose)
+        assert edges(ax, ax.patches) > 0.0

@@ -168,7 +168,7 @@ def test_a_series_that_rests_is_looked_at_beside_its_peaks_only():
     looked = []
 
     def found(sign):
-        def between(which, places):
+        def between(_which, places):
             looked.append(len(places))
             return sign * value(places)
 

@@ -34,7 +34,6 @@ simulate: {end: 1, samples: 101}
 """,
     "quick-return": "quick-return",
     "scotch-yoke": "scotch-yoke",
-    "beam-pump": "beam-pump",
 }
 CHANGED = [
     ("slanted", "sliders.piston.angle", 1.04),
@@ -42,7 +41,6 @@ CHANGED = [
     ("slanted", "bars.rod.points.B[0]", 1.04),
     ("quick-return", "bars.crank.length", 1.04),
     ("scotch-yoke", "bars.crank.length", 1.04),
-    ("beam-pump", "bars.crank.length", 1.04),
 ]
 
 PLACED = """

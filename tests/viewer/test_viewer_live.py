@@ -228,6 +228,25 @@ def test_a_motion_without_tolerances_of_its_own_starts_at_rest(browser, tmp_path
     assert set(motion(page)[1]["A.x position"]) == {2.0}
 
 
+def test_change_points_are_passed_where_simulate_passes_them(browser, tmp_path):
+    """A parallelogram in line goes on as one."""
+    mechanism = linkages.loads(
+        "{joints: {O: [0, 0], C: [1, 0]}, bars: {a: {joints: [O, A], length: 0.5, mass: 1},"
+        " b: {joints: [A, B], length: 1, mass: 1}, c: {joints: [C, B], length: 0.5, mass: 1}},"
+        " drives: {a: {angle: 60 deg, speed: -6}}, assembly: {B: [1.25, 0.4]},"
+        " simulate: {end: 0.15, samples: 41, change_points: pass}}"
+    )
+    page = browser.page()
+    page.open(linkages.view(mechanism, tmp_path / "page.html"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    change(page, **{"drives.a.speed": -9.0})
+    time, found = motion(page)
+    assert page.evaluate("document.getElementById('message').hidden")
+    assert time[-1] == pytest.approx(0.15)
+    # in line at π/27 s, which the slower motion of the file does not reach; AB stays parallel to OC
+    np.testing.assert_allclose(found["B.x position"] - found["A.x position"], 1.0, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     "options",
     [{"end": -0.5, "samples": 51}, {"times": [0.0, 0.1, 0.3]}, {"times": [0.3]}],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,20 +12,25 @@ from rich.markup import escape
 from linkages.cli.requests import File, Request
 from linkages.cli.swept import contact_content, free_columns, print_remarks
 from linkages.cli.terminal import number, table
+from linkages.errors import InputError, Problem
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from linkages.plots.chaos.zooms import Zoom
 
 TAKEN = ("period", "phase", "section", "direction")
 """Attributes that say how points are taken."""
 
 
-def run(request: Request) -> int:
+def run(request: Request, zoom: Sequence[str] | None) -> int:
     """Compute a section; returns the exit code."""
     from linkages.chaos.sections.section import poincare
 
+    zooms = _rectangles(request, zoom or ())
     with request.computing("section of") as watch:
         data = poincare(request.mechanism, watch=watch, **request.given)
+    of_touches = "touch_rate" in data
     columns = {"time (s)": data["time"].to_numpy(), **free_columns(data)}
 
     def made() -> Iterator[File]:
@@ -34,10 +39,14 @@ def run(request: Request) -> int:
         if request.figures:
             from linkages.plots.chaos import sections, touches
 
-            yield "poincare", (touches if "touch_rate" in data else sections).figure(data)
+            drawn = touches.figure(data) if of_touches else sections.figure(data, zooms)
+            yield "poincare", drawn
 
     files = request.write(made())
     rows, warning = section_rows(data), data.attrs["warning"]
+    notes = [warning] if warning else []
+    if zooms and of_touches:
+        notes.append("diagrams of touches have no enlarged parts: --zoom was left out")
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(data.attrs['name'])}[/bold]: {escape(taken(data))}")
@@ -45,7 +54,7 @@ def run(request: Request) -> int:
         heads = ["quantity", "of", "unit", "least", "greatest", "last"]
         cells = [[row[key] for key in keys] for row in rows]
         screen.print(table("Where the points lie", heads, cells, numbers=3))
-        print_remarks(data, [warning] if warning else [], screen)
+        print_remarks(data, notes, screen)
 
     content = {
         "mechanism": data.attrs["name"],
@@ -58,6 +67,21 @@ def run(request: Request) -> int:
         "warning": warning or None,
     }
     return request.report(content, files, show)
+
+
+def _rectangles(request: Request, texts: Sequence[str]) -> list[Zoom]:
+    """Parts of the section that are enlarged, checked before anything is computed."""
+    if not texts:
+        return []
+    from linkages.kernel.system import System
+    from linkages.plots.chaos.zooms import coordinate_of, read_zoom
+
+    try:
+        found = [read_zoom(text) for text in texts]
+        coordinate_of(found, System(request.mechanism).topology.free)
+    except ValueError as error:
+        raise InputError("--zoom", [Problem(message=str(error))]) from None
+    return found
 
 
 def taken(data: xr.Dataset) -> str:

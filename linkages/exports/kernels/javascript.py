@@ -27,7 +27,7 @@ def javascript_module(
     options: RunOptions | None = None,
     variables: Sequence[str] | None = None,
 ) -> str:
-    """The text of a module that exports ``model``, its numbers and equations, and ``integrate``.
+    """The text of a module that exports ``model``: its numbers, equations, outputs and motion.
 
     Parameters
     ----------

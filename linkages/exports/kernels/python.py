@@ -61,7 +61,8 @@ def python_module(system: System, options: SimulationOptions) -> str:
     ])  # fmt: skip
 
 
-_DOC = """Needs NumPy. For example:
+_DOC = """Needs NumPy. Numbers are in SI, angles in radians; a state has COORDINATES in their order,
+then their rates. For example:
 
     p, y = start(**{next(iter(NUMBERS)): 0.1})
     times = linspace(0.0, 1.0, 101)

@@ -27,7 +27,7 @@ RECORDS: Mapping[str, Mapping[str, str | Shape]] = {
     "Motion": {
         "index": "int", "count": "int", "equal": "int", "prepared": "int", "changes": "int",
         "steps": "int", "t": "float", "sign": "float", "part": "float", "longest": "float",
-        "rtol": "float", "atol": "float", "since": "float", "where": "float",
+        "rtol": "float", "atol": "float", "since": "float", "where": "float", "before": "float",
         "stopped_at": "float", "p": "Floats", "times": "Given",
         "y": ("STATE",), "next": ("STATE",), "trial": ("STATE",),
         "slopes": ("STAGES + 1 + FURTHER", "STATE"), "margins": ("2 * BLOCKS",),
@@ -276,6 +276,7 @@ class CRoutines(_Braces):
             found.append("typedef struct {\n" + "\n".join(lines) + f"\n}} {name.lower()};\n")
         tell = "  m->visit(t, y, m->p, m->data);\n"
         found.append(f"static void tell(motion *m, double t, const double *y) {{\n{tell}}}\n")
+        found.append("#define about_to_step(m)\n")
         return "\n".join(found)
 
     def head(self, node: ast.FunctionDef) -> str:
@@ -322,7 +323,8 @@ class JavaScriptRoutines(_Braces):
         for name, fields in RECORDS.items():
             inner = ", ".join(f"{field}: {self.made(kind)}" for field, kind in fields.items())
             found.append(f"const new{name} = () => ({{ {inner} }});\n")
-        found.append("const tell = (m, t, y) => m.visit(m.index, t, y);\n")
+        found.append("const tell = (m, t, y) => m.visit(m.index, t, y);")
+        found.append("const about_to_step = (m) => m.check?.();\n")
         return "\n".join(found)
 
     @staticmethod

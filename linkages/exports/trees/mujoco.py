@@ -146,8 +146,8 @@ class _Writer:
         for term in self.mechanism.point_masses:
             if self.mechanism.carrier(term.joint) == branch.body and term.mass.value:
                 place = _point(own.local(self.places[term.joint]))
-                mass = SubElement(node, "body", pos=place)
-                SubElement(mass, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
+                lump = SubElement(node, "body", pos=place)
+                SubElement(lump, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
                            diaginertia=_row([LEAST] * 3))  # fmt: skip
 
     @property

@@ -41,12 +41,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-HEIGHT, GAP, LEGEND = 2.4, 0.28, 0.16
-HEADED = 0.42  # inches between panels, instead of GAP, where they have headings
+HEIGHT, GAP, LEGEND = 2.4, 0.14, 0.16
+HEADED = 0.3  # inches between panels, instead of GAP, where they have headings
 SIZES = ((80, 2.0), (300, 1.4))
 WIDER = 0.45  # dots of each further start: they show beneath those of the first
-FAINT = 0.5
-"""Opacity of dots in fine columns, so that what is dense looks dense."""
+FAINT = ((300, 1.0), (600, 0.5))
+FAINTEST = 0.25
+"""Opacity of dots in so many columns at most, and in more: what is dense looks dense."""
 
 BAND = 2.0
 """Half the width of the band about an exponent, in standard errors."""
@@ -84,6 +85,7 @@ def figure(data: xr.Dataset, *, rates: bool = False) -> Figure | None:
         show_parameter(ax, data)
     for ax in axes[:-1]:
         ax.set_xlabel("")
+        ax.tick_params(labelbottom=False)
     heading = str(data.attrs.get("name", ""))
     if entries:
         patches_above(axes[0], entries, heading, _columns(entries))
@@ -145,7 +147,7 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -
             color=PALETTE[index % len(PALETTE)],
             markersize=size * (1.0 + WIDER * index),
             markeredgewidth=0,
-            alpha=FAINT if len(x) > SIZES[-1][0] else 1.0,
+            alpha=next((opacity for most, opacity in FAINT if len(x) <= most), FAINTEST),
             zorder=3 - 0.01 * index,
             rasterized=len(x) > SIZES[-1][0],
         )

@@ -72,7 +72,7 @@ def animate(
     fps
         Frames per second of the film; a GIF has at most 50.
     size
-        Width and height in pixels; default: as the mechanism needs, about 790 to 1180 pixels wide.
+        Width and height in pixels; default: as the mechanism needs, about 790 to 1240 pixels wide.
     dpi
         Pixels per inch: size of texts and symbols; default: they grow with `size`.
     names
@@ -85,7 +85,7 @@ def animate(
     reactions
         Joints whose reactions are drawn, to the same scale.
     bare
-        Show mechanism and clearances alone, without axes and texts.
+        Show mechanism and clearances alone, without axes and texts, and without the room for these.
     watch
         Called after every frame with the fraction done.
 

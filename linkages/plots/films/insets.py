@@ -137,7 +137,7 @@ class Inset:
         if self.scale.full:
             length = LONGEST * self.scale.length(self.scale.key)
             corners = arrow(np.array([1.0, 0.0]), length, HEAD, SHAFT) / (2 * REACH)
-            there = Affine2D().translate(KEY, 0.0) + place
+            there = Affine2D().translate(KEY, 0.0) + self._below(LINE - 2.0)
             key = Polygon(corners, color=LOAD, linewidth=0, transform=there, clip_on=False)
             ax.add_artist(key)
             beside = KEY + length / (2 * REACH) + 0.03

@@ -14,7 +14,7 @@ from linkages.plots.style import BOTTOM, LEFT, RIGHT, TOP, WIDTH
 Rectangle = tuple[float, float, float, float]
 
 MARGIN = 0.35  # inches around what the mechanism sweeps
-SMALLEST, LARGEST, BELOW = 1.6, 3.0, 2.2  # sides of an inset in inches; of one below the picture
+SMALLEST, LARGEST, BELOW = 1.6, 3.5, 2.2  # sides of an inset in inches; of one below the picture
 HEAD, FOOT, GAP = 0.3, 0.5, 0.2  # title of an inset, texts under it; between insets
 LOWEST, HIGHEST = 1.3, 5.0  # of the main picture, in inches
 WIDE = 1.8

@@ -109,19 +109,20 @@ def paces(solution: Solution, film: Film) -> list[Pace]:
     first, last = sorted((film.start, film.start + film.frames * film.step))
     shown = data.isel(time=(data["time"] >= first) & (data["time"] <= last))
     moved = {*solution.system.topology.free, *solution.system.topology.driven}
-    return [pace for name in names for pace in _paces(shown, name, film.frames, moved)]
+    return [pace for name in names for pace in _paces(shown, name, abs(film.step), moved)]
 
 
-def _paces(data: xr.Dataset, variable: str, frames: int, moved: set[str]) -> list[Pace]:
+def _paces(data: xr.Dataset, variable: str, step: float, moved: set[str]) -> list[Pace]:
     (dimension,) = VARIABLES[variable].dims
+    lasting = float(np.ptp(data["time"].to_numpy())) if data.sizes["time"] else 0.0
     found = []
     for name in data[dimension].values:
         values = np.asarray(data[variable].sel({dimension: name}), dtype=float)
-        if name not in moved or len(values) < 2:
+        if name not in moved or not lasting:
             continue
         swings = turning_points(values) / 2
         turns = abs(values[-1] - values[0]) / (2 * np.pi) if VARIABLES[variable].angle else 0.0
-        found.append(Pace(str(name), max(swings, turns) / frames, turns > swings))
+        found.append(Pace(str(name), max(swings, turns) * step / lasting, turns > swings))
     return found
 
 
@@ -139,11 +140,13 @@ def too_fast(solution: Solution, film: Film) -> str:
     if pace is None or pace.rate <= MOST:
         return ""
     slow = _rounded(film.slow * pace.rate * FEWEST_FRAMES, ceil)
-    much = _rounded(COMFORTABLE / slow, floor)
+    left = abs(float(solution.data["time"][-1]) - film.start)
+    part = left * slow > COMFORTABLE
+    much = _rounded(COMFORTABLE / slow, floor) if part else left
     return (
         f"{pace.name} {'turns' if pace.turns else 'swings'} {pace.rate:.2g} times between frames, "
-        f"which show it at random places; --slow {slow:g} shows it, with --duration {much:g} "
-        f"in {slow * much:.2g} s"
+        f"which show it at random places; --slow {slow:g} shows it"
+        f"{f', with --duration {much:g}' * part} in {slow * much:.2g} s"
     )
 
 

@@ -37,7 +37,7 @@ from linkages.plots.mechanism.shapes import Pair, Shape, Word
 from linkages.plots.mechanism.springs import draw_guide_springs, draw_springs
 from linkages.plots.mechanism.stops import draw_stops
 from linkages.plots.mechanism.torsional import draw_torsional
-from linkages.plots.mechanism.view import ROOM, Box, Positions, frame, picture
+from linkages.plots.mechanism.view import ROOM, Box, Positions, frame, picture, room_in
 from linkages.plots.style import styled
 
 if TYPE_CHECKING:
@@ -105,16 +105,17 @@ def _cover(poses: Sequence[Pose], joints: Array, room: Pair) -> Cover:
     return Cover.joined([points, *(Cover.of(pose, shapes) for pose in poses)])
 
 
-def framed(data: xr.Dataset, mechanism: Mechanism) -> tuple[Poses, Box]:
+def framed(data: xr.Dataset, mechanism: Mechanism, room: Pair = ROOM) -> tuple[Poses, Box]:
     """Positions at all samples in pictures of one size, and the part of the plane that they sweep.
 
-    Films and traces have the same frame. The data must have at least one sample.
+    Films and traces have the same frame, in pictures of the same `room`, as `reach` has it. The
+    data must have at least one sample.
     """
     places = np.asarray(data["joint_position"], dtype=float)
     poses = Poses(data, mechanism, Box.around(places).extent or None)
     looks = np.unique(np.linspace(0, len(poses.places) - 1, LOOKS).round().astype(int))
     shown = [poses.at(int(look)) for look in looks]
-    return poses, _cover(shown, poses.places.reshape(-1, 2), ROOM).fitted(ROOM)
+    return poses, _cover(shown, poses.places.reshape(-1, 2), room).fitted(room)
 
 
 def shapes_of(pose: Pose, scale: float | None = None) -> list[Shape]:
@@ -185,7 +186,7 @@ def draw(
 
 def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
-    scale = frame(ax, reach(pose), pose.mechanism)
+    scale = frame(ax, reach(pose, room_in(ax)), pose.mechanism)
     factor = scale.factor
     shapes = shapes_of(pose, points_per_unit(ax) * factor)
     if dimensions:

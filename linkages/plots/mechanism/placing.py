@@ -23,8 +23,11 @@ from linkages.plots.mechanism.view import Box
 
 Array = NDArray[np.float64]
 
-ROUNDS, SLACK = 40, 1e-6
+ROUNDS, SLACK = 100, 1e-13
 """Of the iteration for the scale of a picture: most of them, and where it ends."""
+
+MOST = 0.7
+"""Of a picture: what symbols may take of it, so that the iteration converges."""
 
 
 def place_of(pose: Pose, weights: Weights) -> Array:
@@ -120,16 +123,19 @@ class Cover:
         """Around everything, in a picture that has so many points for its width and height.
 
         What is of the same size in every picture takes more of the plane, the more of it is shown;
-        so the scale is iterated. It grows by less and less, for symbols are smaller than pictures.
+        so the scale is iterated. It grows by less and less, for symbols are smaller than pictures:
+        in one that is too small for them, they count as far as to `MOST` of it.
         """
         bare, point = self.box(0.0), 0.0
         if bare.extent == 0.0:
             return bare
         found = bare
+        wide = np.ptp(self.offsets, axis=0)
+        share = float(np.min(MOST * np.asarray(room) / np.maximum(wide, MOST * np.asarray(room))))
         for _ in range(ROUNDS):
             wanted = float(np.max(found.size / room))
             if wanted <= (1.0 + SLACK) * point:
                 break
             point = wanted
-            found = self.box(point)
+            found = self.box(share * point)
         return replace(found, bare=bare)

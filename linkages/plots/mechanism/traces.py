@@ -18,7 +18,7 @@ from linkages.plots.mechanism.inked import Inked, points_per_unit
 from linkages.plots.mechanism.labels import Labels
 from linkages.plots.mechanism.marks import draw_marks, mark_times, note_marks
 from linkages.plots.mechanism.samples import pose_at
-from linkages.plots.mechanism.view import Box, frame, picture, pixels
+from linkages.plots.mechanism.view import Box, frame, picture, pixels, room_in
 from linkages.plots.style import line_style, styled
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def draw(ax: Axes, data: xr.Dataset, mechanism: Mechanism) -> Axes:
     mechanism
         Whose motion it is.
     """
-    poses, box = framed(data, mechanism)
+    poses, box = framed(data, mechanism, room_in(ax))
     pose, scale = poses.at(0), frame(ax, box, mechanism)
     shapes = under(pose, points_per_unit(ax) * scale.factor)
     labels = Labels(ax)

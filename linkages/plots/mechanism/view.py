@@ -81,12 +81,8 @@ def picture(box: Box, margin: float = MARGIN) -> tuple[Figure, Axes]:
 
 def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> Scale:
     """Set limits that show a box at equal scale, labels, and a title; return the scale."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    place = ax.get_position(original=True)
-    inches = np.array(figure.get_size_inches()) * (place.width, place.height)
-    usable = np.maximum(inches - 2 * margin, 0.4 * inches)
-    half = 0.5 * inches * np.max(box.size / usable)
+    inches = _inches(ax)
+    half = 0.5 * inches * np.max(72.0 * box.size / room_in(ax, margin))
     centre = 0.5 * (box.low + box.high)
     factor = box.scale.factor
     (left, right), (bottom, top) = np.column_stack((centre - half, centre + half)) * factor
@@ -101,6 +97,21 @@ def frame(ax: Axes, box: Box, mechanism: Mechanism, margin: float = MARGIN) -> S
     if arrow:
         ax.set_title(f"gravity {arrow}", loc="right")
     return box.scale
+
+
+def room_in(ax: Axes, margin: float = MARGIN) -> tuple[float, float]:
+    """Points that axes have within their margins, for their width and height."""
+    inches = _inches(ax)
+    width, height = (72.0 * np.maximum(inches - 2 * margin, 0.4 * inches)).tolist()
+    return width, height
+
+
+def _inches(ax: Axes) -> Array:
+    """Width and height of axes before their aspect is equal, shape (2,)."""
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    place = ax.get_position(original=True)
+    return np.array(figure.get_size_inches()) * (place.width, place.height)
 
 
 def gravity_arrow(mechanism: Mechanism) -> str:

@@ -59,8 +59,7 @@ def largest_between(samples: Floats, between: Callable[[Whole, Floats], Floats])
 def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
     """Rows and samples beside which the largest value may lie: as far as the bend there allows.
 
-    Without a bend there is no more than the sample: of a series that rests, the first one stands for
-    all.
+    Without a bend there is no more than the sample: of a series that rests, the first is enough.
     """
     count = values.shape[1]
     if count < 3:

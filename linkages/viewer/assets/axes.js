@@ -17,8 +17,13 @@ class Axis {
     return this.low + ((pixel - this.from) / (this.to - this.from)) * (this.high - this.low);
   }
 
-  /** Round values, about so many pixels apart. */
+  /** Round values, about so many pixels apart, but at least two. */
   ticks(apartBy, degrees) {
+    const found = this.rounded(apartBy, degrees);
+    return found.length < 2 && apartBy > 12 ? this.ticks(0.6 * apartBy, degrees) : found;
+  }
+
+  rounded(apartBy, degrees) {
     const rough = ((this.high - this.low) * apartBy) / Math.abs(this.to - this.from);
     const power = 10 ** Math.floor(Math.log10(rough));
     const steps = degrees && rough > 20 ? [30, 45, 90, 180, 360, 720, 1800, 3600].map((s) => s / power)

@@ -15,7 +15,7 @@ class Camera {
   update() {
     const [left, low, right, high] = this.box;
     const size = Math.max(right - left, high - low) || 1;
-    const margin = Math.min(64, 0.13 * Math.min(this.width, this.height));
+    const margin = Math.min(44, 0.1 * Math.min(this.width, this.height));
     const fits = Math.min((this.width - 2 * margin) / Math.max(right - left, 1e-3 * size),
       (this.height - 2 * margin) / Math.max(high - low, 1e-3 * size));
     this.scale = Math.max(fits, 1e-12) * this.zoom;

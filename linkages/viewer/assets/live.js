@@ -125,5 +125,5 @@ function liveSeries({ series }, rows) {
 
 /** So many times from one to another one. */
 function evenTimes(start, end, count) {
-  return Float64Array.from({ length: count }, (_, k) => start + ((end - start) * k) / (count - 1));
+  return Float64Array.from({ length: count }, (_, k) => (k === count - 1 ? end : start + ((end - start) * k) / (count - 1)));
 }

@@ -72,7 +72,7 @@ int main(int count, char **texts) {
   }
   free(times);
   if (!status) status = failed;
-  if (status) fprintf(stderr, "t = %.9g s: %s\n", reached, linkage_message(status));
+  if (status) fprintf(stderr, "at t = %.9g s, %s\n", reached, linkage_message(status));
   return status ? 1 : 0;
 }
 

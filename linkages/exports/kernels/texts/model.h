@@ -8,7 +8,8 @@ extern "C" {
 enum {
   LINKAGE_NUMBERS = @NUMBERS@,       /* of the definition file, which may be changed */
   LINKAGE_PARAMETERS = @PARAMETERS@, /* of the equations, and what is prepared of them */
-  LINKAGE_STATE = @STATE@,           /* coordinates, then their rates */
+  LINKAGE_STATE = @STATE@,           /* coordinates (angles in rad, positions in m), then
+                                their rates (per s) */
   LINKAGE_QUANTITIES = @QUANTITIES@  /* outputs */
 };
 
@@ -16,7 +17,7 @@ extern const char *const linkage_paths[];      /* of numbers in the definition f
 extern const double linkage_numbers[];         /* as the definition file has them, in SI */
 extern const char *const linkage_names[];      /* of outputs */
 extern const char *const linkage_units[];      /* of outputs */
-extern const char *const linkage_coordinates[]; /* of the state */
+extern const char *const linkage_coordinates[]; /* of the state, in its order */
 
 /* All functions return 0, or a status that linkage_message explains. */
 const char *linkage_message(int status);
@@ -43,8 +44,8 @@ typedef struct {
 /* Is told of the state at a time. */
 typedef void (*linkage_visit)(double t, const double *y, const double *p, void *data);
 
-/* Follows a motion from times[0]; y becomes the last state that was reached, *reached its time, and
-   modes in p, of contacts and friction, those that it has there. */
+/* Follows a motion from times[0], through contacts, friction and, where the definition says so, change
+   points; y becomes the last state that was reached, *reached its time, and modes in p, of contacts, friction and assembly, those that it has there. */
 int linkage_integrate(double *p, double *y, const double *times, int count,
                       const linkage_options *options, linkage_visit visit, void *data,
                       double *reached);

@@ -18,6 +18,8 @@ export const model = {
   /* Parameters and initial state from numbers of the definition file, in the order of `numbers`;
      returns a status. */
   feed: (numbers, parameters, state) => start_from(numbers, parameters, state, evaluation),
+
+  integrate,
 };
 prepare(model.parameters);
 
@@ -27,12 +29,12 @@ prepare(model.parameters);
    state: changes in place, to the last that was reached
    times: increasing or decreasing; visit(i, t, state) gets the state at times[i]
    options: method ("dop853", of order 8 and adaptive, or "rk4", in equal steps), rtol (1e-9), atol
-     (rtol), and `longest`, the longest step
+     (rtol), `longest`, the longest step, and `check`, which is called before each step
    Returns {status, time, steps}: 0, or a status that `model.statuses` explains. */
-export function integrate(parameters, state, times, options, visit) {
-  const { method = "dop853", rtol, atol, longest = Infinity } = options;
+function integrate(parameters, state, times, options, visit) {
+  const { method = "dop853", rtol, atol, longest = Infinity, check = null } = options;
   const m = newMotion();
-  Object.assign(m, { p: parameters, y: state, times, visit, longest, count: times.length });
+  Object.assign(m, { p: parameters, y: state, times, visit, check, longest, count: times.length });
   m.equal = method === "rk4" ? 1 : 0;
   m.rtol = rtol ?? 1e-9;
   m.atol = atol ?? m.rtol;

@@ -13,7 +13,15 @@ from linkages.chaos.sections.contact import contact_check, lost_spans
 from linkages.chaos.series.rotation import Kind
 from linkages.chaos.series.spectrum import power_spectrum
 from linkages.components.mechanisms.definition import load
-from linkages.plots.chaos import bifurcations, contact, exponents, maps, sections, spectra
+from linkages.plots.chaos import (
+    bifurcations,
+    contact,
+    exponents,
+    maps,
+    sections,
+    spectra,
+    thresholds,
+)
 from linkages.plots.chaos.chaos_page import chaos_figures, chaos_page, shown_forces
 from linkages.plots.chaos.zooms import Zoom
 from linkages.plots.motion.free_axes import free_coordinates, show_degrees
@@ -443,6 +451,11 @@ def report(name="Press", **changes):
         "contact": (contact_check("r1", time, force.to_numpy()[:, 0]),),
         "force": force,
         "notes": (),
+        "power": 12.0,
+        "zero_one": {"arm": (0.98, 0.02)},
+        "period": None,
+        "curves": None,
+        "tighter": {"how": "rtol 1e-11", "verdict": "chaotic"},
     }
     return SimpleNamespace(**{**found, **changes})
 
@@ -458,7 +471,7 @@ def test_page_needs_no_other_file_and_has_all_figures():
     assert text.count('src="data:image/png;base64,iVBOR') == len(figures) + 1  # and the drawing
     assert not re.search(r"""(src|href|url\()\s*=?\s*["']?(https?:|//|\.|/)""", text)
     assert "<script" not in text
-    assert "What the tests mean" in text
+    assert "Tests and their thresholds" in text
     assert load("pendulum").to_yaml() in unescape(text)
 
 
@@ -468,6 +481,26 @@ def test_everything_from_the_file_is_escaped():
     text = chaos_page(found, [(evil, [evil], [[evil]])], {}, load("pendulum"))
     assert "<script" not in text
     assert text.count("&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt; &amp; $title") == 8
+
+
+def test_thresholds_are_beside_what_tests_gave():
+    """The exponent is 1 ± 0.02 1/s, and chaos begins at four errors."""
+    found = {row[0]: row[1:] for row in thresholds.rows(report())}
+    assert found["largest Lyapunov exponent"] == [
+        "1.000 ± 0.020 1/s", "up to 0.08 1/s", "above 0.08 1/s",
+    ]  # fmt: skip
+    assert found["growth of tangents"] == ["t^12", "below t^2.5", "above t^8"]
+    assert found["0–1 test, arm"] == ["0.980 ± 0.02", "below 0.3", "above 0.6"]
+    assert found["Poincaré section repeats"][0] == "no"
+    periodic = {row[0]: row[1] for row in thresholds.rows(report(period=2, zero_one={}))}
+    assert periodic["Poincaré section repeats"] == "after 2 points"
+    assert "0–1 test, arm" not in periodic
+
+
+def test_no_exponent_is_left_where_contacts_take_all_neighbours():
+    nothing = report(exponents=exponent_data(np.ones((10, 0))), power=-np.inf)
+    first, second, *_ = thresholds.rows(nothing)
+    assert (first[1], second[1]) == ("−∞", "none left")
 
 
 def test_forces_are_shown_where_contact_is_lost_first():

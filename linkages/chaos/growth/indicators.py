@@ -17,6 +17,7 @@ ROUND_OFF = 1e-14
 """GALI below this says no more: tangents are parallel to double precision."""
 
 REGULAR_POWER, CHAOTIC_POWER = 2.5, 8.0
+"""Powers of time below which growth is that of regular motions, and above which that of chaos."""
 
 
 class Verdict(StrEnum):
@@ -104,6 +105,18 @@ def fast_indicators(
     )
 
 
+def last_power(times: Floats, logarithm: Floats) -> float:
+    """The power of time that grows as much as a logarithm tells while time last doubled.
+
+    Parameters
+    ----------
+    times, logarithm
+        As `classify` takes them.
+    """
+    middle = int(np.searchsorted(times, 0.5 * times[-1]))
+    return float(logarithm[-1] - logarithm[middle]) / math.log(2.0)
+
+
 def classify(times: Floats, logarithm: Floats) -> Verdict:
     """Whether a logarithm grows like that of a power of time or like time itself.
 
@@ -122,8 +135,7 @@ def classify(times: Floats, logarithm: Floats) -> Verdict:
     Regular if the last doubling of time brings less than 2.5 ln 2, chaotic if it brings more than
     8 ln 2; undecided between: run longer.
     """
-    middle = int(np.searchsorted(times, 0.5 * times[-1]))
-    power = float(logarithm[-1] - logarithm[middle]) / math.log(2.0)
+    power = last_power(times, logarithm)
     if power > CHAOTIC_POWER:
         return Verdict.CHAOTIC
     return Verdict.REGULAR if power < REGULAR_POWER else Verdict.UNDECIDED

@@ -35,6 +35,8 @@ class ChaosReport:
         initial state.
     exponents
         As `linkages.lyapunov` returns them.
+    power
+        Of time, with which tangents grew while time last doubled; −∞ if contacts left none.
     zero_one
         Free coordinate → growth of the 0–1 test and its spread.
     spectra
@@ -72,6 +74,7 @@ class ChaosReport:
     reasons: tuple[str, ...]
     conservative: bool
     exponents: xr.Dataset
+    power: float
     zero_one: dict[str, tuple[float, float]]
     spectra: dict[str, PowerSpectrum]
     section: xr.Dataset
@@ -108,6 +111,7 @@ class ChaosReport:
             "errors": [float(v) for v in exponents["error"]],
             "settled": bool(exponents.attrs["settled"]),
             "sum": exponents.attrs["sum"],
+            "power": self.power,
             "certificate": [invariant.to_dict() for invariant in self.certificate],
             "zero_one": {n: {"growth": k, "spread": s} for n, (k, s) in self.zero_one.items()},
             "lines": {

@@ -163,6 +163,7 @@ def _report(
         reasons=tuple(reasons),
         conservative=conservative,
         exponents=kept["chaos_exponents"],
+        power=judged.power,
         zero_one=dict(zip(names, judged.tests, strict=False)),
         spectra=gathering.spectra_of(system, solution),
         section=kept["chaos_section"],

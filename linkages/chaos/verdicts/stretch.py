@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents
-from linkages.chaos.growth.indicators import Verdict, classify
+from linkages.chaos.growth.indicators import Verdict, classify, last_power
 from linkages.chaos.series.averages import FEWEST as FEWEST_STEADY
 from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
@@ -98,10 +98,19 @@ class Evidence:
         alike = [one and other for one, other in zip(told[::2], told[1::2], strict=True)]
         return [*alike, False].index(False)
 
+    @property
+    def power(self) -> float:
+        """Power of time with which tangents grew while time last doubled; −∞ if none is left."""
+        return last_power(*self._lengths(0)) if self.exponents.some else -np.inf
+
     def _law(self, sign: float, index: int = 0) -> Verdict:
+        times, lengths = self._lengths(index)
+        return classify(times, sign * lengths)
+
+    def _lengths(self, index: int) -> tuple[Floats, Floats]:
+        """Times since the beginning, and logarithms of the lengths of a tangent."""
         times = self.exponents.times
-        lengths = np.cumsum(self.exponents.growth[:, index] * np.diff(times))
-        return classify(times[1:] - times[0], sign * lengths)
+        return times[1:] - times[0], np.cumsum(self.exponents.growth[:, index] * np.diff(times))
 
 
 def gathered(

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.plots import pages
-from linkages.plots.chaos import contact, exponents, sections, spectra
+from linkages.plots.chaos import contact, exponents, sections, spectra, thresholds
 from linkages.plots.mechanism import drawing
 
 if TYPE_CHECKING:
@@ -37,20 +37,6 @@ CAPTIONS = {
     "chaos_spectrum": "Power spectra of the rates. Regular motions have lines only.",
     "chaos_contact": "Forces in clearances. A pin cannot pull: below zero it would leave the hole.",
 }
-
-TESTS = (
-    "Lyapunov exponents: the largest is positive for chaos, zero for quasi-periodic motion, and "
-    "negative for motion that is attracted by a periodic orbit. Signs count beyond the standard "
-    "error.",
-    "0–1 test: near 1 for chaos, near 0 for regular motion; the spread is that over its "
-    "frequencies (Gottwald and Melbourne, 2009).",
-    "Power in lines: the share of the power spectrum that stands in single lines. Regular motion "
-    "has nearly all of it there, chaos a continuous spectrum.",
-    "Poincaré section: one point per period of the drives, or per crossing. Points that repeat are "
-    "a periodic motion, points on closed curves a quasi-periodic one.",
-    "Classification at another tolerance: one that changes with it rests on numerical error.",
-)
-"""What evidence means."""
 
 Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """Heading, heads, rows of cells; the first column is text, the others are numbers."""
@@ -106,9 +92,13 @@ def chaos_page(
         f'<p><span class="label" style="{style}">{escape(report.verdict)}</span></p>',
         pages.items(report.reasons),
         _drawing(mechanism) if figures else "",
+        pages.section(
+            "Tests and their thresholds",
+            pages.table(thresholds.HEADS, thresholds.rows(report), texts=True),
+            pages.items(thresholds.MEANINGS),
+        ),
         *(pages.section(heading, pages.table(heads, rows)) for heading, heads, rows in tables),
         *(pages.figure_with(figure, _caption(name, report)) for name, figure in figures.items()),
-        pages.section("What the tests mean", pages.items(TESTS)),
         pages.section("Notes", pages.items(report.notes)),
         pages.section("Origin", pages.definition(mechanism.to_yaml())),
     ]

@@ -1,13 +1,13 @@
 """Make the figures and tables of docs/reproduction.md.
 
-    python docs/figures_paper.py                   # everything (half an hour on two cores)
+    python docs/figures_paper.py                   # everything (ten minutes of one core)
     python docs/figures_paper.py motion steps      # some parts: numbers motion verdicts sizes
                                                    # speeds steps
     python docs/figures_paper.py tables            # tables from the evidence that there is
 
-What is measured is kept in docs/_static/paper.json, from which the tables are made. All goes to
-docs/_static and is committed. Chaotic motions depend on round-off beyond their horizon: their
-points are others on another machine, and only what is statistical about them stays.
+Measured numbers are kept in docs/_static/paper.json, from which the tables are made; both are
+committed. Chaotic motions depend on round-off beyond their horizon: their points differ between
+machines, and only their statistics agree.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Make the figures of the tutorial and of the how-tos from the examples on their pages.
+"""Make the figures of the tutorial, of the how-tos and of python.md from the examples on them.
 
 python docs/figures_tutorial.py
 """
@@ -9,6 +9,7 @@ import contextlib
 import re
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from figures import ROOT, STATIC, write_small
 
@@ -16,6 +17,7 @@ import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots import designs
 from linkages.plots.chaos import bifurcations
+from linkages.plots.figures import write_figure
 from linkages.plots.motion import phase
 from linkages.sweeps.axes import parse_range
 
@@ -44,19 +46,33 @@ def tutorial() -> None:
     write_small(figure, STATIC / "tutorial-bifurcation.png", colours=256)
 
 
+def run_page(page: str) -> dict[str, Any]:
+    """Names after all Python of a page, run in the folder where it leaves its files."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    code = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
+    namespace: dict[str, Any] = {}
+    exec(compile(code, page, "exec", dont_inherit=True), namespace)
+    return namespace
+
+
 def fit() -> None:
     """The measurements that the page on measured curves makes, and the motion that fits them."""
-    with tempfile.TemporaryDirectory() as folder:
-        text = (ROOT / "docs" / "howto" / "measured-curve.md").read_text(encoding="utf-8")
-        code = "\n".join(re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
-        with contextlib.chdir(folder):
-            exec(compile(code, "measured-curve.md", "exec", dont_inherit=True), {})
-            pendulum = linkages.load("pendulum", set={"dampers": [{"joint": "O", "damping": 0.02}]})
-            vary, sigma = ["dampers[0].damping=0.001:0.1"], {"rod.angle": 0.02}
-            found = linkages.fit(pendulum, "measured.csv", vary, sigma=sigma)
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        run_page("howto/measured-curve.md")
+        pendulum = linkages.load("pendulum", set={"dampers": [{"joint": "O", "damping": 0.02}]})
+        vary, sigma = ["dampers[0].damping=0.001:0.1"], {"rod.angle": 0.02}
+        found = linkages.fit(pendulum, "measured.csv", vary, sigma=sigma)
     write_small(designs.fitted(found.data), STATIC / "howto-fit.png")
+
+
+def charts() -> None:
+    """The picture that the page on Python draws."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        namespace = run_page("python.md")
+    write_figure(namespace["figure"], STATIC / "python-charts.svg")
 
 
 if __name__ == "__main__":
     tutorial()
+    charts()
     fit()

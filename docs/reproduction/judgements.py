@@ -18,7 +18,7 @@ class Grade(StrEnum):
     """How a claim fares."""
 
     HOLDS = "holds"
-    SOMETIMES = "holds for some starts"
+    SOMETIMES = "holds for some initial conditions"
     FAILS = "does not hold"
 
 
@@ -33,14 +33,14 @@ class Judgement:
 
 
 ALMOST_ALL = 0.95
-"""Share of starts from which on a claim holds; it fails up to the rest of it."""
+"""Share of initial conditions from which on a claim holds; it fails up to the rest of it."""
 
 UNAFFECTED, STRONG = 0.01, 0.1
-"""Shares of the ideal mechanism's values: an error below the first is nearly none, one above the
+"""Shares of the ideal mechanism's values: a deviation below the first is nearly none, one above the
 second is strong."""
 
 OFTEN = 20
-"""A torque oscillates if it turns so many times more often than that of the ideal mechanism."""
+"""A torque oscillates if it has so many times the extrema of that of the ideal mechanism."""
 
 SMALLEST = 5e-5
 """Clearances up to this size, in m, are small ones: 0.05 mm is the least of the paper's Fig. 12."""
@@ -51,7 +51,7 @@ GROWN = 1.2
 
 
 def graded(share: float) -> Grade:
-    """Grade by the share of starts for which a claim is true."""
+    """Grade by the share of initial conditions for which a claim is true."""
     if share >= ALMOST_ALL:
         return Grade.HOLDS
     return Grade.SOMETIMES if share > 1 - ALMOST_ALL else Grade.FAILS
@@ -63,26 +63,28 @@ def percent(share: float) -> str:
 
 
 def of_maxima(found: Maxima) -> list[Judgement]:
-    """(a) and (b), from the scan of all starts."""
-    slight, strong = found.displacement < UNAFFECTED, found.acceleration > STRONG
+    """(a) and (b), from the scan of all initial conditions."""
+    slight, strong = found.position < UNAFFECTED, found.acceleration > STRONG
     oscillating = (found.turns > OFTEN) & (found.torque > STRONG)
     return [
         Judgement(
             "a",
-            "The displacement is nearly unaffected, the acceleration strongly",
+            "The position of the slider is nearly unaffected, its acceleration strongly",
             graded(float((slight & strong).mean())),
-            f"Over {len(slight)} starts the displacement errs by at most "
-            f"{percent(found.displacement.max())} of the stroke, the acceleration by "
+            f"Over {len(slight)} initial conditions the maximum position error is at most "
+            f"{percent(found.position.max())} of the stroke. The maximum acceleration error is "
             f"{found.acceleration.min():.2g} to {found.acceleration.max():.3g} times the largest "
-            f"ideal one, in {percent(strong.mean())} of starts by more than {percent(STRONG)}.",
+            f"ideal acceleration, and above {percent(STRONG)} of it for {percent(strong.mean())} "
+            "of initial conditions.",
         ),
         Judgement(
             "b",
             "The driving torques oscillate",
             graded(float(oscillating.mean())),
-            f"From every start the torque of crank 1 turns at least {found.turns.min():.0f} times "
-            f"as often as without clearance, and in {percent((found.torque > STRONG).mean())} of "
-            f"starts it departs from the ideal one by more than {percent(STRONG)} of its peak.",
+            f"For every initial condition the torque of crank 1 has at least "
+            f"{found.turns.min():.0f} times as many extrema as without clearance; for "
+            f"{percent((found.torque > STRONG).mean())} it deviates from the ideal torque by more "
+            f"than {percent(STRONG)} of the peak.",
         ),
     ]
 
@@ -92,7 +94,7 @@ def _share(rows: Sequence[Verdict], true: Sequence[bool]) -> tuple[float, str]:
 
 
 def of_verdicts(rows: Sequence[Verdict]) -> list[Judgement]:
-    """(c), (d), (e) and (h), from verdicts over sizes and starts."""
+    """(c), (d), (e) and (h), from verdicts over radial clearances and initial conditions."""
     open_share, open_words = _share(rows, [row.period is None for row in rows])
     scattered, scattered_words = _share(rows, [row.verdict == "chaotic" for row in rows])
     small = [row for row in rows if row.size <= SMALLEST]
@@ -109,22 +111,22 @@ def of_verdicts(rows: Sequence[Verdict]) -> list[Judgement]:
             "c",
             "The phase diagram is not closed",
             graded(open_share),
-            f"{open_words} do not repeat as long as they were followed. That is no sign of chaos: "
+            f"{open_words} do not repeat over the computed time. That is no evidence of chaos: "
             "a quasi-periodic motion does not repeat either.",
         ),
         Judgement(
             "d",
             "The points of the section are scattered",
             graded(scattered),
-            f"{scattered_words} are chaotic, {regular} quasi-periodic, {undecided} undecided. The "
-            f"points of {curved} of those not chaotic were found to lie on closed curves.",
+            f"{scattered_words} are chaotic, {regular} quasi-periodic, {undecided} undecided. For "
+            f"{curved} of those not chaotic, the section points lie on closed curves.",
         ),
         Judgement(
             "e",
             "Chaos for every clearance from 0.01 to 0.5 mm",
             graded(scattered) if all(everywhere) else Grade.FAILS,
-            f"Of {len(everywhere)} sizes, {sum(everywhere)} have chaotic and "
-            f"{_sizes_with_regular(rows)} have regular motions: the start decides.",
+            f"Of {len(everywhere)} radial clearances, {sum(everywhere)} have chaotic and "
+            f"{_sizes_with_regular(rows)} have regular motions: the initial condition decides.",
         ),
         Judgement(
             "h",
@@ -140,7 +142,7 @@ def _sizes_with_regular(rows: Sequence[Verdict]) -> int:
 
 
 def of_sizes(losses: Sequence[float], together: PowerLaw) -> list[Judgement]:
-    """(f), from the loss in spread over the paper's sizes for each start, and a power law."""
+    """(f), from each initial condition's loss in spread over the clearance, and a power law."""
     shrunk = [loss > GROWN for loss in losses]
     met = "as expected (−1/2)" if together.agrees(-0.5) else "not −1/2 as expected"
     return [
@@ -148,14 +150,14 @@ def of_sizes(losses: Sequence[float], together: PowerLaw) -> list[Judgement]:
             "f",
             "The spread of α̇ falls as the clearance grows",
             graded(float(np.mean(shrunk))),
-            f"It falls from {sum(shrunk)} of {len(losses)} starts. The mean spread goes as r to "
+            f"It falls for {sum(shrunk)} of {len(losses)} initial conditions, in the mean as r to "
             f"the power {together}, {met}.",
         )
     ]
 
 
 def of_speeds(gains: Sequence[float], slow: PowerLaw, fast: PowerLaw) -> list[Judgement]:
-    """(g), from the gain in spread over the paper's speeds for each start, and two power laws."""
+    """(g), from each initial condition's gain in spread over the speed, and two power laws."""
     grown = [gain > GROWN for gain in gains]
     flat = "as expected (0)" if slow.agrees(0.0) else "not 0 as expected"
     linear = "as expected (+1)" if fast.agrees(1.0) else "towards the expected +1"
@@ -165,9 +167,9 @@ def of_speeds(gains: Sequence[float], slow: PowerLaw, fast: PowerLaw) -> list[Ju
             "The spread of α̇ grows with speed",
             graded(float(np.mean(grown))),
             f"Between both ends of the paper's range it grows by more than {percent(GROWN - 1)} "
-            f"from {sum(grown)} of {len(gains)} starts. Where weight makes up the joint force it "
-            f"goes as ω to the power {slow}, {flat}; where inertia does, to the power {fast}, "
-            f"{linear}.",
+            f"for {sum(grown)} of {len(gains)} initial conditions. Where weight makes up the joint "
+            f"force it goes as ω to the power {slow}, {flat}; where inertia does, to the power "
+            f"{fast}, {linear}.",
         )
     ]
 

@@ -1,4 +1,4 @@
-"""The paper's five numbers from any start, and over a grid of all starts that it leaves open."""
+"""The paper's five maxima from any initial condition, and over a grid of all the open ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from reproduction.reported import ANGLE, CRANKS, OUTPUTS, PRINTED, REPORTED
 Floats = NDArray[np.float64]
 
 SAMPLES = 4001
-"""Half a millisecond: a tenth of a swing."""
+"""Half a millisecond: a twentieth of a libration."""
 
 RTOL = 1e-8
 """Of a scan. Rotating motions are predictable for 1 s then: single ones change, bands do not."""
@@ -24,15 +24,15 @@ RTOL = 1e-8
 
 @dataclass(frozen=True)
 class Maxima:
-    """What is compared with the paper, for one start or (with a leading axis) many.
+    """What is compared with the paper, for one initial condition or (with a leading axis) many.
 
     Parameters
     ----------
     values, times
         Largest magnitudes of the five quantities and when, shape (…, 5).
-    displacement, acceleration
-        Largest error of the slider in units of the ideal mechanism's stroke and of its largest
-        acceleration.
+    position, acceleration
+        Largest deviation of the slider from the ideal mechanism, in units of the stroke and of the
+        largest acceleration of that mechanism.
     torque
         Largest difference of the torque of crank 1 from that of the ideal mechanism, in units of
         the latter's largest magnitude.
@@ -42,7 +42,7 @@ class Maxima:
 
     values: Floats
     times: Floats
-    displacement: Floats
+    position: Floats
     acceleration: Floats
     torque: Floats
     turns: Floats
@@ -72,7 +72,7 @@ def maxima(
     return Maxima(
         values=values,
         times=times,
-        displacement=values[0] / np.ptp(position),
+        position=values[0] / np.ptp(position),
         acceleration=values[2] / np.abs(acceleration).max(),
         torque=np.abs(torque - ideal_torque).max() / np.abs(ideal_torque).max(),
         turns=np.array(turning_points(torque) / turning_points(ideal_torque)),
@@ -84,13 +84,13 @@ Start = tuple[float, float, float]
 
 
 def grid(cranks: float, clearance: float) -> list[Start]:
-    """All starts at rest in the clearance whose angles are multiples of these, in degrees."""
+    """All initial conditions at rest in the clearance at multiples of these angles, in degrees."""
     whole, turn = np.arange(0.0, 360.0, cranks), np.arange(-180.0, 180.0, clearance)
     return [(float(a), float(b), float(c)) for a in whole for b in whole for c in turn]
 
 
 def from_start(mechanism: linkages.Mechanism, start: Start) -> linkages.Mechanism:
-    """The same mechanism from other angles."""
+    """The same mechanism from other initial angles."""
     paths = (*CRANKS, ANGLE)
     return mechanism.with_values(
         {path: f"{angle:g} deg" for path, angle in zip(paths, start, strict=True)}
@@ -100,29 +100,31 @@ def from_start(mechanism: linkages.Mechanism, start: Start) -> linkages.Mechanis
 def scan(
     mechanism: linkages.Mechanism, starts: Sequence[Start], executor: Executor | None = None
 ) -> Maxima:
-    """The five numbers from every start; every start of the grids can be assembled."""
+    """The five maxima from every initial condition; all of the grids can be assembled."""
     swept = sweep(
         lambda start: maxima(from_start(mechanism, start), rtol=RTOL), starts, executor=executor
     )
     failed = [reason for reason in swept.reasons if reason]
     if failed:
-        raise linkages.LinkagesError(f"{len(failed)} starts failed, the first one: {failed[0]}")
+        raise linkages.LinkagesError(
+            f"{len(failed)} initial conditions failed, the first one: {failed[0]}"
+        )
     found = [outcome.value for outcome in swept.outcomes if outcome is not None]
     return Maxima(*(np.array([getattr(o, f.name) for o in found]) for f in fields(Maxima)))
 
 
 def ranks(found: Maxima, values: Floats = PRINTED) -> Floats:
-    """Share of starts that give less than these values, shape (5,): 0 or 1 is out of the band."""
+    """Share of initial conditions below these values, shape (5,): 0 or 1 is out of the band."""
     return np.asarray((found.values < values).mean(axis=0))
 
 
 def nearest(found: Maxima) -> tuple[int, float]:
-    """The start whose numbers come closest to the paper's, and the factor of its worst number."""
+    """The initial condition nearest to the paper's maxima, and the factor of its worst one."""
     apart = np.abs(np.log(found.values / PRINTED)).max(axis=1)
     index = int(np.argmin(apart))
     return index, float(np.exp(apart[index]))
 
 
 def torque_ratio(values: Floats) -> Floats:
-    """Torque of crank 1 in units of that of crank 4: no start changes it by much."""
+    """Torque of crank 1 in units of that of crank 4."""
     return np.asarray(values[..., 3] / values[..., 4])

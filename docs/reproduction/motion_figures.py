@@ -19,21 +19,29 @@ from reproduction.reported import STARTS, press
 if TYPE_CHECKING:
     import xarray as xr
 
-PHASE_PERIODS = 1
-SECTION_POINTS = 500
+PERIOD = 2.0
+"""Of the cranks, in seconds."""
+
+SECTION_POINTS = 2000
 ROWS = ("position", "velocity", "acceleration")
 ROOM, SAVED = 0.36, 0.22
 """Space above a panel, and what is saved below one without a label, in inches."""
 
+ZOOM = 0.02
+"""Of a phase diagram: a few librations or rotations of the link, in seconds."""
+
+FINE = 20
+"""Samples for a phase curve, in units of those of the other figures."""
+
 
 def runs() -> dict[str, xr.Dataset]:
-    """One period from each of our starts."""
+    """One period from each of our initial conditions."""
     return {name: linkages.simulate(press(name), samples=SAMPLES).data for name in STARTS}
 
 
 @styled
 def slider_figure(data: xr.Dataset, start: str) -> Figure:
-    """Figs. 3–8: motion of the slider on the left, its errors on the right."""
+    """Figs. 3–8: motion of the slider on the left, its deviation from the ideal on the right."""
     figure, axes = panels(3, 2, 1.55, ROOM)
     _closer(figure, axes)
     for row, name in enumerate(ROWS):
@@ -41,16 +49,17 @@ def slider_figure(data: xr.Dataset, start: str) -> Figure:
         values, error = data[f"slider_{name}"], data[f"slider_{name}_error"]
         _draw_with_ideal(left, data, f"slider_{name}", (values - error).to_numpy()[:, 0])
         time_figures.draw(right, data, f"slider_{name}_error")
-        left.set_title(f"{start} start; dashed: ideal")
-        right.set_title("error against the ideal mechanism")
-        _finish(left, row == 2)
-        _finish(right, row == 2)
+        for ax in (left, right):
+            ax.set_title("")
+            _finish(ax, row == len(ROWS) - 1)
+    axes[0].set_title(f"{start}; dashed: ideal mechanism")
+    axes[1].set_title("deviation from the ideal mechanism")
     return figure
 
 
 @styled
 def torque_figure(data: dict[str, xr.Dataset]) -> Figure:
-    """Fig. 9, for both starts."""
+    """Fig. 9, for both initial conditions."""
     figure, axes = panels(2, 2, 2.0, ROOM)
     _closer(figure, axes)
     ideal = linkages.simulate(press().ideal(), samples=SAMPLES, outputs=["drive_effort"]).data
@@ -59,7 +68,7 @@ def torque_figure(data: dict[str, xr.Dataset]) -> Figure:
             ax = axes[2 * row + column]
             torque = ideal.drive_effort.sel(drive=crank).to_numpy()
             _draw_with_ideal(ax, run.sel(drive=[crank]), "drive_effort", torque)
-            ax.set_title(f"crank {crank[-1]}, {name} start; dashed: ideal")
+            ax.set_title(f"crank {crank[-1]}, {name} (dashed: ideal)")
             _finish(ax, row == 1)
             if column:
                 ax.set_ylabel("")
@@ -97,22 +106,26 @@ def _finish(ax: Axes, last: bool) -> None:
 
 @styled
 def phase_figure() -> Figure:
-    """Fig. 10: angle against speed of the clearance over some periods."""
-    figure, axes = panels(1, 2, 2.6)
-    for ax, name in zip(axes, STARTS, strict=True):
+    """Fig. 10: angle against speed of the clearance, over a crank period and over a few turns."""
+    figure, axes = panels(2, 2, 2.4)
+    for column, name in enumerate(STARTS):
         mechanism = press(name)
-        solution = linkages.simulate(
-            mechanism,
-            end=2.0 * PHASE_PERIODS,
-            samples=4000 * PHASE_PERIODS + 1,
-            outputs=["clearance_angle", "clearance_speed", "clearance_acceleration"],
-        )
-        (coordinate,) = phase.coordinates(solution.data, mechanism)
-        phase.draw(ax, solution.data, coordinate)
-        for line in ax.lines[:-1]:
-            line.set_linewidth(0.25)
-        ax.set_title(f"{name} start")
-    axes[1].set_ylabel("")
+        outputs = ["clearance_angle", "clearance_speed", "clearance_acceleration"]
+        run = linkages.simulate(mechanism, samples=FINE * SAMPLES, outputs=outputs).data
+        (coordinate,) = phase.coordinates(run, mechanism)
+        above, below = axes[column], axes[2 + column]
+        phase.draw(above, run, coordinate)
+        above.set_title(f"{name}, one crank period")
+        time, middle = run.time, PERIOD / 2
+        part = run.isel(time=(time >= middle) & (time <= middle + ZOOM))
+        phase.draw(below, part, coordinate, start=False)
+        below.set_title(f"{name}, {1e3 * ZOOM:.0f} ms at mid-period")
+        below.set_xticks(above.get_xticks())
+        below.set_xlim(above.get_xlim())
+        below.set_ylim(above.get_ylim())
+        above.set_xlabel("")
+    for ax in (axes[1], axes[3]):
+        ax.set_ylabel("")
     return figure
 
 
@@ -124,6 +137,6 @@ def section_figure() -> Figure:
         data = linkages.poincare(press(name), periods=SECTION_POINTS)
         (coordinate,) = sections.free_coordinates(data)
         sections.draw(ax, data, coordinate)
-        ax.set_title(f"{name} start")
+        ax.set_title(name)
     axes[1].set_ylabel("")
     return figure

@@ -1,45 +1,47 @@
-"""Where the paper's numbers lie among all starts, and what a step of RK4 costs in digits."""
+"""Where the paper's maxima lie among all initial conditions, and what a digit costs with RK4."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from figures import power_of_ten
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from linkages.plots.style import BLACK, GREY, PALE, PALETTE, line_style, panels, styled
 from reproduction.maxima import torque_ratio
 from reproduction.reported import PRINTED, REPORTED
-from reproduction.steps import StepError
+from reproduction.steps import END, StepError
 
 PAPER, OURS = PALETTE[1], PALETTE[0]
 
-RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+STAGES = 4
+"""Evaluations of the right-hand side in a step of RK4."""
 
 
 @styled
 def maxima_figure(quantiles: np.ndarray, own: np.ndarray) -> Figure:
-    """Share of starts with a smaller maximum, with the paper's and our own number.
+    """Cumulative share of initial conditions, with the paper's and our own maximum.
 
     Parameters
     ----------
     quantiles
-        Percentiles 0 to 100 of the five numbers and of the ratio of torques, shape (101, 6).
+        Percentiles 0 to 100 of the five maxima and of the ratio of torques, shape (101, 6).
     own
-        The five numbers of the default start.
+        The five maxima from the librating initial condition.
     """
     figure, axes = panels(3, 2, 1.25, 0.36)
     for index, quantity in enumerate(REPORTED):
         columns = (quantiles[:, index], PRINTED[index], own[index])
         shown = [quantity.factor * np.asarray(column) for column in columns]
-        _distribution(axes[index], *shown, f"{quantity.words} [{quantity.units}]")
+        _distribution(axes[index], *shown, f"maximum {quantity.words} [{quantity.units}]")
     ratio = torque_ratio(PRINTED), torque_ratio(own)
     _distribution(axes[5], quantiles[:, 5], *ratio, "torque of crank 1 / torque of crank 4")
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.2}
-    lines = axes[0].lines[:3]
-    axes[0].legend(lines, ["all starts", "paper", "default start"], **place, ncols=3)
+    names = ["all initial conditions", "paper", "librating initial condition"]
+    axes[0].legend(axes[0].lines[:3], names, **place, ncols=3)
     return figure
 
 
@@ -62,27 +64,44 @@ def _distribution(ax: Axes, values: np.ndarray, paper: float, own: float, label:
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xlabel(label)
-    ax.set_ylabel("starts below [%]")
+    ax.set_ylabel("share below [%]")
 
 
 @styled
 def steps_figure(found: Mapping[str, Sequence[StepError]]) -> Figure:
-    """Error of α̇ at 1 s against the step, both logarithmic."""
-    figure, (ax,) = panels(1, 1, 2.6)
+    """Work against the error of α̇ at the end, both logarithmic, with the steps on the right."""
+    figure, (ax,) = panels(1, 1, 2.8)
     for index, (start, rows) in enumerate(found.items()):
-        steps, errors = ([getattr(row, name) for row in rows] for name in ("step", "error"))
+        steps, errors = (np.array([getattr(r, name) for r in rows]) for name in ("step", "error"))
         look = line_style(index) | {"marker": "os"[index], "markersize": 4}
-        ax.loglog(np.array(steps) * 1e6, errors, label=f"{start} start", **look)
-    for digit in (1, 3):
+        ax.loglog(errors, STAGES * END / steps, label=f"{start} initial condition", **look)
+    for digit, side in ((1, "left"), (3, "right")):
         level = 0.5 * 10.0**-digit
-        ax.axhline(level, color=BLACK, linewidth=0.8, linestyle=(0, (1.2, 1.2)))
-        words = f"relative error 5·10{str(-digit - 1).translate(RAISED)}"
-        ax.annotate(words, (1.05, level), (0, 2), textcoords="offset points", fontsize=8)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}"))
+        ax.axvline(level, color=BLACK, linewidth=0.8, linestyle=(0, (1.2, 1.2)))
+        words = f"5·{power_of_ten(0.1 * 10.0**-digit)}"
+        shift = (3, -2) if side == "left" else (-3, -2)
+        options = {"ha": side, "va": "top", "fontsize": 8, "textcoords": "offset points"}
+        ax.annotate(words, (level, 1.0), shift, xycoords=("data", "axes fraction"), **options)
     for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(LogLocator(numticks=12))
+        axis.set_major_formatter(FuncFormatter(power_of_ten))
         axis.set_minor_formatter(NullFormatter())
-    ax.set_xlabel("step of RK4 [µs]")
-    ax.set_ylabel("error of dα/dt at 1 s / amplitude")
-    ax.legend(loc="lower right")
+    box = ax.get_position()
+    ax.set_position([box.x0, box.y0, box.width - 0.09, box.height])
+    _show_steps(ax)
+    ax.set_xlabel("relative error of dα/dt at t = 1 s")
+    ax.set_ylabel("evaluations of the right-hand side")
+    ax.legend(loc="lower left")
     return figure
+
+
+def _show_steps(ax: Axes) -> None:
+    """The step of RK4 on an axis to the right."""
+    low, high = ax.get_ylim()
+    right = ax.twinx()
+    right.set_yscale("log")
+    right.set_ylim(STAGES * END * 1e6 / low, STAGES * END * 1e6 / high)
+    right.grid(visible=False)
+    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    right.yaxis.set_minor_formatter(NullFormatter())
+    right.set_ylabel("step of RK4 [µs]")

@@ -12,18 +12,18 @@ import linkages
 
 @dataclass(frozen=True)
 class Reported:
-    """A largest value of the paper.
+    """A maximum that the paper reports.
 
     Parameters
     ----------
     words
-        What it is.
+        Name of the quantity.
     output, element
-        Where it stands in a solution.
+        Its place in a solution.
     value, time
         As printed, in SI and seconds.
     factor, units
-        How it is shown.
+        For tables and figures.
     """
 
     words: str
@@ -41,7 +41,7 @@ class Reported:
 
 
 REPORTED = (
-    Reported("displacement error", "slider_position_error", "slider9", 7.806e-5, 1.232, 1e6, "µm"),
+    Reported("position error", "slider_position_error", "slider9", 7.806e-5, 1.232, 1e6, "µm"),
     Reported("velocity error", "slider_velocity_error", "slider9", 0.029, 1.187, 1e3, "mm/s"),
     Reported(
         "acceleration error", "slider_acceleration_error", "slider9", 8.684, 1.152, 1.0, "m/s²"
@@ -70,12 +70,12 @@ CRANKS = "drives.crank1.angle", "drives.crank4.angle"
 DRIVES = {"drives.crank1.speed": -1.0, "drives.crank4.speed": 1.0}
 """Both cranks turn at the same speed, in opposite senses."""
 
-STARTS = {"swinging": "ninebar", "rotating": "ninebar-rotating"}
-"""What the clearance link does from each of our two starts → its definition file."""
+STARTS = {"librating": "ninebar", "rotating": "ninebar-rotating"}
+"""Motion of the clearance link from each of our two initial conditions → its definition file."""
 
 
-def press(start: str = "swinging", changes: Mapping[str, object] | None = None):
-    """The mechanism from one of our starts, with other values at some paths."""
+def press(start: str = "librating", changes: Mapping[str, object] | None = None):
+    """The mechanism from one of our initial conditions, with other values at some paths."""
     return linkages.load(STARTS[start], set=dict(changes or {}))
 
 

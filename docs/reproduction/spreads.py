@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 SMALL, LARGE = 3e-5, 1.5e-4
-"""Clearances up to and from these sizes, in m, are the ends of the paper's range."""
+"""Radial clearances up to and from these sizes, in m, are the ends of the paper's range."""
 
 SLOW, FAST, INERTIA = 1.6 * np.pi, 3.9 * np.pi, 7.0 * np.pi
 """Speeds in rad/s: up to the first weight makes up the joint force; with the second one begins the
@@ -33,7 +33,7 @@ def start_angles(step: float) -> list[dict[str, object]]:
 
 
 def own_starts() -> list[dict[str, object]]:
-    """The two starts of our files."""
+    """The two initial conditions of our files."""
     documents = [press(name).document for name in STARTS]
     return [{ANGLE: document.content["clearances"]["r1"]["angle"]} for document in documents]
 
@@ -44,7 +44,7 @@ def over_sizes(
     periods: int,
     executor: Executor | None = None,
 ) -> xr.Dataset:
-    """Stroboscopic section points for each size of the clearance and each start."""
+    """Stroboscopic section points for each radial clearance and each initial condition."""
     return linkages.bifurcation(
         press(), {SIZE: sizes}, periods=periods, skip=0, initial=initial, executor=executor
     )
@@ -91,6 +91,11 @@ class PowerLaw:
         """Values on the line."""
         return np.asarray(np.exp(self.offset) * np.asarray(x) ** self.exponent)
 
+    def beside(self, x: Floats, y: Floats) -> Floats:
+        """Values at x on the line of this slope that has half of the points above it."""
+        offset = np.median(np.log(y) - self.exponent * np.log(x))
+        return np.asarray(np.exp(offset) * x**self.exponent)
+
     def agrees(self, expected: float) -> bool:
         """Whether the expected exponent is within the 99 % interval."""
         reach = float(student.ppf(0.995, self.points - 2)) * self.error
@@ -108,19 +113,19 @@ def power_law(x: Floats, y: Floats) -> PowerLaw:
 
 
 def mean_law(x: Floats, spreads: Floats) -> PowerLaw:
-    """The power law of the geometric mean over all starts."""
+    """The power law of the geometric mean over all initial conditions."""
     return power_law(x, np.exp(np.log(spreads).mean(axis=0)))
 
 
 def gains(x: Floats, spreads: Floats, ends: tuple[float, float]) -> list[float]:
-    """Spread from one place on in units of that up to another, geometric means, for each start."""
+    """Spread from one place on in units of that up to another, for each initial condition."""
     logs = np.log(spreads)
     below, beyond = x <= ends[0], x >= ends[1]
     return [float(np.exp(row[beyond].mean() - row[below].mean())) for row in logs]
 
 
 def size_laws(sizes: Floats, spreads: Floats) -> tuple[PowerLaw, list[float]]:
-    """Power law of the mean spread over r, and how much each start loses over the range."""
+    """Power law of the mean spread over r, and what each initial condition loses over the range."""
     losses = [1 / gain for gain in gains(sizes, spreads, (SMALL, LARGE))]
     return mean_law(sizes, spreads), losses
 

@@ -10,7 +10,7 @@ import linkages
 from reproduction.reported import press
 
 END = 1.0
-"""When digits are counted, in s."""
+"""Time of the comparison, in s."""
 
 STEPS = (1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3)
 

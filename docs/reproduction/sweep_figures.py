@@ -1,4 +1,4 @@
-"""Figures 12–15 of the paper: sections and their spread over the size and over the speed."""
+"""Figures 12–15 of the paper: sections and their spread over the clearance and over the speed."""
 
 from __future__ import annotations
 
@@ -8,16 +8,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, MultipleLocator, NullFormatter
+from matplotlib.ticker import (
+    FixedLocator,
+    FuncFormatter,
+    LogLocator,
+    MultipleLocator,
+    NullFormatter,
+)
+from numpy.typing import NDArray
 
 from linkages.plots.style import (
     BLACK,
     BOTTOM,
+    DASHES,
     PALETTE,
     RIGHT,
     TOP,
     WIDTH,
-    line_style,
     panels,
     styled,
 )
@@ -30,7 +37,11 @@ if TYPE_CHECKING:
 GAP, LEFT = 0.1, 1.0
 """Inches between panels that share their axes, and left of them, for labels of two lines."""
 
-DOT = 1.6
+DOT, FAINT_DOT, FAINT = 1.1, 0.75, 0.4
+"""Sizes of dots in portraits and in diagrams, and the opacity of the latter."""
+
+MOST = 99.8
+"""Per cent of the points that a diagram shows: a few fast ones would press all others together."""
 
 
 def _shared(
@@ -53,7 +64,7 @@ def _shared(
 
 @styled
 def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
-    """Figs. 12 and 14: a section for each value, a row for each of our starts."""
+    """Figs. 12 and 14: a section for each value, a row for each of our initial conditions."""
     figure, grid = _shared(len(STARTS), len(names), 1.5, 0.3)
     angle = np.degrees(data.clearance_angle.isel(clearance=0).to_numpy())
     speed = data.clearance_speed.isel(clearance=0).to_numpy()
@@ -72,24 +83,26 @@ def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
             if column:
                 ax.tick_params(labelleft=False)
             if row == len(STARTS) - 1:
-                ax.set_xlabel("α [°]")
+                ax.set_xlabel("α [°]", labelpad=1)
             if not row:
                 ax.set_title(names[column])
-        line[0].set_ylabel(f"{start} start\ndα/dt [rad/s]")
+        line[0].set_ylabel(f"{start}\ndα/dt [rad/s]")
     return figure
 
 
 @styled
 def diagram_figure(data: xr.Dataset, x: np.ndarray, label: str) -> Figure:
-    """Figs. 13 and 15: section points of α̇ over the parameter, a panel for each of our starts."""
+    """Figs. 13 and 15: section points of α̇ over the parameter, for our initial conditions."""
     figure, grid = _shared(len(STARTS), 1, 1.9)
     speed = data.clearance_speed.isel(clearance=0).to_numpy()
     for row, ((ax,), start) in enumerate(zip(grid, STARTS, strict=True)):
         places = np.repeat(x[:, None], speed.shape[2], axis=1)
-        look = {"markersize": 0.5, "markeredgewidth": 0, "color": PALETTE[row]}
-        ax.plot(places.ravel(), speed[row].ravel(), "o", **look)
-        ax.set_xlim(0, 1.01 * x.max())
-        ax.set_ylabel(f"{start} start\ndα/dt [rad/s]")
+        look = {"markersize": FAINT_DOT, "markeredgewidth": 0, "alpha": FAINT}
+        ax.plot(places.ravel(), speed[row].ravel(), "o", color=PALETTE[row], **look)
+        reach = np.nanpercentile(np.abs(speed[row]), MOST)
+        ax.set_ylim(-reach, reach)
+        ax.set_xlim(x.min(), x.max())
+        ax.set_ylabel(f"{start}\ndα/dt [rad/s]")
         if row < len(STARTS) - 1:
             ax.tick_params(labelbottom=False)
     ax.set_xlabel(label)
@@ -101,10 +114,10 @@ def law_figure(
     x: np.ndarray,
     data: xr.Dataset,
     label: str,
-    lines: Sequence[tuple[PowerLaw, tuple[float, float], str]],
+    laws: Sequence[tuple[PowerLaw, NDArray[np.bool_], str]],
     names: Sequence[str],
 ) -> Figure:
-    """Spread of α̇ against a parameter for all starts, with fitted straight lines.
+    """Spread of α̇ against a parameter, with a line of common slope for each initial condition.
 
     Parameters
     ----------
@@ -114,24 +127,28 @@ def law_figure(
         The sweep.
     label
         Of the axis.
-    lines
-        Power laws in the units of the axis, with their ranges and names.
+    laws
+        Power laws of the mean over all initial conditions, with the values of the parameter that
+        each is fitted to, and their names.
     names
-        Of the starts.
+        Of the initial conditions.
     """
-    figure, (ax,) = panels(1, 1, 2.7)
+    figure, (ax,) = panels(1, 1, 2.9)
     for index, (row, name) in enumerate(zip(spread(data), names, strict=True)):
         look = {"color": PALETTE[index % len(PALETTE)], "marker": "os^vD*P"[index % 7]}
         ax.loglog(x, row, linestyle="", markersize=4, alpha=0.85, label=f"α = {name}", **look)
-    for index, (law, ends, name) in enumerate(lines):
-        place = np.array(ends)
-        style = line_style(index) | {"color": BLACK, "linewidth": 1.4}
-        ax.loglog(place, law.at(place), label=f"{name}\n{law}", **style)
+        for place, (law, part, _) in enumerate(laws):
+            line = law.beside(x[part], row[part])
+            ax.loglog(x[part], line, color=look["color"], linewidth=0.8, linestyle=DASHES[place])
+    for place, (law, _, name) in enumerate(laws):
+        style = {"color": BLACK, "linewidth": 0.8, "linestyle": DASHES[place]}
+        ax.plot([], [], label=f"{name}\n{law}", **style)
     for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     ax.set_xlabel(label)
-    ax.set_ylabel("spread of dα/dt [rad/s]")
+    ax.set_ylabel("standard deviation of dα/dt [rad/s]")
     ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
     box = ax.get_position()
     ax.set_position([box.x0, box.y0, box.width * 0.7, box.height])

@@ -9,11 +9,13 @@ import numpy as np
 
 from reproduction.judgements import percent, read_verdicts
 from reproduction.maxima import torque_ratio
-from reproduction.reported import PRINTED, REPORTED
+from reproduction.reported import PRINTED, REPORTED, STARTS
 from reproduction.steps import StepError, first_wrong
 from reproduction.verdicts import Verdict
 
 Evidence = Mapping[str, Any]
+
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 1) -> str:
@@ -22,21 +24,27 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[str]], texts: int = 1) -
     return "\n".join(f"| {' | '.join(row)} |" for row in (heads, rule, *rows)) + "\n"
 
 
+def power(value: float) -> str:
+    """A number with one digit and a power of ten."""
+    digit, exponent = f"{value:.0e}".split("e")
+    return f"{digit}·10{str(int(exponent)).translate(RAISED)}"
+
+
 def place(rank: float) -> str:
-    """Where a number lies among those of all starts."""
+    """Rank of a number among those from all initial conditions."""
     if rank in (0.0, 1.0):
         return "below all" if rank == 0.0 else "above all"
-    return f"{percent(rank)} are less"
+    return f"{percent(rank)} are smaller"
 
 
 def numbers_table(evidence: Evidence) -> str:
-    """The paper's five numbers beside ours and the band of all starts."""
+    """The paper's five maxima beside ours and the band of all initial conditions."""
     own = evidence["own"]
     rows = []
     for i, quantity in enumerate(REPORTED):
         ours = [
             f"{quantity.shown(own[name]['values'][i])} at {own[name]['times'][i]:.3f}\u00a0s"
-            for name in ("swinging", "rotating")
+            for name in STARTS
         ]
         low, high = (quantity.shown(bound) for bound in evidence["band"][i])
         rows.append(
@@ -48,12 +56,12 @@ def numbers_table(evidence: Evidence) -> str:
                 place(evidence["ranks"][i]),
             ]
         )
-    heads = ["largest", "paper", "swinging start", "rotating start", "all starts", "paper's place"]
+    heads = ["maximum", "paper", *STARTS, "all initial conditions", "rank of the paper's value"]
     return table(heads, rows) + "\n" + numbers_words(evidence)
 
 
 def numbers_words(evidence: Evidence) -> str:
-    """What the table does not show: the nearest start and the ratio of the torques."""
+    """Beside the table: the nearest initial condition and the ratio of the torques."""
     near, (low, high) = evidence["nearest"], evidence["ratio"]
     values = ", ".join(
         f"{quantity.shown(value)} {quantity.units}"
@@ -64,20 +72,21 @@ def numbers_words(evidence: Evidence) -> str:
     changed = "; ".join(
         f"{quantity.words} {quantity.shown(new)} instead of {quantity.shown(old)} {quantity.units}"
         for quantity, old, new in zip(
-            REPORTED, evidence["own"]["swinging"]["values"], printed["values"], strict=True
+            REPORTED, evidence["own"]["librating"]["values"], printed["values"], strict=True
         )
     )
     return (
-        f"All starts: {evidence['starts']} of them, θ1 and θ4 in steps of {evidence['steps'][0]}°, "
-        f"α in steps of {evidence['steps'][1]}°, at rest in the clearance.\n\n"
-        f"- No start meets all five. The one of the grid whose worst number is nearest "
-        f"(θ1 = {first}, θ4 = {fourth}, α = {angle}) gives {values}: off by a factor of "
+        f"All {evidence['starts']} initial conditions: θ1 and θ4 in steps of "
+        f"{evidence['steps'][0]}°, α in steps of {evidence['steps'][1]}°, at rest in the "
+        "clearance.\n\n"
+        f"- No initial condition meets all five. The nearest of the grid (θ1 = {first}, "
+        f"θ4 = {fourth}, α = {angle}) gives {values}; its worst maximum deviates by a factor of "
         f"{near['factor']:.2f}.\n"
         f"- In the paper the torque of crank 1 is {float(torque_ratio(PRINTED)):.2f} times that of "
-        f"crank 4. Over all starts this ratio is {low:.2f} to {high:.2f}.\n"
-        f"- With the kinetic energy of Eq. 3 as printed (misprint 1 below) the swinging start "
-        f"gives: {changed}. The paper's displacement error is {place(printed['ranks'][0])} "
-        f"then, too ({printed['starts']} starts).\n"
+        f"crank 4. Over all initial conditions this ratio is {low:.2f} to {high:.2f}.\n"
+        f"- With the kinetic energy of Eq. 3 as printed (misprint 1 below) the librating initial "
+        f"condition gives: {changed}. The paper's position error is then also "
+        f"{place(printed['ranks'][0])} ({printed['starts']} initial conditions).\n"
     )
 
 
@@ -109,8 +118,10 @@ def verdict_tables(evidence: Evidence) -> str:
         ]
         return table(heads, lines)
 
-    first = f"Verdict over {evidence['periods']} periods, and the largest exponent in 1/s:\n\n"
-    second = "Share of time in which the link would have to push, so that a real pin lets go:\n\n"
+    first = (
+        f"Verdict over {evidence['periods']} periods, and the largest Lyapunov exponent in 1/s:\n\n"
+    )
+    second = "Share of time in which a real journal would leave its bearing:\n\n"
     return f"{first}{matrix(_verdict_cell)}\n{second}{matrix(lambda row: percent(row.lost))}"
 
 
@@ -120,13 +131,13 @@ def _verdict_cell(row: Verdict) -> str:
 
 
 def speeds_words(evidence: Evidence) -> str:
-    """Verdicts of the swinging start at other speeds."""
+    """Verdicts of the librating initial condition at other speeds."""
     found = [
         f"at {speed / np.pi:.2g}π rad/s the verdict is {_verdict_cell(Verdict(**row))} 1/s, "
         f"{percent(row['lost'])} of the time without contact"
         for speed, row in evidence["verdicts"]
     ]
-    return f"From the swinging start (r = 0.15 mm) {'; '.join(found)}.\n"
+    return f"For the librating initial condition (r = 0.15 mm) {'; '.join(found)}.\n"
 
 
 def steps_table(evidence: Evidence) -> str:
@@ -138,20 +149,20 @@ def steps_table(evidence: Evidence) -> str:
     rows = [
         [
             f"{1e6 * step:g}",
-            *(f"{rows[i].error:.0e}, {rows[i].digits}" for rows in studies.values()),
+            *(f"{power(rows[i].error)}, {rows[i].digits}" for rows in studies.values()),
             *(q.shown(v) for q, v in zip(REPORTED[2:], evidence["values"][i][2:], strict=True)),
         ]
         for i, step in enumerate(steps)
     ]
-    heads = ["step (µs)", *(f"{name}: error, digits" for name in studies)]
+    heads = ["step (µs)", *(f"{name}: relative error, digits" for name in studies)]
     heads += [f"{quantity.words} ({quantity.units})" for quantity in REPORTED[2:]]
     lines = []
     for name, found in studies.items():
         ends = [f"{1e6 * first_wrong(found, digit):g} µs" for digit in (1, 3)]
         lines.append(
-            f"- {name} start: of these steps, the shortest at which the first digit is wrong at "
-            f"1 s is {ends[0]}; the third digit is wrong from {ends[1]} on. Two other methods at "
-            f"rtol 1e-13 differ by {evidence['converged'][name]:.0e}."
+            f"- {name.capitalize()}: of these steps, {ends[0]} is the shortest with a wrong first "
+            f"digit at 1 s, and {ends[1]} the shortest with a wrong third digit. Two other methods "
+            f"at rtol 1e-13 differ by {power(evidence['converged'][name])}."
         )
     return table(heads, rows) + "\n" + "\n".join(lines) + "\n"
 

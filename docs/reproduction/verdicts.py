@@ -1,4 +1,4 @@
-"""Regular or chaotic, for several sizes of the clearance and several starts."""
+"""Regular or chaotic, for several radial clearances and initial conditions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from reproduction.reported import ANGLE, SIZE, press, speeds
 
 @dataclass(frozen=True)
 class Verdict:
-    """What `linkages.verdict` says of one start.
+    """Classification of one initial condition by `linkages.verdict`.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Verdict:
     lost
         Share of time in which the force in the clearance link has the wrong sign for contact.
     motion
-        What the link does: swing, rotation or mixed.
+        Of the link: libration, rotation or both.
     """
 
     size: float

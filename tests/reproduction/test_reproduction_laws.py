@@ -44,8 +44,8 @@ def test_error_of_a_power_law_covers_its_scatter():
     assert np.mean([law.agrees(-0.5) for law in laws]) == pytest.approx(0.99, abs=0.015)
 
 
-def test_swinging_start_follows_the_law_of_a_pendulum():
-    """α̇ ~ (F / M r)^½: let go at the same angle, only r sets the rate of a regular swing."""
+def test_libration_follows_the_law_of_a_pendulum():
+    """α̇ ~ (F / M r)^½: let go at the same angle, only r sets the rate of a regular libration."""
     sizes = np.geomspace(2.5e-5, 5e-4, 4)
     peaks = []
     for size in sizes:

@@ -235,9 +235,10 @@ def _colours(values: Array, signed: bool) -> tuple[Colormap, Normalize]:
     if signed:
         largest = max(abs(low), abs(high)) or 1.0
         half = len(SIGNS) // 2
-        shades = SIGNS[half if low >= 0 else 0 : half + 1 if high <= 0 else None]
+        above, below = low >= 0 < high, high <= 0 > low
+        shades = SIGNS[half if above else 0 : half + 1 if below else None]
         base = LinearSegmentedColormap.from_list("signs", shades, N=512)
-        low, high = (0.0 if low >= 0 else -largest), (0.0 if high <= 0 else largest)
+        low, high = (0.0 if above else -largest), (0.0 if below else largest)
     return base.with_extremes(bad=PALE), Normalize(low, high)
 
 

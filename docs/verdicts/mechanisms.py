@@ -15,7 +15,7 @@ LINEAR = "linear oscillations, damped and forced"
 
 CONSERVATIVE = (
     "Pendulum, free",
-    "Pendulum, free, turning over",
+    "Pendulum, free, rotating",
     "Double pendulum, small",
     "Double pendulum, large",
     "Slider-crank, free",
@@ -64,7 +64,7 @@ assembly: {{C: [0.25, -0.5]}}
 simulate: {{end: 2}}
 """
 
-SWINGING_CRANK = """\
+PENDULUM_CRANK = """\
 name: Slider-crank whose crank is free
 gravity: [0, -9.81]
 joints: {{O: [0, 0]}}
@@ -107,7 +107,7 @@ def taylor(strength: float, start: float = -math.pi / 2) -> linkages.Mechanism:
     )
 
 
-def swinging(damping: float, speed: float = 0.0) -> linkages.Mechanism:
+def pendulum(damping: float, speed: float = 0.0) -> linkages.Mechanism:
     text = PENDULUM.format(
         gravity=9.81, damping=damping, torque=0.0, frequency=1.0, angle=-0.5, speed=speed
     )
@@ -129,7 +129,7 @@ def five_bar(damping: float, amplitude: float):
 
 def crank(damping: float, amplitude: float, angle: float = -60.0):
     loads = forced(amplitude, "crank") if amplitude else ""
-    return _of(SWINGING_CRANK.format(damping=damping, loads=loads, angle=angle))
+    return _of(PENDULUM_CRANK.format(damping=damping, loads=loads, angle=angle))
 
 
 def ninebar(angle: float) -> linkages.Mechanism:
@@ -159,11 +159,11 @@ def _pendulums() -> list[Known]:
             *found,
             ("Pendulum, driven, γ = 1.077, from 0°", "periodic", 3, TAYLOR,
              lambda: taylor(1.077, 0.0)),
-            ("Pendulum, free", "periodic", 1, "elliptic functions", lambda: swinging(0.0)),
-            ("Pendulum, free, turning over", "periodic", 1, "elliptic functions",
-             lambda: swinging(0.0, 9.0)),
-            ("Pendulum, damped", "at rest", None, "energy falls", lambda: swinging(0.5)),
-            ("Pendulum, overdamped", "at rest", None, "energy falls", lambda: swinging(20.0)),
+            ("Pendulum, free", "periodic", 1, "elliptic functions", lambda: pendulum(0.0)),
+            ("Pendulum, free, rotating", "periodic", 1, "elliptic functions",
+             lambda: pendulum(0.0, 9.0)),
+            ("Pendulum, damped", "at rest", None, "energy falls", lambda: pendulum(0.5)),
+            ("Pendulum, overdamped", "at rest", None, "energy falls", lambda: pendulum(20.0)),
         ]
     )  # fmt: skip
 

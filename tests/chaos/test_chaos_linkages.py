@@ -354,7 +354,7 @@ def test_map_of_initial_states():
     data = chaos_map(ninebar(), x, y, indicator="fli", periods=5)
     assert data.indicator.shape == (2, 2)
     assert np.isfinite(data.indicator).all()
-    assert set(data.rotation.to_numpy().ravel()) <= {"swing", "rotation", "mixed"}
+    assert set(data.rotation.to_numpy().ravel()) <= {"libration", "rotation", "mixed"}
 
 
 def test_fast_indicator_of_a_map_belongs_to_the_whole_run():

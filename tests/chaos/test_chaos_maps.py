@@ -11,7 +11,7 @@ from linkages.reading.document import parse
 from linkages.sweeps.axes import parse_range, together
 from linkages.sweeps.running import Threads
 
-# θ'' = −sin θ, so that what turns over is known; the torque of nothing gives it a period.
+# θ'' = −sin θ, so that what rotates is known; the torque of nothing gives it a period.
 FREE = """\
 name: Pendulum
 gravity: [1, 0]
@@ -29,19 +29,19 @@ def pendulum(text=FREE):
     return from_document(parse(text, "m.yaml"))
 
 
-def test_swings_rotations_and_what_is_both():
-    """Without friction it turns over from 2 rad/s on; a turning one that is stopped does both."""
+def test_librations_rotations_and_what_is_both():
+    """Without friction it rotates from 2 rad/s on; a rotating one that is stopped does both."""
     data = linkages.chaos_map(pendulum(), {SPEED: [1.9, 2.1]}, {"gravity[0]": [1, 1]}, periods=10)
-    assert data.rotation[0, :, 0].to_numpy().tolist() == ["swing", "rotation"]
+    assert data.rotation[0, :, 0].to_numpy().tolist() == ["libration", "rotation"]
     text = FREE + "dampers: [{joint: O, damping: 0.1}]\n"
     data = linkages.chaos_map(
         pendulum(text), {SPEED: [1.0, 3.5]}, {DAMPING: [0.1, 0.1]}, periods=10
     )
-    assert data.rotation[0, :, 0].to_numpy().tolist() == ["swing", "mixed"]
+    assert data.rotation[0, :, 0].to_numpy().tolist() == ["libration", "mixed"]
 
 
 def test_regular_motions_of_a_map_are_not_told_from_zero():
-    """A swing and a rotation without friction: tangents grow like time, exponents like ln(T)/T."""
+    """Libration and rotation without friction: tangents grow like T, exponents like ln(T)/T."""
     data = linkages.chaos_map(pendulum(), {SPEED: [1.0, 3.0]}, {"gravity[0]": [1, 1]}, periods=20)
     assert (data.indicator > 0).all()
     assert (data.sign == 0).all()

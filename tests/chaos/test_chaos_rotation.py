@@ -1,4 +1,4 @@
-"""Swing, rotation and tumbling of angles that are known."""
+"""Libration, rotation and tumbling of angles that are known."""
 
 import numpy as np
 import pytest
@@ -14,11 +14,11 @@ def test_resting():
 
 
 @pytest.mark.parametrize("amplitude", [1e-3, 1.0, 3.1])
-def test_swing(amplitude):
-    """Wherever it is, and even if it swings across the top: its range is below a turn."""
+def test_libration(amplitude):
+    """Wherever it is, and even if it librates across the top: its range is below a turn."""
     for middle in (0.0, np.pi, 40.0):
         found = classify_angle(TIME, middle + amplitude * np.sin(TIME))
-        assert found.kind is Kind.SWING
+        assert found.kind is Kind.LIBRATION
         assert found.forward == found.backward == 0
         assert abs(found.rate) < 1e-3 * amplitude
 
@@ -54,8 +54,8 @@ def test_tumbling_in_both_senses():
     assert found.backward == 8
 
 
-def test_swing_and_then_a_turn():
-    """Sixty seconds of swing between turns in one sense are no rotation."""
+def test_libration_and_then_a_turn():
+    """Sixty seconds of libration between turns in one sense are no rotation."""
     turning = np.clip(TIME - 70, 0, None) * 3
     found = classify_angle(TIME, np.sin(TIME) + turning)
     assert found.kind is Kind.MIXED

@@ -367,7 +367,7 @@ def test_chaos_says_so_and_writes_a_page(pendulum, tmp_path):
     assert re.search(r'<span class="label"[^>]*>chaotic</span>', page)
     content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
     assert content["verdict"] == "chaotic"
-    assert "Certificate of the exponents" in result.out
+    assert "Certificate of the Lyapunov exponents" in result.out
     assert "<td>sum of all exponents</td>" in page
     assert content["certificate"][0]["holds"]
     assert "results/m/chaos_spectrum.svg" in result.files

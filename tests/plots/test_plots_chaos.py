@@ -214,7 +214,7 @@ def test_values_that_could_not_be_computed_are_shaded():
     assert span.get_x() == pytest.approx(0.45)
     assert span.get_width() == pytest.approx(0.1)
     texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert texts == ["start 1", "start 2", "not computed (1)"]
+    assert texts == ["initial condition 1", "initial condition 2", "not computed (1)"]
 
 
 def test_names_of_starts_stand_in_the_legend():
@@ -286,7 +286,7 @@ def test_no_spectra_no_figure():
 # maps
 
 
-def map_data(values, words="swing"):
+def map_data(values, words="libration"):
     values = np.asarray(values, dtype=float)
     reason = np.where(np.isnan(values), "cannot be assembled", "").astype(object)
     kinds = np.full((*values.shape, 1), words, dtype=object)
@@ -340,6 +340,14 @@ def test_every_kind_of_motion_has_a_colour(kind):
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [str(kind)]
     assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
     assert maps.class_figure(data, "arm") is None  # of one colour
+
+
+def test_maps_written_under_a_former_word_are_drawn():
+    """Maps were stored with 'swing' before it was called libration."""
+    data = map_data(np.ones((2, 3)), "swing")
+    (ax,) = maps.class_page(data, "arm").axes
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["libration"]
+    assert not np.ma.getmaskarray(ax.collections[0].get_array()).any()
 
 
 def test_a_map_of_one_colour_is_not_drawn():

@@ -1,4 +1,4 @@
-"""Whether an angle swings, rotates, or tumbles between the two."""
+"""Whether an angle librates, rotates, or tumbles between the two."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ class Kind(StrEnum):
     """What an angle does."""
 
     RESTING = "resting"
-    SWING = "swing"
+    LIBRATION = "libration"
     ROTATION = "rotation"
     MIXED = "mixed"
+
+
+_FORMER = {"swing": Kind.LIBRATION.value}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +35,8 @@ class Rotation:
     Parameters
     ----------
     kind
-        Resting; swing: its range is less than a turn; rotation: it turns in one sense all the
-        time; mixed: it turns in both senses, or swings between turns.
+        Resting; libration: its range is less than a turn; rotation: it turns in one sense all the
+        time; mixed: it turns in both senses, or librates between turns.
     rate, rate_error
         Mean rate in rad/s, counter-clockwise positive, and the difference of the two halves.
     forward, backward
@@ -98,7 +101,7 @@ def refined(time: ArrayLike, angle: ArrayLike) -> tuple[Floats, Floats]:
     """Points in between where neighbouring samples are half a turn apart or more.
 
     Only for angles whose whole turns were counted on the way, as those of simulations: a link in a
-    small clearance may turn over several times between two samples, and `classify_angle` must see
+    small clearance may rotate several times between two samples, and `classify_angle` must see
     turns one by one.
 
     Parameters
@@ -115,11 +118,17 @@ def refined(time: ArrayLike, angle: ArrayLike) -> tuple[Floats, Floats]:
     return np.interp(places, known, t), np.interp(places, known, theta)
 
 
+def renamed(words: NDArray[np.object_]) -> NDArray[np.object_]:
+    """Kinds in an array of any shape, with former words of stored files replaced."""
+    found = [_FORMER.get(word, word) for word in words.ravel()]
+    return np.array(found, dtype=object).reshape(words.shape)
+
+
 def _kind(t: Floats, theta: Floats, senses: NDArray[np.int64], stay: float, resting: float) -> Kind:
     if np.ptp(theta) <= resting:
         return Kind.RESTING
     if not len(senses):
-        return Kind.SWING
+        return Kind.LIBRATION
     if abs(int(senses.sum())) < len(senses):
         return Kind.MIXED
     steps = np.diff(theta)

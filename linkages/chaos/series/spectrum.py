@@ -66,7 +66,7 @@ def power_spectrum(series: ArrayLike, interval: float) -> PowerSpectrum:
     Parameters
     ----------
     series
-        Shape (n,), n ≥ 256; of an angle that turns over, take sine or cosine.
+        Shape (n,), n ≥ 256; of an angle that rotates, take sine or cosine.
     interval
         Seconds between samples; for a section 1, and frequencies are per section.
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import CONTACT, contact_values, contact_variables
 from linkages.chaos.sections.touches import TOUCH
+from linkages.chaos.series.rotation import renamed
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
 from linkages.sweeps.answers import CODES, Arrays, Field, reasons
@@ -94,7 +95,7 @@ def map_data(
     stopped = {"units": "s", "long_name": "time at which the motion stopped"}
     variables: dict[str, Any] = {
         "indicator": (("y", "x"), grid["indicator"], {"units": units, "long_name": words}),
-        "rotation": (("y", "x", "coordinate"), grid["rotation"].astype(object)),
+        "rotation": (("y", "x", "coordinate"), renamed(grid["rotation"].astype(object))),
         "outcome": (("y", "x"), grid["outcome"], CODES),
         "reason": (("y", "x"), reasons(grid)),
         "stop_time": (("y", "x"), grid["stop_time"], stopped),

@@ -21,6 +21,7 @@ from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.growth.together import Grown, grow_together
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.chaos.sections.free_states import require_free
+from linkages.chaos.series.rotation import Kind
 from linkages.chaos.sweeps.map_data import free_angles, map_data, map_fields, touchable
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
@@ -226,15 +227,15 @@ def sign_of(exponents: Exponents) -> int:
 
 
 def kinds(tangents: LinkageTangents) -> dict[str, str]:
-    """Free angle → swing (less than a turn in all), rotation (nearly one sense) or mixed."""
+    """Free angle → libration (within a turn), rotation (nearly one sense) or mixed."""
     places = tangents.turned
     moved = np.abs(np.diff(places, axis=0)).sum(axis=0)
     net, extent = np.abs(places[-1] - places[0]), np.ptp(places, axis=0)
     found = {}
     for index, name in enumerate(tangents.system.topology.free):
         if tangents.angles[index]:
-            turning = "rotation" if net[index] >= ONE_SENSE * moved[index] else "mixed"
-            found[name] = "swing" if extent[index] < 2 * np.pi else turning
+            turning = Kind.ROTATION if net[index] >= ONE_SENSE * moved[index] else Kind.MIXED
+            found[name] = str(Kind.LIBRATION if extent[index] < 2 * np.pi else turning)
     return found
 
 

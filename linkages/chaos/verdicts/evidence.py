@@ -110,7 +110,7 @@ class SectionPlane:
 
 
 def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
-    """Stroboscopic, or where the motion is seen to return: its rate vanishes, or it turns over."""
+    """Stroboscopic, or where the motion returns: its rate vanishes, or it rotates past."""
     try:
         return SectionPlane(period=common_period(system.mechanism))
     except NoPeriodError:

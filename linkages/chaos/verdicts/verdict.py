@@ -46,8 +46,8 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
         return "at rest", reasons
     if len(evidence.points) < FEWEST_PERIODS:
         reasons.append(
-            f"The section has {len(evidence.points)} points, {FEWEST_PERIODS} are needed: the "
-            "motion seldom crosses it."
+            f"The Poincaré section has {len(evidence.points)} points, {FEWEST_PERIODS} are needed: "
+            "the motion seldom crosses it."
         )
         return "undecided", reasons
     if regular and evidence.period is not None and not late:
@@ -82,13 +82,15 @@ def _aperiodic(
         return None
     if curves is not None and curves.count:
         number = "a closed curve" if curves.count == 1 else f"{curves.count} closed curves"
-        reasons.append(f"Section points lie on {number}.")
+        reasons.append(f"Poincaré section points lie on {number}.")
         return "quasi-periodic"
     # at the end of a cascade of period doublings there is but one neutral direction
     directions = SURFACE + evidence.autonomous
     if evidence.neutral >= directions and tested < REGULAR_GROWTH and steady:
         why = "" if curves is None else f": {curves.reason}"
-        reasons.append(f"Averages converge as on tori; section points are on no clear curve{why}")
+        reasons.append(
+            f"Averages converge as on tori; Poincaré section points are on no clear curve{why}"
+        )
         return "quasi-periodic"
     return None
 
@@ -116,7 +118,9 @@ def transient(evidence: Evidence) -> str:
 def _growth(evidence: Evidence) -> str:
     """The largest exponent, and the law of its tangents."""
     if not evidence.exponents.some:
-        return "Contacts that closed leave no neighbours of the motion: all exponents are −∞."
+        return (
+            "Contacts that closed leave no neighbours of the motion: all Lyapunov exponents are −∞."
+        )
     how = {
         Verdict.CHAOTIC: "grow exponentially, as along chaotic motions",
         Verdict.REGULAR: "grow like a power of time, as along regular motions",
@@ -126,12 +130,12 @@ def _growth(evidence: Evidence) -> str:
         how = "shrink exponentially, as along motions that attract their neighbours"
     value, error = evidence.exponents.largest
     shown, by = to_error(value, error)
-    return f"The largest exponent is {shown} ± {by} 1/s; tangents {how}."
+    return f"The largest Lyapunov exponent is {shown} ± {by} 1/s; tangents {how}."
 
 
 def _repeats(evidence: Evidence) -> str:
     many = f"after {evidence.period} point{'' if evidence.period == 1 else 's'}"
     if not evidence.settled:
-        return f"The section repeats {many}."
+        return f"The Poincaré section repeats {many}."
     first = round(evidence.settled * len(evidence.points))
-    return f"The section repeats {many}, from its point {first + 1} on."
+    return f"The Poincaré section repeats {many}, from its point {first + 1} on."

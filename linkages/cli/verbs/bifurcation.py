@@ -105,7 +105,7 @@ def _points(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _values(data: xr.Dataset) -> dict[str, np.ndarray]:
-    """Columns with a row for each start and value: points, exponent, contact, reason."""
+    """A row for each initial condition and value: points, exponent, contact, reason."""
     columns = {
         "start": _numbered(data, "start"),
         **swept.varied_columns(data, "value"),
@@ -128,7 +128,7 @@ def _print(data: xr.Dataset, values: dict[str, Any], screen: Console) -> None:
     title = f"{data.attrs['name']}: {data.sizes['value']} values of {path}"
     ends = f"{number(float(numbers[0]))} to {number(float(numbers[-1]))} {unit}".rstrip()
     screen.print(f"{title} from {ends}", markup=False)
-    heads = ["start", "values computed", "points"]
+    heads = ["initial condition", "values computed", "points"]
     rows = []
     for index, name in enumerate(data["start"].values):
         points = values["points"][values["start"] == index + 1]
@@ -137,8 +137,8 @@ def _print(data: xr.Dataset, values: dict[str, Any], screen: Console) -> None:
             positive = data["exponent"][index] > BEYOND * data["error"][index]
             row.append(f"at {int(positive.sum())}")
         rows.append(row)
-    heads += ["exponent positive"] if "exponent" in data else []
-    screen.print(table("Starts", heads, rows, numbers=len(heads) - 1))
+    heads += ["Lyapunov exponent positive"] if "exponent" in data else []
+    screen.print(table("Initial conditions", heads, rows, numbers=len(heads) - 1))
     notes = [
         note
         for reasons in (swept.failures(data), swept.counted(_warnings(data)))

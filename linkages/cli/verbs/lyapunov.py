@@ -44,7 +44,8 @@ def run(request: Request) -> int:
     end = float(data["time"][-1])
 
     def show(screen: Console) -> None:
-        screen.print(f"[bold]{escape(said['name'])}[/bold]: exponents up to t = {number(end)} s")
+        title = f"[bold]{escape(said['name'])}[/bold]"
+        screen.print(f"{title}: Lyapunov exponents up to t = {number(end)} s")
         cells = [[r["index"], r["sign"], *to_error(r["value"], r["error"])] for r in rows]
         heads = ["exponent", "sign", "value (1/s)", "standard error"]
         if rows:
@@ -117,4 +118,4 @@ def certificate_table(rows: list[dict[str, Any]]) -> tuple[str, list[str], list[
         for row in rows
     ]
     heads = ["invariant", "found (1/s)", "known (1/s)", "tolerance"]
-    return "Certificate of the exponents", heads, cells
+    return "Certificate of the Lyapunov exponents", heads, cells

@@ -130,7 +130,7 @@ def _print(content: dict[str, Any], data: xr.Dataset, screen: Console) -> None:
         screen.print(f"{content['long_name']} from {low} to {high} {unit}".rstrip(), markup=False)
     if content["signs"] and content["computed"]:
         said = [f"{word} at {count}" for word, count in content["signs"].items() if count]
-        screen.print(f"the exponent is {', '.join(said)}", markup=False)
+        screen.print(f"the Lyapunov exponent is {', '.join(said)}", markup=False)
     for name, (low, high) in content["touches"].items():
         screen.print(
             f"{name} is touched {number(low)} to {number(high)} times a period", markup=False

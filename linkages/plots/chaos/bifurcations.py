@@ -112,15 +112,15 @@ def parameter(data: xr.Dataset) -> tuple[Array, str]:
 
 
 def start_names(data: xr.Dataset) -> list[str]:
-    """What the initial states are called."""
+    """What the initial conditions are called."""
     if "start" in data.coords:
         return [str(name) for name in data["start"].values]
     count = data.sizes["start"]
-    return [""] if count == 1 else [f"start {number}" for number in range(1, count + 1)]
+    return [""] if count == 1 else [f"initial condition {number}" for number in range(1, count + 1)]
 
 
 def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -> Axes:
-    """Draw the section points of one free coordinate, each start in its colour.
+    """Draw the section points of one free coordinate, each initial condition in its colour.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def draw(ax: Axes, data: xr.Dataset, coordinate: Free, *, rates: bool = False) -
 
 
 def shade_missing(ax: Axes, data: xr.Dataset) -> None:
-    """Shade values of the parameter at which nothing could be computed, from any start."""
+    """Shade values at which nothing could be computed from any initial condition."""
     x, _ = parameter(data)
     missing = _missing(data)
     borders = cell_borders(x)
@@ -166,7 +166,7 @@ def shade_missing(ax: Axes, data: xr.Dataset) -> None:
 
 
 def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Values that have no points from any start, and a reason for it."""
+    """Values that have no points from any initial condition, and a reason for it."""
     failed = np.asarray(data["reason"], dtype=object) != ""
     points = [array for array in data.data_vars.values() if "crossing" in array.dims]
     for array in points:
@@ -176,7 +176,7 @@ def _missing(data: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def hatch_lost(ax: Axes, data: xr.Dataset) -> None:
-    """Hatch values at which contact in a clearance is lost, from all starts that were computed."""
+    """Hatch values at which contact in a clearance is lost, from all initial conditions."""
     lost = contact_lost(data, "start", "value")
     if lost is None:
         return
@@ -187,7 +187,7 @@ def hatch_lost(ax: Axes, data: xr.Dataset) -> None:
 
 
 def draw_exponent(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the largest exponent of each start with a band of two standard errors."""
+    """Draw largest Lyapunov exponents with bands of two standard errors."""
     x, _ = parameter(data)
     values, errors = np.asarray(data["exponent"]), np.asarray(data["error"])
     ax.axhline(0.0, color=BLACK, linewidth=0.8, zorder=2)
@@ -209,7 +209,7 @@ def show_parameter(ax: Axes, data: xr.Dataset) -> None:
 
 
 def _entries(data: xr.Dataset) -> dict[str, Artist]:
-    """Texts of the legend, and what stands before them: dots of each start."""
+    """Texts of the legend, and what stands before them: dots of each initial condition."""
     shown: dict[str, Artist] = {
         name: Line2D([], [], linestyle="", marker="o", color=PALETTE[index % len(PALETTE)])
         for index, name in enumerate(start_names(data))

@@ -21,7 +21,7 @@ HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
 SETTLING = 0.1
 """Part of the run at the beginning that may lie outside the picture."""
 
-NONE = "all exponents are −∞: contacts that closed leave no neighbours"
+NONE = "all Lyapunov exponents are −∞: contacts that closed leave no neighbours"
 """What is written where there is nothing to draw."""
 
 
@@ -75,7 +75,7 @@ def draw(ax: Axes, data: xr.Dataset, heading: str = "") -> Axes:
     _limits(ax, history, errors)
     ax.set_xlim(time[0] * scale.factor, time[-1] * scale.factor)
     ax.set_xlabel(scale.label("time"))
-    ax.set_ylabel("running estimate of the exponent [1/s]")
+    ax.set_ylabel("running estimate of the Lyapunov exponent [1/s]")
     if entries:
         lines, texts = zip(*entries, strict=True)
         ax.legend(lines, texts, **legend_above(heading), ncols=2)

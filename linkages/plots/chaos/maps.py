@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from linkages.chaos.series.rotation import renamed
 from linkages.plots.chaos.parameters import HATCHING, LOST, contact_lost, show_path
 from linkages.plots.style import BOTTOM, GREY, LEFT, PALE, TOP, WIDTH, fitted, patches_above, styled
 
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 HEIGHT, BAR, GAP, LEGEND = 3.9, 0.18, 0.12, 0.3
 BAR_LABELS = 0.75  # inches, to the right of the colour bar
 # From light to dark in black and white, too.
-KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "swing": "#0072B2", "rotation": "#3B1C4A"}
+KINDS = {"resting": "#FFFFFF", "mixed": "#E69F00", "libration": "#0072B2", "rotation": "#3B1C4A"}
 
 # In even steps; in black and white, too, the darkest places are the strongest on either side.
 SIGNS = ("#071A3D", "#2F6DB5", "#A9C6E3", "#FFFFFF", "#F9D29B", "#DE8A1C", "#9A4A06")
@@ -214,7 +215,8 @@ def draw_classes(ax: Axes, data: xr.Dataset, coordinate: str) -> Axes:
 
 
 def _words(data: xr.Dataset, coordinate: str) -> NDArray[np.object_]:
-    return np.asarray(data["rotation"].sel(coordinate=coordinate), dtype=object)
+    words = np.asarray(data["rotation"].sel(coordinate=coordinate), dtype=object)
+    return renamed(words)
 
 
 def _frame(ax: Axes, data: xr.Dataset) -> tuple[Array, Array]:

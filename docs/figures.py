@@ -65,11 +65,13 @@ def ninebar_figures() -> None:
         write_small(figure, STATIC / f"ninebar-{name.replace('_', '-')}.png")
 
 
-def write_small(figure: Figure, path: Path, colours: int = 64) -> None:
-    """Write a dense figure, sharp on any screen, with a palette of its own to keep it small."""
+def write_small(figure: Figure, path: Path, colours: int | None = 64) -> None:
+    """Write a dense figure, sharp on any screen; with a palette of its own it stays small."""
     with style():
         dpi = PIXELS / figure.get_figwidth()
         figure.savefig(path, dpi=dpi, metadata={"Software": None})
+    if colours is None:
+        return
     with Image.open(path) as image:
         image.convert("RGB").quantize(colours).save(path, optimize=True)
 

@@ -72,7 +72,7 @@ def plane() -> None:
     gravity = parse_range("gravity[1]=-1.5:-0.7:300")
     figure = maps.figure(linkages.chaos_map(driven(), damping, gravity, periods=60, skip=60))
     assert figure is not None
-    write_small(figure, STATIC / "chaos-map.png", colours=256)
+    write_small(figure, STATIC / "chaos-map.png", colours=None)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from matplotlib.ticker import (
     FixedLocator,
     FuncFormatter,
     LogLocator,
-    MultipleLocator,
     NullFormatter,
 )
 from numpy.typing import NDArray
@@ -77,8 +76,7 @@ def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
             look = {"markersize": DOT, "markeredgewidth": 0, "color": PALETTE[row]}
             ax.plot(angle[row, column], speed[row, column], "o", **look)
             ax.set_xlim(low, high)
-            whole = high - low > 180  # labels of neighbours must not meet
-            ax.xaxis.set_major_locator(FixedLocator([-90, 0, 90]) if whole else MultipleLocator(20))
+            ax.xaxis.set_major_locator(FixedLocator(_sparse(low, high)))
             ax.set_ylim(-reach, reach)
             if column:
                 ax.tick_params(labelleft=False)
@@ -88,6 +86,13 @@ def portraits_figure(data: xr.Dataset, names: Sequence[str]) -> Figure:
                 ax.set_title(names[column])
         line[0].set_ylabel(f"{start}\ndα/dt [rad/s]")
     return figure
+
+
+def _sparse(low: float, high: float) -> list[float]:
+    """Angles in degrees so far apart that labels of neighbouring panels do not meet."""
+    step = 90 if high - low > 180 else 40 if high - low > 70 else 20
+    first, last = np.ceil((low + 0.1 * step) / step), np.floor((high - 0.1 * step) / step)
+    return [float(step * k) for k in np.arange(first, last + 1)]
 
 
 @styled

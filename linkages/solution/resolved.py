@@ -27,17 +27,22 @@ def turning_points(values: NDArray[np.float64]) -> int:
     return int(np.count_nonzero(slopes[1:] * slopes[:-1] < 0))
 
 
-def samples_per_swing(series: Iterable[NDArray[np.float64]]) -> float:
-    """Samples per oscillation of the series that oscillates most; infinite where none turns twice.
+def swings(series: Iterable[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Samples per oscillation of each element of series; infinite where it does not turn twice.
 
     Parameters
     ----------
     series
         Shape (samples, …) each.
     """
-    found = np.inf
+    found = []
     for values in series:
         for column in values.reshape(len(values), -1).T if values.size else ():
             turns = turning_points(column)
-            found = min(found, 2.0 * len(values) / turns) if turns > 1 else found
-    return found
+            found.append(2.0 * len(values) / turns if turns > 1 else np.inf)
+    return np.array(found)
+
+
+def samples_per_swing(series: Iterable[NDArray[np.float64]]) -> float:
+    """Samples per oscillation of the element that oscillates most, like `swings`."""
+    return float(np.min(swings(series), initial=np.inf))

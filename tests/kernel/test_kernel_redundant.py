@@ -1,5 +1,7 @@
 """Redundant constraints: what holds by itself is solved by least squares, the rest is refused."""
 
+import re
+
 import numpy as np
 import pytest
 from kernel_motion import call, carried_along, difference
@@ -126,10 +128,10 @@ def test_wrong_dimensions(text, old, new):
     changed = text.replace(old, new)
     assert changed != text
     message = refusal(changed)
-    assert "more constraints than coordinates at" in message
-    joints = message.split("coordinates at ")[1].split(",")[0].split(":")[0]
-    assert joints in ("A", "B", "P", "Q", "E")
-    assert "contradict each other" in message or "would not let crank move" in message
+    found = re.search(r"constraints at (\w) contradict each other", message)
+    found = found or re.search(r"coordinates at (\w): they would not let crank move", message)
+    assert found is not None, message
+    assert found[1] in ("A", "B", "P", "Q", "E")
 
 
 def test_dimensions_that_fit_in_one_position():
@@ -157,7 +159,7 @@ def test_a_frame_between_two_ground_joints():
     assert of.places()["Q"] == pytest.approx([0.7, 0.5], abs=1e-15)
     assert values(of, "bar_speed", 0.3)[:, 0] == pytest.approx([0, 1], abs=1e-15)
     message = refusal(frame.replace("LENGTH", "1.1"))
-    assert "more constraints than coordinates at C, and they contradict each other" in message
+    assert "the constraints at C contradict each other" in message
 
 
 def test_a_welded_frame_between_two_ground_joints():

@@ -376,6 +376,15 @@ def test_exponents_that_cannot_be_told_from_zero_are_white():
     assert text.get_text() == "zero within its error (2)"
 
 
+def test_a_chart_of_zeros_alone_is_white():
+    """Drawn into given axes, where a figure of its own would be left out."""
+    signs = ("y", "x"), np.zeros((2, 2))
+    data = map_data([[0.1, 0.2], [0.3, 0.4]]).assign(sign=signs)
+    ax = Figure().add_subplot()
+    image = maps.draw(ax, data).collections[0]
+    assert (image.cmap(image.norm(image.get_array())) > 0.99).all()
+
+
 def test_steps_of_colours_are_even():
     """Half of the way to the largest exponent is half of the way through the colours."""
     ax, _ = maps.figure(map_data([[-0.5, 0.25], [0.1, 0.3]])).axes

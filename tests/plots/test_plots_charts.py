@@ -178,9 +178,8 @@ def test_charts_of_analyses(pendulum):
     points = linkages.poincare(pendulum, periods=20)
     assert len(charts.section(points, "rod").lines[0].get_xdata()) == 20
     history = linkages.lyapunov(pendulum, periods=5)
-    assert (
-        charts.exponents(history).get_ylabel() == "running estimate of the Lyapunov exponent [1/s]"
-    )
+    label = "running estimate of the Lyapunov exponent [1/s]"
+    assert charts.exponents(history).get_ylabel() == label
     given = Figure().add_subplot()
     assert charts.exponents(history, ax=given) is given
     with pytest.raises(ValueError, match="unknown free coordinate 'crank'; expected one of: rod"):

@@ -17,7 +17,7 @@ from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.followed import PER_STEP, Followed, denser, enough, through
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
-from linkages.solution.resolved import PER_SWING, samples_per_swing
+from linkages.solution.resolved import PER_SWING, swings
 from linkages.solution.values.episodes import states
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION, STATE, requested
@@ -170,11 +170,13 @@ def _resolved(system: System, motion: Motion, settings: Settings) -> Motion:
     known = [name for name in requested(system, None) if not VARIABLES[name].whole]
     names = [name for name in known if not VARIABLES[name].noise]
     factor = ceil(max(FEWEST, PER_TURN * _turns(system, motion)) / (count - 1))
-    found = motion
+    found, before = motion, np.array([])
     while factor > 1 and factor * (count - 1) <= MOST:
         found = _again(system, motion, settings, factor)
-        values = [_evaluated(found, name) for name in names]
-        short = ceil(PER_SWING / samples_per_swing(values))
+        now = swings(_evaluated(found, name) for name in names)
+        if before.size:  # round-off oscillates from sample to sample, however close they are
+            now[np.isfinite(before) & (now < 2.0 * before)] = np.inf
+        before, short = now, ceil(PER_SWING / now.min(initial=np.inf))
         if short <= 1:
             break
         factor *= short

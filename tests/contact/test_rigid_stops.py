@@ -214,7 +214,7 @@ def test_a_ball_at_rest_leaves_no_neighbours():
     assert data.attrs["settled"] == 1
     report = linkages.verdict(linkages.loads(BALL + "simulate: {end: 0.1}\n"), periods=200, skip=0)
     assert report.verdict == "at rest"
-    assert "all exponents are −∞" in report.reasons[0]
+    assert "all Lyapunov exponents are −∞" in report.reasons[0]
 
 
 def test_a_driven_slider_does_not_bounce():

@@ -96,7 +96,7 @@ def main() -> None:
     parser.add_argument("--store", type=Path, help="folder that keeps what is done")
     given = parser.parse_args()
     data = computed(given.points, given.store)
-    write_small(figure(data), STATIC / "contact-map.png", colours=256)
+    write_small(figure(data), STATIC / "contact-map.png", colours=None)
     write_table("contact-map", table(data))
 
 

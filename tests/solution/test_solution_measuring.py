@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
-from linkages.solution.measuring.followed import between
+from linkages.solution.measuring.course import between
 from linkages.solution.measuring.located import largest_between
 
 SLIDER_CRANK = """

@@ -12,7 +12,7 @@ from linkages.design.sensitivity.derived import Derivatives, moved_by
 from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.numbers.effects import Effects
-from linkages.solution.measuring.followed import between, unchanged
+from linkages.solution.measuring.course import between, unchanged
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 

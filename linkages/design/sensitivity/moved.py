@@ -16,7 +16,7 @@ from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_accelerated
-from linkages.solution.measuring.followed import Followed, between, through, unchanged
+from linkages.solution.measuring.followed import Followed, through
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.values.requests import REACTION
 from linkages.solution.values.series import TIME, Series
@@ -206,26 +206,10 @@ class Moved:
         left = np.ones(len(places), dtype=bool)
         series = [self._series[name] for name in names]
         places = self._inner(places)
-        begin = 0
-        for piece in self._motion.pieces:
-            last = len(piece.wanted) - 1
-            inside = np.flatnonzero(left & (places >= begin) & (places <= begin + last))
-            if piece.samples is None and last > 0 and len(inside):
-                interval = np.minimum((places[inside] - begin).astype(int), last - 1)
-                part = places[inside] - begin - interval
-                kept = unchanged(piece, interval) | (part == 0.0) | (part == 1.0)
-                inside, interval, part = inside[kept], interval[kept], part[kept]
-                whole = np.where(part == 1.0, interval + 1, interval)
-                ends = unchanged(piece, interval)
-                for chosen, moved in (
-                    (ends, between(piece, interval[ends], part[ends])),
-                    (~ends, piece.part(whole[~ends])),
-                ):
-                    if chosen.any():
-                        _, slopes = self._derivatives.evaluated(moved, series, self._effects)
-                        found[:, :, inside[chosen]] = slopes
-                left[inside] = False
-            begin += last + 1
+        for inside, piece in self._followed.within(places):
+            _, slopes = self._derivatives.evaluated(piece, series, self._effects)
+            found[:, :, inside] = slopes
+            left[inside] = False
         if left.any():
             for row, name in enumerate(names):
                 smooth = name == TIME or VARIABLES[self._series[name].variable].smooth

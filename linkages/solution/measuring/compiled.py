@@ -50,6 +50,10 @@ class Numbers:
         """Those of the one motion of a piece."""
         return cls([piece.system], np.zeros(len(piece.time), dtype=int))
 
+    def part(self, part: NDArray[np.bool_] | NDArray[np.intp]) -> Numbers:
+        """Those of some of the states."""
+        return self.of(self.which[part])
+
     def of(self, which: Whole) -> Numbers:
         """The same for other states."""
         found = Numbers(self.systems, which)

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
-from linkages.solution.measuring.compiled import Numbers, compiled_accelerated, compiled_values
+from linkages.solution.measuring.compiled import compiled_values
+from linkages.solution.measuring.course import Course
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Piece, Settings, Tangents, compute_motion
+from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import joint_reactions
 from linkages.solution.values.requests import REACTION
@@ -39,9 +40,9 @@ _FIVE = range(5)
 class Followed:
     """A solution as a source of measures, see `linkages.solution.measuring.reduced.Source`.
 
-    Between samples the state is interpolated from states, rates and accelerations at both of them
-    (quintic polynomials), and outputs are evaluated from it. What needs more than the motion at one
-    time is interpolated itself: by polynomials through five samples, or linearly if it may jump.
+    Between samples outputs are evaluated from the interpolated state, see `Course`. What needs more
+    than the motion at one time is interpolated itself: by polynomials through five samples, or
+    linearly if it may jump.
 
     Parameters
     ----------
@@ -122,29 +123,26 @@ class Followed:
         return through(values, places, smooth(series))
 
     @cached_property
-    def _starts(self) -> list[tuple[int, Piece]]:
+    def courses(self) -> list[tuple[int, Course]]:
         """Pieces that can be followed, with the number of their first sample."""
         found, begin = [], 0
         for piece in self._motion.pieces:
             if piece.samples is None and len(piece.time) > 1:
-                found.append((begin, piece))
+                found.append((begin, Course.of(self._motion, piece)))
             begin += len(piece.wanted)
         return found
 
     def within(self, places: Floats) -> list[tuple[NDArray[np.intp], Piece]]:
         """Places that lie in a piece, and the motion there."""
         found = []
-        for begin, piece in self._starts:
-            last = min(len(piece.time), len(self.time) - begin) - 1
+        for begin, course in self.courses:
+            last = min(len(course.piece.time), len(self.time) - begin) - 1
             inside = np.flatnonzero((places >= begin) & (places <= begin + last))
-            interval = np.minimum((places[inside] - begin).astype(int), last - 1)
             if last < 1:
                 continue
-            kept = unchanged(piece, interval)
-            inside, interval = inside[kept], interval[kept]
-            if len(inside):
-                part = places[inside] - begin - interval
-                found.append((inside, between(piece, interval, part)))
+            interval = np.minimum((places[inside] - begin).astype(int), last - 1)
+            part = places[inside] - begin - interval
+            found += [(inside[which], piece) for which, piece in course.between(interval, part)]
         return found
 
 
@@ -210,104 +208,3 @@ def evaluable(series: Series) -> bool:
     return series.variable == REACTION or (
         series.variable in VARIABLES and not VARIABLES[series.variable].whole
     )
-
-
-def unchanged(piece: Piece, interval: Whole) -> NDArray[np.bool_]:
-    """Where no mode changes between a sample and the next."""
-    found = np.ones(len(interval), dtype=bool)
-    if piece.held is not None:
-        found &= (piece.held[:, interval] == piece.held[:, interval + 1]).all(axis=0)
-    for where in piece.flipped.values():
-        found &= where[interval] == where[interval + 1]
-    return found
-
-
-def between(piece: Piece, interval: Whole, part: Floats, numbers: Numbers | None = None) -> Piece:
-    """A piece of a motion at times between its samples.
-
-    Parameters
-    ----------
-    piece
-        Sampled.
-    interval, part
-        Sample before each time, and where in the interval the time lies, from 0 to 1, (times,).
-    numbers
-        Whose motion each time is of, where the piece is of several.
-    """
-    begun = piece.part(interval)
-    step = piece.time[interval + 1] - piece.time[interval]
-    half = len(piece.state) // 2
-    turned = 2 * np.pi * piece.turns
-    ends = [
-        (piece.state[:half, at] + turned[:, at] - turned[:, interval],
-         piece.state[half:, at] * step, piece.acceleration[:, at] * step**2)
-        for at in (interval, interval + 1)
-    ]  # fmt: skip
-    weights, rates = _quintic(part)
-    values = [row for end in ends for row in end]
-    position = sum(w * row for w, row in zip(weights, values, strict=True))
-    speed = sum(w * row for w, row in zip(rates, values, strict=True)) / step
-    own = slice(len(piece.system.topology.free), piece.system.layout.moved)
-    if own.start < own.stop:  # the integral of an internal state is not known
-        speed[own] = _cubic(part, *[(end[1][own] / step, end[2][own] / step) for end in ends])
-    counted = {
-        name: angle[interval] + part * (angle[interval + 1] - angle[interval])
-        for name, angle in piece.counted.items()
-    }
-    moved = replace(
-        begun,
-        time=piece.time[interval] + part * step,
-        state=np.stack([position, speed]).reshape(2 * half, -1) if half else begun.state,
-        counted=counted,
-        work=None,
-        losses=None,
-        tangents=None if piece.tangents is None else _tangents(piece, interval, part, step),
-    )
-    return compiled_accelerated(moved, numbers)
-
-
-def _tangents(piece: Piece, interval: Whole, part: Floats, step: Floats) -> Tangents:
-    """Derivatives of an interpolated state: they are interpolated as it is."""
-    assert piece.tangents is not None
-    before, behind = (piece.tangents.part(at) for at in (interval, interval + 1))
-    free = len(piece.system.topology.free)
-    rows = [
-        row
-        for end in (before, behind)
-        for row in (end.state[:free], end.state[free : 2 * free] * step, end.rate[:free] * step**2)
-    ]
-    weights, rates = _quintic(part)
-    position = sum(w * row for w, row in zip(weights, rows, strict=True))
-    speed = sum(w * row for w, row in zip(rates, rows, strict=True)) / step
-    internal = _cubic(
-        part,
-        (before.state[2 * free :], before.rate[free:] * step),
-        (behind.state[2 * free :], behind.rate[free:] * step),
-    )
-    state = np.concatenate(
-        [np.stack([position, speed]).reshape(2 * free, *np.shape(rows[0])[1:]), internal]
-    )
-    return Tangents(state, before.rate, before.memories)
-
-
-def _cubic(s: Floats, begin: tuple[Floats, Floats], end: tuple[Floats, Floats]) -> Floats:
-    """A cubic polynomial at s with values and slopes at 0 and at 1."""
-    rise = s**2 * (3 - 2 * s)
-    early, late = s * (1 - s) ** 2, s**2 * (s - 1)
-    return (1 - rise) * begin[0] + rise * end[0] + early * begin[1] + late * end[1]
-
-
-def _quintic(s: Floats) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """Weights of value, slope and bend at 0, then at 1, of a polynomial at s, and their rates."""
-    cube = s**3
-    bends = -4 + 7 * s - 3 * s**2
-    late = cube * (10 - 15 * s + 6 * s**2), cube * bends, 0.5 * cube * (1 - s) ** 2
-    early = 1 - late[0], s - cube * (6 - 8 * s + 3 * s**2), 0.5 * s**2 * (1 - s) ** 3
-    rise = 30 * s**2 * (1 - s) ** 2
-    late_rate = (
-        rise, s**2 * (-12 + 28 * s - 15 * s**2), 0.5 * s**2 * (1 - s) * (3 - 5 * s)
-    )  # fmt: skip
-    early_rate = (
-        -rise, 1 - s**2 * (18 - 32 * s + 15 * s**2), 0.5 * s * (1 - s) ** 2 * (2 - 5 * s)
-    )  # fmt: skip
-    return (*early, *late), (*early_rate, *late_rate)

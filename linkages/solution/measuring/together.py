@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import Numbers, can_be_compiled, compiled_values
-from linkages.solution.measuring.followed import between, evaluable, smooth, through, unchanged
+from linkages.solution.measuring.course import Course
+from linkages.solution.measuring.followed import evaluable, smooth, through
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.values.requests import REACTION
@@ -48,7 +49,8 @@ class Together:
     ) -> None:
         self.count, self._series, self._model = len(motions), series, systems[0].model
         self.time: Floats = motions[0].time
-        self._whole = _joined([motion.pieces[0] for motion in motions])
+        courses = [Course.of(motion, motion.pieces[0]) for motion in motions]
+        self._course = Course.joined(courses, _joined([motion.pieces[0] for motion in motions]))
         self._numbers = Numbers(systems, np.arange(0))
         self._sampled: dict[str, Floats] = {}
 
@@ -69,32 +71,26 @@ class Together:
         for first in range(0, self.count, step):
             which = np.repeat(np.arange(first, min(first + step, self.count)), samples)
             rows = slice(first * samples, first * samples + len(which))
-            found.append(self._evaluated(self._whole.part(rows), which, [series])[0])
+            found.append(self._evaluated(self._course.piece.part(rows), which, [series])[0])
         return np.asarray(np.concatenate(found), dtype=float).reshape(self.count, samples)
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series at places in some of the motions, shape (places,) each."""
         found, last = np.empty((len(series), len(places))), len(self.time) - 2
         local = np.minimum(places.astype(int), last)
-        interval = which * len(self.time) + local
-        part = places - local
-        kept = unchanged(self._whole, interval)
-        inside = np.flatnonzero(kept)
-        timed = [name for name in series if self._series[name].variable == TIME]
-        chosen = [self._series[name] for name in series if name not in timed]
-        rows = [k for k, name in enumerate(series) if name not in timed]
-        for first in range(0, len(inside), _AT_ONCE):
-            some = inside[first : first + _AT_ONCE]
+        interval, part = which * len(self.time) + local, places - local
+        timed = [k for k, name in enumerate(series) if self._series[name].variable == TIME]
+        rows = [k for k in range(len(series)) if k not in timed]
+        chosen = [self._series[series[k]] for k in rows]
+        for begin in range(0, len(places), _AT_ONCE):
+            some = slice(begin, begin + _AT_ONCE)
             numbers = self._numbers.of(which[some])
-            piece = between(self._whole, interval[some], part[some], numbers)
-            for k, values in zip(rows, self._evaluated(piece, which[some], chosen), strict=True):
-                found[k, some] = values
-        for row, name in zip(found, series, strict=True):
-            left = np.arange(len(places)) if name in timed else np.flatnonzero(~kept)
-            for motion in np.unique(which[left]):
-                own = left[which[left] == motion]
-                known = self.sampled(name)[motion]
-                row[own] = through(known, places[own], smooth(self._series[name]))
+            for inside, piece in self._course.between(interval[some], part[some], numbers):
+                values = self._evaluated(piece, which[some][inside], chosen)
+                for k, row in zip(rows, values, strict=True):
+                    found[k, begin + inside] = row
+        for k in timed:
+            found[k] = through(self.time, places, smooth(self._series[series[k]]))
         return list(found)
 
     def _evaluated(self, piece: Piece, which: Whole, series: Sequence[Series]) -> list[Floats]:

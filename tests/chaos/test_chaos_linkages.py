@@ -381,7 +381,7 @@ def test_contact_check_of_a_sine():
     ("angle", "verdict"), [(0, "quasi-periodic"), ("90 deg", "chaotic")], ids=["0", "90 deg"]
 )
 def test_verdicts_of_the_nine_bar(angle, verdict):
-    report = linkages.verdict(ninebar(**{"clearances.r1.angle": angle}))
+    report = linkages.verdict(ninebar(**{"clearances.r1.angle": angle}), periods=200)
     assert report.verdict == report.tighter["verdict"] == verdict, report.reasons
     assert report.conservative
     exponent, error = (float(report.exponents[name][0]) for name in ("exponent", "error"))

@@ -113,7 +113,7 @@ def mechanism(
     _require(data, "joint_position")
     index = int(np.argmin(np.abs(np.asarray(data["time"], dtype=float) - time)))
     pose = pose_at(data, solution.mechanism, index)
-    ax = ax or picture(drawing.reach(pose))[1]
+    ax = ax or picture(drawing.reach(pose, dimensions=dimensions))[1]
     return drawing.draw_pose(ax, pose, dimensions=dimensions)
 
 

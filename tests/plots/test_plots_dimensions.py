@@ -8,6 +8,7 @@ import linkages
 from linkages.kernel.system import System
 from linkages.plots.mechanism.dimensions import (
     CENTRE,
+    centre_lines,
     draw_centres,
     frame_lines,
     frame_words,
@@ -48,6 +49,28 @@ def test_centres_of_mass_are_where_the_bodies_have_them(system):
         (place,) = placed(pose, [disc.centre], disc.direction, 1 / SCALE)
         assert place == pytest.approx(expected, abs=1e-15)
         assert disc.points == CENTRE
+
+
+def test_a_centre_of_mass_far_from_the_joints_lies_within_the_frame():
+    door = """
+joints: {H: [0, 0]}
+bars: {door: {joints: [H, A], length: 0.3, mass: 35, center: 0.9}}
+free: {door: {angle: 90 deg, speed: 0}}
+"""
+    (ax,) = start_figure(System(linkages.loads(door)), dimensions=True).axes
+    assert ax.get_ylim()[1] > 900 > start_figure(System(linkages.loads(door))).axes[0].get_ylim()[1]
+
+
+def test_lines_join_centres_of_mass_and_nearest_joints(system):
+    pose = start_pose(system)
+    discs = {s.name: s for s in draw_centres(pose) if isinstance(s, Disc)}
+    for line, (name, disc) in zip(centre_lines(pose), discs.items(), strict=True):
+        (centre, joint) = placed(pose, line.strokes[0], line.direction, 1 / SCALE)
+        (place,) = placed(pose, [disc.centre], disc.direction, 1 / SCALE)
+        assert centre == pytest.approx(place, abs=1e-15)
+        joints = [pose.positions[own] for own in system.mechanism.bodies[name].points]
+        nearest = min(joints, key=lambda own: np.hypot(*(own - place)))
+        assert joint == pytest.approx(nearest, abs=1e-15)
 
 
 def test_they_are_drawn_if_they_are_asked_for(system):

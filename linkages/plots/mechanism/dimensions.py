@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.plots.mechanism import outlining
 from linkages.plots.mechanism.bodies import body_role
@@ -14,6 +16,8 @@ from linkages.plots.mechanism.placing import placed
 from linkages.plots.mechanism.pose import Pose
 from linkages.plots.mechanism.shapes import Anchor, Direction, Disc, Look, Shape, Strokes, Word
 from linkages.plots.prefixes import Scale
+
+Array = NDArray[np.float64]
 
 FRAME, ANGLE = Look("ink", 0.6, dashes=(9.0, 4.0)), Look("ink", 0.6)
 ARC = 20.0
@@ -84,14 +88,30 @@ def _frame(pose: Pose) -> list[tuple[str, str, float]]:
 
 def draw_centres(pose: Pose) -> list[Shape]:
     """A quartered circle at the centre of mass of every bar and plate that has one."""
-    found: list[Shape] = []
+    return [
+        shape
+        for name, frame, place in _centres(pose)
+        for shape in _centre_mark(frame.fixed(place, name), frame.direction, name)
+    ]
+
+
+def centre_lines(pose: Pose) -> list[Strokes]:
+    """Thin lines from centres of mass to the nearest joints, which are seen beside bodies alone."""
+    found = []
+    for name, frame, place in _centres(pose):
+        near = min(pose.shown(name).items(), key=lambda item: float(np.hypot(*(item[1] - place))))[
+            0
+        ]
+        found.append(frame.line((frame.fixed(place, name), frame.at(near)), ANGLE))
+    return found
+
+
+def _centres(pose: Pose) -> Iterator[tuple[str, Frame, Array]]:
+    """Bodies with their frames and the places of their centres of mass."""
     for name, body in pose.mechanism.bodies.items():
         place = pose.place(name, body.centre) if body.rotates and body.mass.value > 0.0 else None
         if place is not None:
-            frame = Frame(pose, body_direction(pose, name))
-            centre = frame.fixed(place, name)
-            found += _centre_mark(centre, frame.direction, name)
-    return found
+            yield name, Frame(pose, body_direction(pose, name)), place
 
 
 def _centre_mark(centre: Anchor, direction: Direction, name: str) -> list[Shape]:

@@ -15,6 +15,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.system import System
 from linkages.plots.mechanism.blocks import draw_blocks
 from linkages.plots.mechanism.dimensions import (
+    centre_lines,
     draw_centres,
     frame_lines,
     frame_words,
@@ -77,7 +78,7 @@ def start_pose(system: System) -> Pose:
 
 def posed(pose: Pose, *, dimensions: bool = False) -> Figure:
     """The figure of a mechanism in a position, given in metres."""
-    result, ax = picture(reach(pose))
+    result, ax = picture(reach(pose, dimensions=dimensions))
     draw_pose(ax, pose, dimensions=dimensions)
     return result
 
@@ -87,20 +88,22 @@ def rough_scale(pose: Pose) -> float:
     return 72.0 * INCHES / pose.extent
 
 
-def reach(pose: Pose, room: Pair = ROOM) -> Box:
+def reach(pose: Pose, room: Pair = ROOM, *, dimensions: bool = False) -> Box:
     """The part of the plane that a drawing takes, for a position in metres.
 
-    `room` is width and height of its picture in points, without margins for labels.
+    `room` is width and height of its picture in points, without margins for labels; `dimensions` is
+    that of `draw_pose`.
     """
     joints = np.array(list(pose.positions.values()), dtype=float).reshape(-1, 2)
-    return _cover([pose], joints, room).fitted(room)
+    marks = draw_centres(pose) if dimensions else ()
+    return _cover([pose], joints, room, marks).fitted(room)
 
 
-def _cover(poses: Sequence[Pose], joints: Array, room: Pair) -> Cover:
+def _cover(poses: Sequence[Pose], joints: Array, room: Pair, marks: Sequence[Shape] = ()) -> Cover:
     """What the shapes of the first position cover in all of them, and all joints, shape (n, 2)."""
     first, size = poses[0], Box.around(joints).size
     scale = float(np.min(np.divide(room, np.maximum(size, 1e-9 * size.max()))))
-    shapes = [*under(first, scale), *over(first, scale)]
+    shapes = [*under(first, scale), *over(first, scale), *marks]
     points = Cover(joints, np.zeros_like(joints))
     return Cover.joined([points, *(Cover.of(pose, shapes) for pose in poses)])
 
@@ -186,11 +189,11 @@ def draw(
 
 def draw_pose(ax: Axes, pose: Pose, *, dimensions: bool = False) -> Axes:
     """Draw a mechanism in a position, given in metres; the limits of the axes are set."""
-    scale = frame(ax, reach(pose, room_in(ax)), pose.mechanism)
+    scale = frame(ax, reach(pose, room_in(ax), dimensions=dimensions), pose.mechanism)
     factor = scale.factor
     shapes = shapes_of(pose, points_per_unit(ax) * factor)
     if dimensions:
-        shapes = [*frame_lines(pose), *shapes, *draw_centres(pose)]
+        shapes = [*frame_lines(pose), *centre_lines(pose), *shapes, *draw_centres(pose)]
         shapes += [*length_words(pose, scale), *frame_words(pose, scale)]
     shown, labels = pose.scaled(factor), Labels(ax)
     Inked(ax, shapes, shown).avoided(labels)

@@ -6,6 +6,7 @@ from itertools import combinations
 from math import dist
 from typing import Any, TypeAlias, assert_never
 
+from linkages.components.cam import Cam
 from linkages.components.contributed.measures import (
     BodyAxis,
     Coordinate,
@@ -15,7 +16,9 @@ from linkages.components.contributed.measures import (
     Turn,
 )
 from linkages.components.contributed.terms import PLAYING, Body, Parameter
+from linkages.components.gear import Gear
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.components.rack import Rack
 from linkages.kernel.outputs import coordinate_of
 from linkages.kernel.system import System
 from linkages.plots.mechanism.bodies import clearance_ends
@@ -38,7 +41,18 @@ def described(system: System) -> dict[str, Any]:
         "bodies": _bodies(mechanism),
         "clearances": _clearances(mechanism),
         "loads": _loads(system),
+        "outlines": _outlines(mechanism),
     }
+
+
+def _outlines(mechanism: Mechanism) -> list[str]:
+    """Shapes that stay those of the file, whatever numbers are changed."""
+    kinds = {"pitch circles": (Gear, Rack), "outlines of cams": (Cam,)}
+    return [
+        name
+        for name, kind in kinds.items()
+        if any(isinstance(part, kind) for part in mechanism.components)
+    ]
 
 
 def _coordinate(system: System, body: str) -> str:

@@ -152,6 +152,28 @@ def test_fields_and_sliders_change_numbers_in_the_units_of_the_file(opened):
     assert page.evaluate("document.getElementById('tab-numbers').textContent") == "Change"
 
 
+GEARED = """
+joints: {O: [0, 0], C: [60 mm, 0]}
+bars:
+  wheel: {joints: [O, P], length: 20 mm, mass: 0.1}
+  pinion: {joints: [C, Q], length: 10 mm, mass: 0.1}
+gears: [{bars: [wheel, pinion], ratio: -1/2}]
+drives: {wheel: {angle: 0, speed: 1}}
+simulate: {end: 1, samples: 11}
+"""
+
+
+def test_shapes_that_stay_those_of_the_file_are_named(browser, tmp_path):
+    page = browser.page()
+    page.open(linkages.view(linkages.loads(GEARED), tmp_path / "page.html"))
+    page.evaluate("viewer.then((parts) => { window.v = parts; })")
+    page.evaluate("v.tabs.open('numbers')")
+    said = page.evaluate(
+        "[...document.querySelectorAll('#numbers .rest')].map((p) => p.textContent)"
+    )
+    assert "Pitch circles are drawn as in the file." in said
+
+
 def test_the_newest_change_is_the_one_that_is_shown(opened):
     page = opened("ninebar")
     page.evaluate(

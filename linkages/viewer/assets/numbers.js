@@ -25,7 +25,7 @@ class Numbers {
       if (!groups.has(key)) groups.set(key, element("fieldset", {}, element("legend", {}, ...heading)));
       groups.get(key).append(this.rows[k].root);
     });
-    const rest = [missingText(known), slow].filter(Boolean).map((text) => element("p", { class: "rest" }, text));
+    const rest = [missingText(known), outlineText(), slow].filter(Boolean).map((text) => element("p", { class: "rest" }, text));
     host.append(...groups.values(), ...rest);
     this.tell();
   }
@@ -113,6 +113,14 @@ function missingText({ model, ideal }) {
   const there = ({ variable, compared }) => live.has(variable) || (ideal && compared && live.has(compared));
   const gone = new Set(Object.values(CONTENT.series).filter((one) => !there(one)).map((one) => one.label));
   return gone.size ? `Not computed for other numbers: ${[...gone].join(", ")}.` : "";
+}
+
+/** Shapes that are drawn as those of the file. */
+function outlineText() {
+  const [first, ...others] = CONTENT.mechanism.outlines;
+  if (!first) return "";
+  const names = [first, ...others].join(" and ");
+  return `${names[0].toUpperCase()}${names.slice(1)} are drawn as in the file.`;
 }
 
 /** How a slider from -1 to 1 becomes a value: by a factor, or by a distance. */

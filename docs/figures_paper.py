@@ -1,6 +1,6 @@
 """Make the figures and tables of docs/reproduction.md.
 
-    python docs/figures_paper.py                   # everything (12 minutes, and the verdicts)
+    python docs/figures_paper.py                   # everything (15 minutes, and the verdicts)
     python docs/figures_paper.py motion steps      # some parts: numbers motion verdicts sizes
                                                    # speeds steps
     python docs/figures_paper.py tables            # tables from the evidence that there is

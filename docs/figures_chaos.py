@@ -15,6 +15,7 @@ from linkages.components.mechanisms.definition import from_document
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.chaos import bifurcations, exponents, maps, sections
 from linkages.plots.chaos.zooms import Zoom
+from linkages.plots.motion import phase
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.sweeps.axes import parse_range
@@ -39,6 +40,15 @@ def attractor() -> None:
     figure = sections.figure(linkages.poincare(driven(), periods=100_000, skip=100), LAYERS)
     assert figure is not None
     write_small(figure, STATIC / "chaos-section.png")
+
+
+def portrait() -> None:
+    """The chaotic motion in its phase plane, after the transient."""
+    outputs = ["bar_angle", "bar_speed"]
+    data = linkages.simulate(driven(), end=400, samples=10_001, outputs=outputs).data
+    figure = phase.pair_figure(data.sel(time=slice(200, None)), "arm.angle", "arm.speed")
+    assert figure is not None
+    write_small(figure, STATIC / "chaos-phase.png", colours=256)
 
 
 def settling() -> None:
@@ -76,6 +86,7 @@ def plane() -> None:
 
 
 if __name__ == "__main__":
+    portrait()
     attractor()
     settling()
     diagram()

@@ -91,6 +91,28 @@ def test_friction_brakes_most_just_before_a_reversal(samples):
     assert least == pytest.approx(-(300 * 0.2 - 6) / MASS, rel=1e-6)
 
 
+RIGID = WORN.replace(
+    "hunt-crossley-constant, stiffness: 2e9 N/m^1.5, dissipation: 1.5 s/m",
+    "restitution, restitution: 0.5",
+)
+
+
+@pytest.mark.parametrize("text", [WORN, RIGID], ids=["compliant", "rigid"])
+def test_between_samples_the_motion_is_that_of_closer_samples(text):
+    """Closer samples come from the same steps: only what is interpolated differs."""
+    solution = linkages.simulate(loads(text), outputs=["clearance_force"])
+    followed = solution.closely
+    parts = 8
+    places = np.arange((len(followed.time) - 1) * parts + 1) / parts
+    close = linkages.simulate(
+        loads(text), samples=len(places), outputs=["clearance_force", "slider_acceleration"]
+    )
+    for name in ("clearance_force", "slider_acceleration"):
+        exact = close.data[name].to_numpy()
+        found = followed.between(name, places)
+        assert np.abs(found - exact).max() < 1e-6 * np.abs(exact).max()
+
+
 def test_a_contact_that_never_pulls_has_no_negative_force():
     """Its journal takes off and touches again between samples."""
     assert extremes(WORN, "clearance_force", "gap")[0] == 0.0

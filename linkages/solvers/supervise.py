@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+from linkages.interrupts import interrupts_kept
+
 POLL = 0.05
 
 
@@ -47,20 +49,27 @@ def supervise(
             done.set()
 
     worker = threading.Thread(target=work, name="linkages-solver", daemon=True)
-    worker.start()
     interrupted = ended = False
     try:
-        while not ended:
+        with interrupts_kept():  # in the middle of a lock of the library they would break it
+            worker.start()
             ended = done.wait(POLL)
+        look()
+        while not ended:
+            with interrupts_kept():
+                ended = done.wait(POLL)
             look()
     except KeyboardInterrupt:
+        if worker.ident is None:  # nothing has begun
+            raise
         interrupted = True
         stop()
     except BaseException:
         stop()
         done.wait()
         raise
-    done.wait()
+    if not ended:
+        done.wait()
     if failures:
         raise failures[0]
     return results[0], interrupted

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
 from linkages.errors import InputError, LinkagesError
+from linkages.interrupts import interrupts_kept
 from linkages.kernel.code.cuda import DeviceError
 from linkages.options.run import RunOptions
 from linkages.sweeps.cores import available_cores
@@ -113,16 +114,20 @@ class Threads:
                 running[pool.submit(attempt, task, *following)] = None
 
         try:
-            fill()
+            with interrupts_kept():  # in the middle of a lock of the library they would break it
+                fill()
             while running:
-                done, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+                with interrupts_kept():
+                    done, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
                 for future in done:
                     del running[future]
                     yield future.result()
-                fill()
+                with interrupts_kept():
+                    fill()
         finally:
-            ended.set()
-            pool.shutdown(wait=False, cancel_futures=True)
+            with interrupts_kept():
+                ended.set()
+                pool.shutdown(wait=False, cancel_futures=True)
 
 
 def attempt(task: Callable[[Any], Any], index: int, point: Any) -> TaskOutcome:

@@ -80,7 +80,8 @@ def interrupts_kept() -> Iterator[Callable[[], None]]:
     """Keep signals until they are asked for; yields the function that asks, and raises if one came.
 
     While a library draws, an interrupt may surface as an error of that library (matplotlib's
-    compiled parts call it an invalid argument), or not at all. Handlers that somebody else has
+    compiled parts call it an invalid argument), or not at all; while the main thread waits for
+    others, it may leave a lock of the standard library broken. Handlers that somebody else has
     installed stay as they are, and so do threads other than the main one, which get no signals.
     """
     ours = (signal.default_int_handler, _interrupt)

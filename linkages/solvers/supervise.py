@@ -51,7 +51,7 @@ def supervise(
     worker = threading.Thread(target=work, name="linkages-solver", daemon=True)
     interrupted = ended = False
     try:
-        with interrupts_kept():  # in the middle of a lock of the library they would break it
+        with interrupts_kept():
             worker.start()
             ended = done.wait(POLL)
         look()
@@ -59,15 +59,14 @@ def supervise(
             with interrupts_kept():
                 ended = done.wait(POLL)
             look()
-    except KeyboardInterrupt:
+    except BaseException as failure:
         if worker.ident is None:  # nothing has begun
             raise
-        interrupted = True
         stop()
-    except BaseException:
-        stop()
-        done.wait()
-        raise
+        interrupted = isinstance(failure, KeyboardInterrupt)
+        if not interrupted:
+            done.wait()
+            raise
     if not ended:
         done.wait()
     if failures:

@@ -114,7 +114,7 @@ class Threads:
                 running[pool.submit(attempt, task, *following)] = None
 
         try:
-            with interrupts_kept():  # in the middle of a lock of the library they would break it
+            with interrupts_kept():
                 fill()
             while running:
                 with interrupts_kept():

@@ -50,3 +50,12 @@ def test_a_sweep_hears_of_it(interrupted):
         found.extend(Threads(2).run(slow, range(1000)))
     assert interrupted
     assert len(found) < 1000
+
+
+def test_a_thread_that_cannot_begin_is_not_waited_for(monkeypatch):
+    def refused(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refused)
+    with pytest.raises(RuntimeError, match="can't start"):
+        supervise(lambda: 0, lambda: None, lambda: None)

@@ -23,7 +23,8 @@ class Course:
     Between two samples the state is a quintic polynomial of the time. Where modes change there,
     rates of some order jump: up to the first change the polynomial of the interval before goes on,
     and from there on that of the interval behind, or as the sample beside it says where that
-    interval is no use.
+    interval is no use. Where a body comes to rest in ever smaller bounces between two samples, it
+    rests from the first of these on.
 
     Parameters
     ----------

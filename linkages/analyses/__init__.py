@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from inspect import signature
 from typing import TYPE_CHECKING
 
 from linkages.discovery import modules_of, plugged
@@ -53,3 +54,9 @@ def unregister(name: str) -> None:
     """Take away an analysis that was registered; KeyError if none of that name was."""
     del _REGISTERED[name]
     analyses.cache_clear()
+
+
+def options_of_analysis(name: str) -> list[str]:
+    """Names of the options of an analysis, as `linkages.open` finds them; none if it is another."""
+    found = analyses().get(name.replace("-", "_"))
+    return [] if found is None else [*signature(found).parameters][1:]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from linkages.analyses import options_of_analysis
 from linkages.components.mechanisms.definition import load
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
+from linkages.options.asked import asked_in
 from linkages.reading.locate import shipped
 from linkages.reading.overrides import parse_assignment
 from linkages.stamps import FORMATS, stamped
@@ -32,9 +33,6 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
 
 INTEGRATION = ("method", "rtol", "atol", "step", "change_points")
 """Options that files of results say for every command."""
-
-_OF_PLACES = ("store", "to", "out")
-"""Options that name files and folders, which are of one machine."""
 
 
 def results_in(file: str) -> str:
@@ -66,16 +64,14 @@ def arguments_in(file: str, verb: str, assigned: Collection[str]) -> dict[str, A
     origin = stamped(path) if path.suffix.lower() in FORMATS and path.is_file() else None
     if origin is None:
         return {}
-    found = json.loads(origin.get("arguments", "{}"))
+    found = asked_in(origin.arguments, file, options_of_analysis(verb))
     if isinstance(outputs := found.get("outputs"), list):  # those that were computed
-        found["outputs"] = None if "command" in origin else ",".join(outputs)
-    same = origin.get("verb", verb) == verb
+        found["outputs"] = None if origin.command else ",".join(outputs)
+    same = origin.verb in (verb, None)
     return {
         name: value
         for name, value in found.items()
-        if (same or name in INTEGRATION)
-        and name not in _OF_PLACES
-        and not {"simulate", f"simulate.{name}"} & set(assigned)
+        if (same or name in INTEGRATION) and not {"simulate", f"simulate.{name}"} & set(assigned)
     }
 
 

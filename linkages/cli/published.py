@@ -198,7 +198,7 @@ def _read(record: Path) -> dict[str, Any]:
     """What a record says; nothing if it is none."""
     try:
         content = json.loads(record.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return content if isinstance(content, dict) else {}
 

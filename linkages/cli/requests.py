@@ -34,11 +34,12 @@ from linkages.cli.terminal import (
 )
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Interrupted, Problem
-from linkages.options.given import options_in
+from linkages.options.given import given_options, options_in
 from linkages.options.option import OptionError
-from linkages.options.run import RunOptions
+from linkages.options.run import RunOptions, SimulationOptions
 from linkages.reading.overrides import NEXT
 from linkages.reading.replacing import replaced
+from linkages.reading.wording import shown
 from linkages.solution.options import options_of
 
 if TYPE_CHECKING:
@@ -71,8 +72,8 @@ class Request:
     kind, given
         Options of the computation: their class, and those that are given. They are keyword
         arguments of the public function that answers the command.
-    own
-        What else is given.
+    own, flags
+        What else is given, and the types of these flags.
     notes
         What became of files of other runs, once those of this one are in their place.
     """
@@ -87,6 +88,7 @@ class Request:
     kind: type[RunOptions] | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
     own: Mapping[str, Any] = field(default_factory=dict)
+    flags: Mapping[str, Any] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def again(self) -> Request:
@@ -101,9 +103,17 @@ class Request:
         assigned = [text.partition("=")[0] for text in self.assignments]
         said = arguments_in(file, self.verb, assigned)
         known = {option.name for option in options_in(self.kind)} if self.kind else set()
-        given = {name: value for name, value in said.items() if name in known} | dict(self.given)
-        own = {n: said.get(n) if value is None else value for n, value in self.own.items()}
-        return replace(self, file=file, out=out, given=given, own=own)
+        given = {name: value for name, value in said.items() if name in known}
+        own = {n: said[n] for n, value in self.own.items() if value is None and n in said}
+        try:  # as strictly as what is typed
+            if self.kind is not None:
+                given_options(self.kind, given, SimulationOptions())
+            own = {name: _read_flag(name, self.flags[name], value) for name, value in own.items()}
+        except (TypeError, ValueError) as error:
+            problem = Problem(path="origin.arguments", message=str(error))
+            raise InputError(file, [problem]) from None
+        given |= self.given
+        return replace(self, file=file, out=out, given=given, own={**self.own, **own})
 
     @property
     def folder(self) -> Path:
@@ -251,6 +261,22 @@ class Request:
             if failure is not None:
                 print(f"stopped {failure}", file=sys.stderr)
         return 0 if failure is None else 1
+
+
+def _read_flag(name: str, kind: Any, value: Any) -> Any:
+    """A value of a result file as the flag of this type has it.
+
+    Raises
+    ------
+    ValueError
+        If the flag has no such values.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    try:
+        return TypeAdapter(kind).validate_python(value)
+    except ValidationError:
+        raise ValueError(f"{name} has no value {shown(value)}") from None
 
 
 def _write(path: Path, content: Written, picture: str, remark: str) -> None:

@@ -106,6 +106,7 @@ def command_of(
             kind=kind,
             given={f.name: _plain(given[f.name]) for f in options if given[f.name] is not None},
             own={flag.name: given[flag.name] for flag in own},
+            flags={flag.name: flag.annotation for flag in own},
         ).again()
         raise typer.Exit(run(request, **request.own))
 

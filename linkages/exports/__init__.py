@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkages.discovery import modules_of, plugged
+from linkages.errors import InputError
 from linkages.options.option import OptionError
 from linkages.reading.wording import suggestion
 
@@ -157,13 +158,13 @@ def export(
     """
     from linkages.solution.origin import origin_of
     from linkages.solution.solution import Solution
-    from linkages.stamps import FORMATS, stamp, stamped
+    from linkages.stamps import FORMATS, stamp
 
     mechanism, given = (what.mechanism, what) if isinstance(what, Solution) else (what, None)
     stem = name or re.sub(r"[^a-z0-9]+", "-", mechanism.name.lower()).strip("-") or "mechanism"
     files = files_of(Subject(mechanism, stem, given), to, options)
     for path in (Path(folder) / file for file in files):
-        if path.suffix in FORMATS and path.exists() and stamped(path) is None:
+        if path.suffix in FORMATS and path.exists() and not _ours(path):
             raise FileExistsError(
                 f"{path}: is there, and does not say that linkages wrote it; expected another "
                 "'name' or 'folder', or its removal"
@@ -172,3 +173,13 @@ def export(
     for path in paths:
         stamp(path, origin_of(mechanism, {"to": to, **options}))
     return paths
+
+
+def _ours(path: Path) -> bool:
+    """Whether a file says that this package wrote it."""
+    from linkages.stamps import stamped
+
+    try:
+        return stamped(path) is not None
+    except InputError:  # it is damaged, or too large
+        return False

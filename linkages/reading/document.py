@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from linkages.errors import InputError, Problem
 from linkages.reading.decoding import decode
@@ -15,6 +14,9 @@ from linkages.reading.nodes import plain
 from linkages.reading.paths import Path, dotted, value_at
 from linkages.reading.wording import shown
 from linkages.stamps import FORMATS, stamped
+
+if TYPE_CHECKING:
+    from linkages.stamps.origins import Origin
 
 LOGGER = logging.getLogger(__name__)
 MAX_BYTES = 10_000_000
@@ -104,18 +106,17 @@ def read(path: FilePath) -> Document:
     except ValueError as error:
         raise InputError(source, [Problem(message=f"not a file name: {error}")]) from error
     if recorded := _recorded(path):
-        changed = tuple(json.loads(recorded.get("changes", "[]")))
-        return replace(parse(recorded["definition"], source), changed=changed)
+        return replace(parse(recorded.definition, source), changed=tuple(recorded.changes))
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 10**6} MB; expected the definition of a mechanism"
         raise InputError(source, [Problem(message=message)])
     return replace(parse(data, source), folder=path.parent)
 
 
-def _recorded(path: FilePath) -> dict[str, str] | None:
+def _recorded(path: FilePath) -> Origin | None:
     """What results were computed from; None for a definition file."""
     found = stamped(path)
-    if found is not None and "definition" in found:
+    if found is not None:
         return found
     if path.suffix.lower() not in FORMATS or path.suffix.lower() == ".json":
         return None

@@ -14,12 +14,17 @@ from typing import TYPE_CHECKING, Any
 from linkages.components.mechanisms.definition import loads
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
+from linkages.options.asked import asked_in
 from linkages.reading.wording import listed
+from linkages.stamps import origin_in
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ENDING = ".nc"
+
+MOST_PER_BYTE = 1000
+"""Bytes of data per byte of a file: compression reaches no more."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -37,7 +42,7 @@ class Opened:
     options
         How it was computed: the `simulate` section, and over it `arguments`.
     arguments
-        What the analysis was given.
+        What the analysis was given; nothing of where it ran, and nothing that it does not take.
     analysis
         Its name, such as ``"simulate"``.
     version
@@ -84,8 +89,7 @@ class Opened:
         """
         function = self._function()
         known = signature(function).parameters
-        given = {name: value for name, value in self.arguments.items() if name in known}
-        given.pop("store", None)  # what is there is not computed again
+        given: dict[str, Any] = {n: v for n, v in self.arguments.items() if n in known}
         if "results" in known:  # what it was computed from stands beside them
             given["results"] = self.data
         return function(self.mechanism, **given)
@@ -149,25 +153,48 @@ def open(path: str | Path) -> Opened:  # noqa: A001
         raise TypeError(f"path must be a file or a folder, found {path!r}")
     file = _file(Path(path))
     try:
-        data = xr.load_dataset(file, engine="h5netcdf")
-    except (OSError, ValueError) as error:
+        with xr.open_dataset(file, engine="h5netcdf", phony_dims="access") as stored:
+            _require_size(stored.nbytes, file)
+            data = stored.load()
+    except InputError:
+        raise
+    except Exception as error:  # HDF5 and its readers raise whatever comes for a damaged file
         raise InputError(str(file), [Problem(message=f"cannot be read: {error}")]) from None
-    attributes = {name: str(value) for name, value in data.attrs.items()}
-    if "definition" not in attributes or "options" not in attributes:
+    origin = None
+    if "options" in data.attrs:
+        texts = {name: value for name, value in data.attrs.items() if isinstance(value, str)}
+        origin = origin_in(json.dumps(texts), str(file))
+    if origin is None:
         message = "does not say what it was computed from; expected results of this package"
         raise InputError(str(file), [Problem(message=message)])
+    analysis = origin.analysis or origin.verb or file.stem
     return Opened(
         file=file,
         data=data,
-        definition=attributes["definition"],
-        options=json.loads(attributes["options"]),
-        arguments=json.loads(attributes.get("arguments", "{}")),
-        analysis=attributes.get("analysis", attributes.get("verb", file.stem)),
-        version=attributes.get("version", ""),
-        command=attributes.get("command", ""),
-        notes=tuple(json.loads(attributes.get("notes", "[]"))),
-        complete=attributes.get("complete", "yes") == "yes",
+        definition=origin.definition,
+        options=origin.options,
+        arguments=asked_in(origin.arguments, str(file), _options_of(analysis)),
+        analysis=analysis,
+        version=origin.version,
+        command=origin.command,
+        notes=tuple(origin.notes),
+        complete=origin.complete == "yes",
     )
+
+
+def _require_size(size: int, file: Path) -> None:
+    """Refuse a file that says to have far more data than it has bytes."""
+    if size > MOST_PER_BYTE * file.stat().st_size:
+        message = f"is damaged: {file.stat().st_size} bytes are to hold {size} bytes of data"
+        raise InputError(str(file), [Problem(message=message)])
+
+
+def _options_of(analysis: str) -> list[str]:
+    """Options of an analysis that describes them itself; they stand above."""
+    if analysis in ANALYSES:
+        return []
+    found: list[str] = import_module("linkages.analyses").options_of_analysis(analysis)
+    return found
 
 
 def _file(path: Path) -> Path:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.options.asked import stored
 
 DEFINITION = "definition"
 
@@ -22,8 +23,8 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     mechanism
         What was computed.
     options
-        How, as keyword arguments of what computed it. Whatever is no number, text or list of these
-        is written as text; of paths, their names: folders are of one machine.
+        How, as keyword arguments of what computed it; those that say where it ran are left out.
+        Whatever is no number, text or list of these is written as text; of paths, their names.
 
     Returns
     -------
@@ -31,13 +32,14 @@ def origin_of(mechanism: Mechanism, options: Mapping[str, Any]) -> dict[str, str
     JSON; ``definition``, YAML text in which all values are put in, those that were changed in
     Python as well; and ``changes``, the assignments that made it out of its file, as JSON.
     """
-    said = {name: value for name, value in options.items() if value is not None}
+    how = stored(options)
+    said = {name: value for name, value in how.items() if value is not None}
     return {
         "version": f"linkages {version('linkages')}",
         "libraries": ", ".join(
             [f"Python {platform.python_version()}", *(f"{n} {version(n)}" for n in _LIBRARIES)]
         ),
-        "options": json.dumps(options, default=_text, ensure_ascii=False),
+        "options": json.dumps(how, default=_text, ensure_ascii=False),
         "arguments": json.dumps(said, default=_text, ensure_ascii=False),
         "changes": json.dumps(mechanism.changes, ensure_ascii=False),
         DEFINITION: mechanism.to_yaml(),

@@ -1,17 +1,27 @@
-"""What files of results hold of their origin: the definition as computed, options, command.
+"""What result files store of their origin: the definition as computed, options, command.
 
-Each format has a place for texts that programs which show it pass over. A file of results is a
-definition file, too: `stamped` reads what `stamp` has written.
+Each format has a place for text that other programs ignore. A result file is a definition file as
+well: `stamped` reads what `stamp` has written. It may come from anywhere, so it is data that has to
+be validated: `Origin` is the one model of it.
 """
 
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
+from linkages.errors import InputError, Problem
 from linkages.stamps import documents, dxf, films, images, netcdf, programs
+
+if TYPE_CHECKING:
+    from linkages.stamps.origins import Origin
+
+MAX_BYTES = 256 * 1024**2
+"""Largest result file that is read as a whole; of NetCDF files, only attributes are read."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +33,19 @@ class Format:
     put
         Content and a text → the content with that text, in the place of an earlier one.
     taken
-        Content → the text in it; None if there is none.
+        Content → the text in it; None if there is none. ValueError, IndexError or struct.error if
+        it is damaged.
+    whole
+        Whether `taken` needs the content as bytes; otherwise it gets the open file.
     """
 
     put: Callable[[bytes, str], bytes]
-    taken: Callable[[bytes], str | None]
+    taken: Callable[[Any], str | None]
+    whole: bool = True
 
 
 FORMATS = {
-    ".nc": Format(netcdf.put, netcdf.taken),
+    ".nc": Format(netcdf.put, netcdf.taken, whole=False),
     ".png": Format(images.put_png, images.taken_png),
     ".svg": Format(documents.put_svg, documents.taken_svg),
     ".pdf": Format(documents.put_pdf, documents.taken_pdf),
@@ -69,20 +83,46 @@ def stamp(path: Path, origin: Mapping[str, str]) -> bool:
     return True
 
 
-def stamped(path: Path) -> dict[str, str] | None:
-    """What a file of results was computed from; None if it does not say so.
+def stamped(path: Path) -> Origin | None:
+    """What a result file was computed from; None if it does not contain that.
 
     Raises
     ------
     OSError
         If it cannot be read.
+    InputError
+        If it is too large to be read, damaged, or contains something else than `stamp` writes.
     """
     found = FORMATS.get(path.suffix.lower())
-    text = None if found is None else found.taken(path.read_bytes())
-    if text is None:
+    if found is None:
         return None
     try:
-        content = json.loads(text)
-    except ValueError:
-        return None
-    return {str(name): str(value) for name, value in content.items()} if content else None
+        with path.open("rb") as file:
+            text = found.taken(_content(file, path) if found.whole else file)
+    except (ValueError, IndexError, struct.error):
+        message = "is damaged; expected results that linkages wrote"
+        raise InputError(str(path), [Problem(message=message)]) from None
+    return None if text is None else origin_in(text, str(path))
+
+
+def origin_in(text: str, source: str) -> Origin | None:
+    """The validated origin in a JSON text; None if it has no definition.
+
+    Raises
+    ------
+    InputError
+        Names each entry that is not what `stamp` writes.
+    """
+    from linkages.stamps.origins import read_origin
+
+    return read_origin(text, source)
+
+
+def _content(file: BinaryIO, path: Path) -> bytes:
+    """All of a file, unless it is too large."""
+    if path.stat().st_size <= MAX_BYTES:
+        content = file.read(MAX_BYTES + 1)  # it may grow, and some files have no size
+        if len(content) <= MAX_BYTES:
+            return content
+    message = f"larger than {MAX_BYTES // 1024**2} MiB; expected results that linkages wrote"
+    raise InputError(str(path), [Problem(message=message)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import re
 from html import escape, unescape
 from io import BytesIO
@@ -53,7 +54,7 @@ def taken_json(content: bytes) -> str | None:
     """The object under that key."""
     try:
         found: Any = json.loads(content)
-    except ValueError:  # JSON or not, it may be a definition file
+    except (ValueError, RecursionError):  # JSON or not, it may be a definition file
         return None
     own = found.get(KEY) if isinstance(found, dict) else None
     return json.dumps(own, ensure_ascii=False) if isinstance(own, dict) else None
@@ -72,14 +73,17 @@ def put_pdf(content: bytes, text: str) -> bytes:
 def taken_pdf(content: bytes) -> str | None:
     """The text in the information of a document; None if it is no document as well."""
     from pypdf import PdfReader
-    from pypdf.errors import PyPdfError
 
+    log = logging.getLogger("pypdf")
+    before, log.disabled = log.disabled, True  # it reports to the user what is reported here
     try:
         information: Any = PdfReader(BytesIO(content)).metadata or {}
-    except PyPdfError:
+        found = information.get(_PDF)
+        return None if found is None else str(found)
+    except Exception:  # a damaged document makes it raise whatever comes
         return None
-    found = information.get(_PDF)
-    return None if found is None else str(found)
+    finally:
+        log.disabled = before
 
 
 def _after(text: str, mark: re.Pattern[str], element: str) -> str:

@@ -73,11 +73,17 @@ def file(request, tmp_path):
     return path
 
 
+def _is_origin(found):
+    return (found.definition, found.version) == (DEFINITION, "linkages 1") and found.options == {
+        "end": 0.1
+    }
+
+
 def test_what_is_written_is_read_again_and_takes_the_place_of_what_was_before(file):
-    assert (stamped(file) or {}).get("definition") is None
+    assert stamped(file) is None
     assert stamp(file, ORIGIN | {"definition": "earlier text"})
     assert stamp(file, ORIGIN)
-    assert stamped(file).items() >= ORIGIN.items()
+    assert _is_origin(stamped(file))
     assert b"earlier text" not in file.read_bytes() or file.suffix == ".nc"
 
 
@@ -98,7 +104,7 @@ def test_drawings_read_as_before(tmp_path):
     assert max(map(len, path.read_text(encoding="ascii").splitlines())) < 255
     # as another program may have written it
     path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n").replace(b"999\r", b"  999\r"))
-    assert stamped(path).items() >= ORIGIN.items()
+    assert _is_origin(stamped(path))
 
 
 @pytest.mark.parametrize("kind", [".png", ".gif", ".webp"])
@@ -154,4 +160,4 @@ def test_the_encoding_of_a_page_is_said_where_browsers_look_for_it(tmp_path):
     path.write_text('<html>\n<head>\n<meta charset="utf-8">\n</head>\n<body>°</body>\n</html>\n')
     stamp(path, ORIGIN | {"definition": "name: x\n" * 1000})
     assert b'<meta charset="utf-8">' in path.read_bytes()[:1024]
-    assert stamped(path)["definition"] == "name: x\n" * 1000
+    assert stamped(path).definition == "name: x\n" * 1000

@@ -20,6 +20,8 @@ MAX_NODES = 200_000
 MAX_COPIES = 20_000
 MAX_DEPTH = 32
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})
+_TOO_DEEP = "exceeded maximum nesting depth"
+
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -158,6 +160,8 @@ def _key_problem(node: yaml.Node, lines: dict[str, int]) -> str | None:
 def _syntax_problem(error: yaml.YAMLError) -> Problem:
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     what = " ".join(str(getattr(error, "problem", None) or error).split())[:200]
+    if what == _TOO_DEEP:  # libyaml looks at this first
+        return _problem(f"nested more than {MAX_DEPTH} deep", mark)
     context, start = getattr(error, "context", None), getattr(error, "context_mark", None)
     if context and start:
         what += f" ({context} that starts in line {start.line + 1})"

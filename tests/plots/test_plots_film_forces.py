@@ -156,7 +156,7 @@ def test_films_say_where_they_come_from(tmp_path):
     solution = linkages.simulate(linkages.load("four-bar"), samples=5)
     for name in ("a.gif", "a.webp"):
         animate(solution, tmp_path / name, fps=2, dpi=30)
-        assert "coupler" in stamped(tmp_path / name)["definition"]
+        assert "coupler" in stamped(tmp_path / name).definition
         with Image.open(tmp_path / name) as image:
             assert image.n_frames > 2
 

@@ -11,6 +11,7 @@ from linkages.chaos.verdicts.judge import judge
 from linkages.chaos.verdicts.report import verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.solvers.integration import LEAST_RTOL
@@ -170,10 +171,15 @@ def test_nothing_is_skipped_where_nothing_dissipates():
 
 def test_what_counts_as_no_difference():
     """A ten-thousandth of the range, of an angle at most of a radian, or errors of integration."""
-    tolerance = alike(System(pendulum(0.8)), period=2.0, rtol=1e-8)
-    assert tolerance(np.array([[0.0, -5.0], [0.1, 5.0]])) == pytest.approx([1e-5, 1e-3])
-    assert tolerance(np.array([[-3.0, -5.0], [3.0, 5.0]])) == pytest.approx([1e-4, 1e-3])
-    assert tolerance(np.zeros((2, 2))) == pytest.approx([1e-6, 1e-6 * np.pi])
+    tolerance = alike(System(pendulum(0.8)), 2.0, RunOptions(rtol=1e-8))
+    small, large = np.array([[0.0, -5.0], [0.1, 5.0]]), np.array([[-3.0, -5.0], [3.0, 5.0]])
+    assert tolerance(small, None) == pytest.approx([1e-5, 1e-3])
+    assert tolerance(large, None) == pytest.approx([1e-4, 1e-3])
+    assert tolerance(np.zeros((2, 2)), None) == pytest.approx([1e-6, 1e-6])
+    least = np.array([[0.0, 1.0], [1e-7, 1.0 + 1e-7]])
+    assert tolerance(least, None) == pytest.approx([1e-6, 2e-6])
+    assert tolerance(least, np.array([1e-13, 1e-7])) == pytest.approx([1e-11, 2e-6])
+    assert tolerance(least, np.array([5e-12, 5e-10])) == pytest.approx([5e-11, 1e-11])
 
 
 def judgements(monkeypatch, **changes):
@@ -186,3 +192,94 @@ def judgements(monkeypatch, **changes):
 
     monkeypatch.setattr("linkages.chaos.verdicts.report.judge", watched)
     return seen
+
+
+SLIDERS = """\
+name: Two sliders
+joints: {O: [0, 0], Q: [0, 1]}
+sliders:
+  a: {joint: P, through: O, mass: 1}
+  b: {joint: R, through: Q, mass: 1}
+loads:
+  - {slider: a, force: "FIRST"}
+  - {slider: b, force: "SECOND"}
+free: {a: {position: 0.5}, b: {position: STARTS}}
+simulate: {end: 1}
+"""
+LINEAR = "-a.position-0.3*a.velocity+cos(1.2*t)"
+
+
+def duffing(force: float, *, slider: str = "b", size: float = 1.0, origin: float = 0.0) -> str:
+    """Of Jordan and Smith, of a size in metres, about an origin: period 2, 5, chaos at 0.28, 0.37,
+    0.5."""
+    x = f"({slider}.position-{origin!r})"
+    return f"{x}-{x}**3/{size!r}**2-0.3*{slider}.velocity+{force * size!r}*cos(1.2*t)"
+
+
+def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
+    text = SLIDERS.replace("FIRST", first).replace("SECOND", second)
+    return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-8, 1e-9])
+@pytest.mark.parametrize("atol", [None, 1e-15])
+def test_a_small_coordinate_beside_a_large_one_is_judged_by_its_own_extent(size, atol):
+    """Two sliders without any connection, of which one moves by a metre."""
+    system = sliders(LINEAR, duffing(0.28, size=size), size)
+    report = verdict(system, periods=200, rtol=1e-10, atol=atol)
+    assert (report.verdict, report.period) == ("periodic", 2), report.reasons
+
+
+def test_an_odd_number_of_points_repeats_after_two():
+    report = verdict(sliders(LINEAR, duffing(0.28), 1.0), periods=201)
+    assert (report.verdict, report.period) == ("periodic", 2), report.reasons
+    assert "The Poincaré section repeats after 2 points." in report.reasons
+
+
+def test_a_verdict_does_not_depend_on_the_origin():
+    report = verdict(sliders(LINEAR, duffing(0.5, origin=2e6), 2e6 + 1), periods=200)
+    assert report.verdict == "chaotic", report.reasons
+    assert report.zero_one["b"][0] > 0.6
+
+
+def test_weak_chaos_on_a_cycle_of_five_is_seen_by_the_zero_one_test():
+    """A cycle of five that feels a thousandth of a chaotic motion."""
+    cycle = duffing(0.37, slider="a") + "+0.001*b.position"
+    report = verdict(sliders(cycle, duffing(0.5), 1.0), periods=300)
+    assert report.verdict == "chaotic", report.reasons
+    assert report.zero_one["a"][0] > 0.6
+
+
+OSCILLATOR = """\
+name: Oscillator
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+loads: [{slider: m, force: "FORCE"}]
+free: {m: {position: POSITION, speed: VELOCITY}}
+simulate: {end: 6.3}
+"""
+
+
+def oscillator(force: str, position: float = 1.0, velocity: float = 0.0) -> linkages.Mechanism:
+    text = OSCILLATOR.replace("FORCE", force).replace("POSITION", repr(position))
+    return from_document(parse(text.replace("VELOCITY", repr(velocity)), "oscillator.yaml"))
+
+
+def test_either_run_is_judged_by_its_own_evidence():
+    """A step h of RK4 shrinks a swing cos t by (1 - h⁶/144): e⁻²⁶ in 200 of them, and e⁻².
+
+    So the first run comes to rest, and the one with 0.56 of its step does not.
+    """
+    report = verdict(oscillator("-m.position"), periods=200, method="rk4", step=1.3)
+    assert "The motion comes to rest." in report.reasons
+    assert report.tighter["verdict"] == report.verdict == "undecided"
+
+
+def test_a_multiplier_near_minus_one_does_not_double_the_period():
+    """0.99 of a deviation is left, on the other side: 2 points repeat sooner than 1 does."""
+    force = "-(0.25+0.1985*cos(t))*m.position-0.2*m.velocity+cos(t)"
+    point = linkages.poincare(oscillator(force), periods=1, skip=2500)
+    x, v = float(point.slider_position[0, 0]), float(point.slider_velocity[0, 0])
+    extent = 2.354
+    report = verdict(oscillator(force, x + 4e-4 * extent, v), periods=200, skip=0)
+    assert (report.verdict, report.period) == ("periodic", 1), report.reasons

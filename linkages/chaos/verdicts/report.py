@@ -123,7 +123,7 @@ def _report(
         skip=options.skip,
         dissipative=not conservative,
         section=points if section.text else None,
-        tolerance=gathering.alike(system, section.period, options.rtol),
+        tolerance=gathering.alike(system, section.period, options),
         observed=len(system.topology.free),
         certified=_certified,
     )

@@ -13,7 +13,7 @@ from linkages.chaos.series.averages import FEWEST as FEWEST_STEADY
 from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.series.closed_curves import ClosedCurves, closed_curves
-from linkages.chaos.series.periods import differences, find_period
+from linkages.chaos.series.periods import apart, differences, find_period
 from linkages.chaos.series.zero_one import FEWEST as FEWEST_TESTED
 from linkages.chaos.series.zero_one import zero_one
 
@@ -29,10 +29,13 @@ MOST_BANDS = 12
 """Bands of a chaotic motion that are told apart."""
 
 REPEATING = 1e-6
-"""Part of the largest value by which a series may differ from a periodic one and be that."""
+"""Part of its range by which a series may differ from a periodic one and be that."""
 
 RESTING = 10
 """One part of the stretch in so many, the last one, in which a motion at rest moves no more."""
+
+SHRINKS = 0.9
+"""Part of what an entry moved by in the part before, below which it moves less and less."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,15 +165,21 @@ def gathered(
 
 def _without_noise(points: Floats, angles: NDArray[np.bool_], tolerance: Floats) -> Floats:
     """Points whose entries are constant where they are but for round-off, as on their section."""
-    apart = points - points[:1]
-    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return np.where((np.abs(apart) <= tolerance).all(axis=0), points[:1], points)
+    alike = np.abs(apart(points, points[:1], angles)) <= tolerance
+    return np.where(alike.all(axis=0), points[:1], points)
 
 
 def ends_alike(exponents: Exponents, angles: NDArray[np.bool_], tolerance: Floats) -> bool:
     """Whether the last states are all the same: the motion rests, or its interval is a period."""
     last = exponents.states[-max(2, len(exponents.states) // RESTING) :]
     return _part_before(last, last[-1:], angles, tolerance) == 0.0
+
+
+def shrinking(states: Floats, angles: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which entries move less in the last part of a stretch than in the one before, shape (d,)."""
+    length = max(2, len(states) // RESTING)
+    moved = np.abs(apart(states[-2 * length :], states[-1:], angles))
+    return np.asarray(moved[-length:].max(axis=0) < SHRINKS * moved[:-length].max(axis=0))
 
 
 def _repetition(
@@ -210,7 +219,7 @@ def _curves(points: Floats, angles: NDArray[np.bool_]) -> tuple[ClosedCurves, fl
 def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
     observed = np.cos(series) if angle else series
     beyond = _less_periodic_part(observed)
-    if beyond.std() <= REPEATING * np.abs(observed).max():
+    if beyond.std() <= REPEATING * np.ptp(observed):
         return 0.0, 0.0  # what repeats is regular, and its round-off is not asked
     found = zero_one(beyond)
     return found.growth, found.spread

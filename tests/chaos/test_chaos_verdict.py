@@ -283,3 +283,94 @@ def test_a_multiplier_near_minus_one_does_not_double_the_period():
     extent = 2.354
     report = verdict(oscillator(force, x + 4e-4 * extent, v), periods=200, skip=0)
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
+
+
+APART = "Drives and loads have no common period"
+
+
+def cranks(first: float, second: float) -> linkages.Mechanism:
+    """A damped slider between springs to two cranks, with speeds in rpm."""
+    text = f"""\
+name: Two cranks
+joints: {{A: [0, 0], B: [3, 0], O: [0, 1]}}
+bars: {{one: {{joints: [A, P], length: 0.1}}, two: {{joints: [B, Q], length: 0.1}}}}
+sliders: {{m: {{joint: S, through: O, mass: 1}}}}
+drives: {{one: {{angle: 0, speed: {first} rpm}}, two: {{angle: 0, speed: {second} rpm}}}}
+springs:
+  - {{between: [P, S], stiffness: 20, length: 0.5}}
+  - {{between: [Q, S], stiffness: 20, length: 0.5}}
+dampers: [{{slider: m, damping: 0.5}}]
+free: {{m: {{position: 1}}}}
+simulate: {{end: 1}}
+"""
+    return from_document(parse(text, "cranks.yaml"))
+
+
+def two_torques(amplitude: float) -> linkages.Mechanism:
+    """F. J. Romeiras, E. Ott, Phys. Rev. A 35 (1987) 4404, with p = 3 and K = 1.33."""
+    torque = f"3*(1.33+{amplitude!r}*(cos((sqrt(5)-1)/2*t)+cos(t))+cos(arm.angle)-arm.speed)"
+    text = f"""\
+name: Romeiras and Ott
+joints: {{O: [0, 0]}}
+bars: {{arm: {{joints: [O, P], length: 1}}}}
+masses: {{P: 1 kg}}
+loads: [{{bar: arm, torque: "{torque}"}}]
+free: {{arm: {{angle: 0.1}}}}
+simulate: {{end: 1}}
+"""
+    return from_document(parse(text, "two-torques.yaml"))
+
+
+def test_two_forces_without_a_common_period_drag_a_torus():
+    """Of a damped linear oscillator: its motion is that of both forces, in closed form."""
+    report = verdict(oscillator("-m.position-0.2*m.velocity+cos(t)+cos(sqrt(2)*t)"))
+    assert report.verdict == report.tighter["verdict"] == "quasi-periodic", report.reasons
+    assert report.run["period"] == pytest.approx(2 * np.pi)
+    assert report.to_dict()["run"]["other_periods"] == pytest.approx([np.pi * 2**0.5])
+    times = report.section.time.to_numpy()
+    known = sum((np.exp(1j * w * times) / (1 - w**2 + 0.2j * w)).real for w in (1.0, 2**0.5))
+    assert report.section.slider_position[:, 0].to_numpy() == pytest.approx(known, abs=1e-4)
+    assert any(reason.startswith(APART) for reason in report.reasons)
+
+
+def test_cranks_without_a_common_period():
+    report = verdict(cranks(60, 97.0820393), periods=200)
+    assert report.verdict == "quasi-periodic", report.reasons
+
+
+def test_phases_that_hardly_move_against_each_other_need_a_longer_run():
+    """At 60 and 60.01 rpm all positions come again after 6000 s, in which they beat once."""
+    report = verdict(cranks(60, 60.01), periods=300)
+    assert report.verdict == "undecided"
+    assert any("of a turn against each other: run about 60" in text for text in report.reasons)
+
+
+def test_a_third_drive_without_a_common_period():
+    forces = "cos(t)+cos(sqrt(2)*t)+cos(sqrt(3)*t)"
+    report = verdict(oscillator(f"-m.position-0.2*m.velocity+{forces}"), periods=200)
+    assert report.verdict == "undecided"
+    assert any("3 drives or loads have no common period" in text for text in report.reasons)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "expected", "exponent"),
+    [
+        (0.2, "quasi-periodic", None),
+        (0.55, "undecided", -0.162),
+        pytest.param(1.0, "quasi-periodic", None, marks=pytest.mark.slow),
+    ],
+)
+def test_two_torques_on_a_pendulum(amplitude, expected, exponent):
+    """Strange and nonchaotic at 0.55, which a finite number of points cannot prove."""
+    report = verdict(two_torques(amplitude))
+    assert report.verdict == expected, report.reasons
+    assert any("strange nonchaotic" in text for text in report.reasons) is (expected == "undecided")
+    if exponent is not None:
+        assert float(report.exponents.exponent[0]) == pytest.approx(exponent, abs=0.016)
+
+
+@pytest.mark.parametrize(("force", "expected"), [(0.28, "quasi-periodic"), (0.5, "chaotic")])
+def test_a_weak_force_without_a_common_period(force, expected):
+    """A cycle of two becomes a torus of two branches, and chaos remains."""
+    report = verdict(oscillator(duffing(force, slider="m") + "+0.001*cos(sqrt(2)*t)"))
+    assert report.verdict == expected, report.reasons

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -10,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.common_period import (
+    NoPeriodError,
+    common_period,
+    incommensurate_periods,
+)
 from linkages.chaos.sections.crossed import NeverCrossedError, crossed
 from linkages.chaos.sections.free_states import PAIRS, free_names, labelled_states, wrapped
 from linkages.chaos.series.dimension import (
@@ -77,18 +82,22 @@ class SectionPlane:
         Seconds from point to point, or about that.
     text, direction
         Of a geometric section, as `linkages.poincare` takes it; empty for a stroboscopic one.
+    others
+        Periods of drives and loads that have none in common with that of a stroboscopic one.
     """
 
     period: float
     text: str = ""
     direction: str = "up"
+    others: tuple[float, ...] = ()
 
     @property
     def attributes(self) -> dict[str, object]:
         """As `linkages.poincare` puts them into its dataset."""
         if self.text:
             return {"section": self.text, "direction": self.direction, "warning": ""}
-        return {"period": self.period, "phase": 0.0, "warning": ""}
+        others = {"other_periods": list(self.others)} if self.others else {}
+        return {"period": self.period, "phase": 0.0, "warning": "", **others}
 
     def points(
         self, system: System, start: System, run: RunOptions, count: int
@@ -120,11 +129,15 @@ class SectionPlane:
 
 
 def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
-    """Stroboscopic, or where the motion returns: its rate vanishes, or it rotates past."""
-    try:
+    """Stroboscopic, or where the motion returns: its rate vanishes, or it rotates past.
+
+    Where drives have no common period the longest one counts, so that a stretch shows the others.
+    """
+    with contextlib.suppress(NoPeriodError):
         return SectionPlane(period=common_period(system.mechanism))
-    except NoPeriodError:
-        pass
+    with contextlib.suppress(NoPeriodError):
+        longest, *others = incommensurate_periods(system.mechanism)
+        return SectionPlane(period=longest, others=tuple(others))
     end = system.mechanism.simulation.end
     tried = [SectionPlane(period=end, text=t, direction=d) for t, d in _sections(system)]
     for section in tried:

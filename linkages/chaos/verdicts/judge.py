@@ -56,6 +56,8 @@ class Course(Generic[T]):
         Of the system, where it is, and whether with the smaller error: `periods` points of a
         geometric section from there on, shape (points, d), and their times; the system is left as
         it is. None for a point each period.
+    others
+        Periods of drives and loads that have none in common with `period`, the stroboscope's.
     tolerance
         Of the states of the later half of a stretch, shape (n, d), and their largest differences
         from those with the smaller error, shape (d,), None before they are known: difference of
@@ -72,6 +74,7 @@ class Course(Generic[T]):
     dissipative: bool = True
     parts: int = PARTS
     section: Callable[[T, bool], tuple[Floats, Floats]] | None = None
+    others: tuple[float, ...] = ()
     tolerance: Callable[[Floats, Floats | None], Floats] = _alike
     observed: int | None = None
     certified: Callable[[T, Exponents], Exponents] = lambda _, exponents: exponents
@@ -196,6 +199,7 @@ class _Stretch(Generic[T]):
             tolerance,
             autonomous=course.section is not None,
             rests=rests,
+            phases=tuple(self.times / other for other in course.others),
             observed=course.observed,
         )
 

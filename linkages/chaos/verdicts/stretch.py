@@ -14,6 +14,7 @@ from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.series.closed_curves import ClosedCurves, closed_curves
 from linkages.chaos.series.periods import apart, differences, find_period
+from linkages.chaos.series.phase_curves import PhaseCurve, phase_curve
 from linkages.chaos.series.zero_one import FEWEST as FEWEST_TESTED
 from linkages.chaos.series.zero_one import zero_one
 
@@ -62,6 +63,9 @@ class Evidence:
         Section points until the motion repeats at the end; None if it does not.
     curves
         Whether section points lie on closed curves; None where that was not looked for.
+    phases
+        How section points depend on the phase of each drive that has no period in common with the
+        stroboscope.
     settled
         Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves.
     steady
@@ -79,6 +83,7 @@ class Evidence:
     curves: ClosedCurves | None
     settled: float
     steady: tuple[float, float]
+    phases: tuple[PhaseCurve, ...] = ()
 
     @property
     def law(self) -> Verdict:
@@ -126,6 +131,7 @@ def gathered(
     autonomous: bool = False,
     rests: bool = False,
     observed: int | None = None,
+    phases: tuple[Floats, ...] = (),
 ) -> Evidence:
     """Everything that section points and exponents of one stretch show.
 
@@ -137,6 +143,8 @@ def gathered(
         Difference of entries that counts as none, shape (d,).
     observed
         The 0–1 test observes so many entries, the first ones; all by default.
+    phases
+        Those of drives that have no period in common with the stroboscope, in turns, at the points.
     """
     count, points = len(points), _without_noise(points, angles, tolerance)
     period, curves, settled = None, None, 0.0
@@ -144,7 +152,13 @@ def gathered(
         settled = _part_before(exponents.states, exponents.states[-1:], angles, tolerance)
     elif count >= FEWEST_REPEATING:
         period, settled = _repetition(points, angles, tolerance)
-    if not rests and period is None and count >= 2 * FEWEST_ON_CURVES:
+    over: tuple[PhaseCurve, ...] = ()
+    if phases and not rests and period is None:
+        over, settled = _over_phases(points, phases, angles)
+    elif phases:
+        over = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
+    smooth = bool(over) and all(curve.smooth for curve in over)
+    if not rests and period is None and not smooth and count >= 2 * FEWEST_ON_CURVES:
         curves, settled = _curves(points, angles)
     columns = list(zip(points.T, angles, strict=True))[:observed]
     enough = count >= FEWEST_TESTED
@@ -160,6 +174,7 @@ def gathered(
         curves=curves,
         settled=settled,
         steady=steadiness(points, angles=angles) if count >= FEWEST_STEADY else (0.0, 0.0),
+        phases=over,
     )
 
 
@@ -214,6 +229,18 @@ def _curves(points: Floats, angles: NDArray[np.bool_]) -> tuple[ClosedCurves, fl
     whole = closed_curves(points, angles=angles)
     later = whole if whole.count else closed_curves(points[len(points) // 2 :], angles=angles)
     return (later, 0.5) if later.count and not whole.count else (whole, 0.0)
+
+
+def _over_phases(
+    points: Floats, phases: tuple[Floats, ...], angles: NDArray[np.bool_]
+) -> tuple[tuple[PhaseCurve, ...], float]:
+    """Curves over phases on which all points lie, or else those of the later half."""
+    whole = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
+    if all(found.smooth for found in whole):
+        return whole, 0.0
+    half = len(points) // 2
+    later = tuple(phase_curve(points[half:], phase[half:], angles=angles) for phase in phases)
+    return (later, 0.5) if all(found.smooth for found in later) else (whole, 0.0)
 
 
 def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:

@@ -232,7 +232,7 @@ class LinkageTangents:
             states=self._states(ends),
             times=ends.time,
             tangents=renormalised.tangents,
-            closes=self.march.closes,
+            loses=self.march.constrained,
         )
 
     def _states(self, motion: Motion) -> Floats:

@@ -233,8 +233,9 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
         with code.when((part < 0.0) & (abs(h) > finest_step(pace, t))):
             accepted.set(False)
             factor.set(SHRINK_TURNING)
-        changing.set((part >= 0.0) & (part <= 1.0))
-        with code.when((part >= 0.0) & (part < 1.0)):
+        # one at the very end is met by the next step, which begins there
+        changing.set((part >= 0.0) & (part < 1.0))
+        with code.when(changing):
             h.set(h * part)
             t_end.set(t + h)
             next_carry.set((t_end - t) - (h - pace[CARRY]))

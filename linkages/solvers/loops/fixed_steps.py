@@ -87,8 +87,8 @@ def step_to(
         changing = code.variable(False)
         with code.when(switching.look != 0):
             part = call_hook(switching.look, switching.context, t, made, reached)
-            changing.set((part >= 0.0) & (part <= 1.0))
-            with code.when((part >= 0.0) & (part < 1.0)):
+            changing.set((part >= 0.0) & (part < 1.0))
+            with code.when(changing):
                 made.set(made * part)
                 reached.set(t + made)
         with code.when(made != 0.0):

@@ -50,8 +50,9 @@ class Exponents:
         How many more there are of −∞: a rigid contact that closes leaves no neighbours off its
         wall, nor does dry friction that sticks leave any that slip; these directions are lost.
     touch
-        Rate, time and contact of the touch at the smallest rate; None if nothing touches. Where it
-        tends to zero, tangents jump without bound and exponents converge slowly [1]_.
+        Rate, time and contact of the touch at the smallest rate behind `skip`; None if nothing
+        touches. Where it tends to zero, tangents jump without bound and exponents converge slowly
+        [1]_.
 
     References
     ----------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,8 @@ from linkages.chaos.series.rotation import Rotation, classify_angle, refined
 from linkages.chaos.series.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdicts.stretch import Evidence
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.numbers.laws import law_values
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
@@ -37,6 +39,8 @@ from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import Solution
 from linkages.solution.values.labelled import labelled
+from linkages.solution.values.series import system_series
+from linkages.solution.values.surface import TOUCH
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -149,16 +153,22 @@ def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
 
 
 def _sections(system: System) -> Iterator[tuple[str, str]]:
-    """Geometric sections and their directions, in the order in which they are tried."""
+    """Geometric sections and their directions, in the order in which they are tried.
+
+    Where something touches, rates jump past zero, and impacts are the points of the motion.
+    """
+    contacts, ends = system.mechanism.contacts, system.mechanism.ends
+    for touched in [*(contact.name for contact in contacts), *(end.name for end in ends)]:
+        yield f"{touched}.{TOUCH}", "up"
+    known = system_series(system).values()
     for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
         for name in names:
-            if dim == "slider":
-                yield f"{name}.velocity=0", "up"
-                continue
-            yield f"{name}.speed=0", "up"
-            angle = system.state[system.topology.free.index(name)]
-            yield f"{name}.angle={angle:.17g}", "up"
-            yield f"{name}.angle={angle:.17g}", "down"
+            told = {s.variable: s.name for s in known if s.place.get(dim) == name}
+            yield f"{told[rate]}=0", "up"
+            at = system.state[system.topology.free.index(name)]
+            yield f"{told[value]}={at:.17g}", "up"
+            yield f"{told[value]}={at:.17g}", "down"
 
 
 def alike(
@@ -202,7 +212,7 @@ def labelled_section(system: System, section: SectionPlane, evidence: Evidence) 
         columns = [free.index(name) for name in names]
         value, rate = PAIRS[dim]
         at = evidence.points[:, columns]
-        values[value] = at if dim == "slider" else wrapped(at)
+        values[value] = wrapped(at) if VARIABLES[value].angle else at
         values[rate] = evidence.points[:, [size + column for column in columns]]
     if system.topology.internal:
         values["internal_state"] = evidence.points[:, 2 * size :]
@@ -260,11 +270,35 @@ def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
     """Free angle → what it does."""
     found, time = {}, solution.data.time.to_numpy()
     for dim, names in free_names(system).items():
-        if dim != "slider":
+        if VARIABLES[PAIRS[dim][0]].angle:
             values = solution.data[PAIRS[dim][0]]
             for name in names:
                 found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
     return found
+
+
+def rates_of(
+    system: System, solution: Solution, rotation: Mapping[str, Rotation]
+) -> dict[str, tuple[float, str]]:
+    """Free coordinate → its mean rate, that of `rotation` for an angle, and the unit of that."""
+    found, time = {}, solution.data.time.to_numpy()
+    for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
+        for name in names:
+            values = solution.data[value].sel({dim: name}).to_numpy()
+            mean = float(values[-1] - values[0]) / float(time[-1] - time[0])
+            found[name] = (
+                rotation[name].rate if name in rotation else mean,
+                str(solution.data[rate].attrs["units"]),
+            )
+    return found
+
+
+def driven(mechanism: Mechanism, first: float, last: float) -> bool:
+    """Whether a drive moves between two times in seconds."""
+    times = np.linspace(first, last, PER_PERIOD)
+    laws = [drive.law for drive in mechanism.prescribed.values()]
+    return any(np.ptp(law_values(law, times)) > 0 for law in laws)
 
 
 def conservative(mechanism: Mechanism) -> bool:

@@ -81,18 +81,19 @@ def _tables(report: ChaosReport) -> list[Table]:
 
 
 def _coordinates(report: ChaosReport) -> Table:
-    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate (rad/s)"]
+    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
     rows = []
     for name, spectrum in report.spectra.items():
         growth, rotation = report.zero_one.get(name), report.rotation.get(name)
+        rate, unit = report.rates[name]
         rows.append(
             [
                 name,
                 "" if growth is None else f"{growth[0]:.3f}",
                 "" if growth is None else f"{growth[1]:.2g}",
                 f"{100 * spectrum.line_share:.4g} %",
-                "" if rotation is None else str(rotation.kind),
-                "" if rotation is None else number(rotation.rate),
+                "–" if rotation is None else str(rotation.kind),
+                f"{number(rate)} {unit}",
             ]
         )
     return "Free coordinates", heads, rows

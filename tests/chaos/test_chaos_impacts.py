@@ -63,3 +63,13 @@ def test_elastic_impacts_repeat(angle, stops, period):
     assert (report.verdict, report.period) == ("periodic", 1), report.reasons
     assert report.section.attrs["section"] == "stops[0].lower.touch"
     assert report.run["period"] == pytest.approx(period, rel=1e-9)
+
+
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9])
+def test_bounces_that_end_come_to_rest(rtol):
+    """Impacts accumulate, so that they are no section of the motion."""
+    text = SLIDER.replace("ANGLE", "90 deg").replace("STOPS", "lower: 0")
+    falling = linkages.loads(text.replace("restitution: 1", "restitution: 0.7"))
+    report = linkages.verdict(falling, periods=200, rtol=rtol)
+    assert report.verdict == report.tighter["verdict"] == "at rest", report.reasons
+    assert report.section.attrs["section"] == "m.velocity=0"

@@ -54,6 +54,9 @@ RETURNS = 64
 FEWEST_RETURNS = 8
 """Crossings below which a section is seldom crossed, and another one is tried."""
 
+GOES_ON = 0.2
+"""Part of the mean time between crossings below which later ones accumulate."""
+
 ALIKE = 1e-4
 """Part of its range by which an entry of the state may differ and be the same."""
 
@@ -63,6 +66,9 @@ ERRORS = 100.0
 RESOLVED, NOISE = 1e-4, 0.1
 """Parts of its range by which an entry may differ from a run of smaller error and be resolved, and
 from which on it is nothing but errors."""
+
+CREEPING = 1.5
+"""Way of an entry, in its ranges, up to which it moves in one direction."""
 
 ROUND_OFF = 1e-13
 """Part of sizes, and of a radian, below which differences are those of round-off."""
@@ -147,9 +153,15 @@ def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
     for section in tried:
         probe = replace(section, period=end * periods / RETURNS / LONGER)
         _, times = probe.points(system, system, run, RETURNS)
-        if len(times) >= FEWEST_RETURNS:
+        if len(times) >= FEWEST_RETURNS and _goes_on(times):
             return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
-    return tried[0]
+    return next(section for section in tried if not section.text.endswith(f".{TOUCH}"))
+
+
+def _goes_on(times: Floats) -> bool:
+    """Whether later crossings are about as far apart as all, unlike impacts before rest."""
+    gaps = np.diff(times)
+    return bool(np.median(gaps[len(gaps) // 2 :]) > GOES_ON * gaps.mean())
 
 
 def _sections(system: System) -> Iterator[tuple[str, str]]:
@@ -178,8 +190,8 @@ def alike(
 
     A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what its own
     errors amount to. These are at most `ERRORS` tolerances of the entry; the comparison with a run
-    of smaller error shows how much of that. An entry that such errors blur counts as constant only
-    if it is different in that run and moves by no more than they allow.
+    of smaller error shows how much of that. An entry that moves by no more than they allow counts
+    as constant if it is different in that run, or creeps in one direction.
     """
     mechanism, free = system.mechanism, system.topology.free
     rotates = np.array([mechanism.bodies[name].rotates for name in free])
@@ -198,7 +210,8 @@ def alike(
         if errors is None:
             return np.maximum(ALIKE * ranges, np.maximum(allowed, round_off))
         blurred = np.where(errors <= RESOLVED * ranges, np.minimum(MARGIN * errors, allowed), 0.0)
-        noise = np.where(errors >= NOISE * ranges, allowed, blurred)
+        creeps = np.abs(np.diff(states, axis=0)).sum(axis=0) <= CREEPING * ranges
+        noise = np.where(creeps | (errors >= NOISE * ranges), allowed, blurred)
         return np.maximum(ALIKE * ranges, np.maximum(noise, round_off))
 
     return tolerance

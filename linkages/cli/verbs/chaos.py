@@ -33,8 +33,10 @@ def run(request: Request, periods: int | None, quick: bool) -> int:
 
     length = FEWEST_PERIODS if periods is None and quick else periods
     with request.computing("judging") as watch:
-        given = {**request.given, "periods": length}
-        report = verdict(request.mechanism, watch=watch, **given)
+        report = verdict(request.mechanism, watch=watch, **{**request.given, "periods": length})
+    if quick and periods is None and report.verdict == "undecided":
+        with request.computing("judging longer") as watch:
+            report = verdict(request.mechanism, watch=watch, **{**request.given, "periods": None})
     tables, content = _tables(report), report.to_dict()
 
     def made() -> Iterator[File]:

@@ -127,6 +127,13 @@ def test_messages(crank, text, message):
     assert message in str(caught.value)
 
 
+def test_names_of_an_output_are_listed_once():
+    press = linkages.simulate(linkages.load("toggle-press"), end=0.01, samples=3)
+    with pytest.raises(ValueError, match="one of its series") as found:
+        linkages.measure(press, "min(transmission_angle)")
+    assert str(found.value).count("ram.transmission") == 1
+
+
 @pytest.mark.parametrize("text", ["1/(max(t) - final(t))", "max(1/(crank.angle - 0.3))"])
 def test_division_by_zero(crank, text):
     with pytest.raises(linkages.ComputationError, match="divides by zero"):

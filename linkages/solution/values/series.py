@@ -125,7 +125,8 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     if name in known:
         return known[name]
     element, dot, quantity = name.rpartition(".")
-    own = [other.rpartition(".")[2] for other in known if other.rpartition(".")[0] == element]
+    named = {series.name: series for series in known.values()}  # whatever spellings it has
+    own = [other.rpartition(".")[2] for other in named if other.rpartition(".")[0] == element]
     if dot and own:
         words = " ".join(SYNONYMS.get(word, word) for word in quantity.replace("_", " ").split())
         near = f"; did you mean {words!r}?" if words in own else suggestion(words, own)
@@ -134,7 +135,7 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     if dot:
         near = suggestion(element, elements) or f"; expected one of: {listed(sorted(elements))}"
         raise ValueError(f"unknown element {element!r}{near}")
-    of = [series.name for series in known.values() if series.variable == name]
+    of = [other for other, series in named.items() if series.variable == name]
     near = f"; expected one of its series: {listed(of)}" if of else suggestion(name, known)
     near = near or f"; expected a name such as {next(iter(known))}"
     raise ValueError(f"unknown output {name!r}{near}")

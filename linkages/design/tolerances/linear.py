@@ -72,6 +72,16 @@ class LinearMeasure(ABC):
         """Change of the measure per unit of each contributor, shape (contributors,)."""
 
     @abstractmethod
+    def moments(self, predicted: Floats) -> tuple[float, float]:
+        """Mean and standard deviation that are expected.
+
+        Parameters
+        ----------
+        predicted
+            The measure for random deviations, shape (n,).
+        """
+
+    @abstractmethod
     def worst(self) -> tuple[Corner, Corner]:
         """Where it is least and largest."""
 
@@ -133,6 +143,10 @@ class SmoothMeasure(LinearMeasure):
     def sensitivities(self) -> Floats:
         """The gradient; of pins the length of theirs."""
         return np.concatenate([self._slopes, np.hypot(*self._pushes.T)])
+
+    def moments(self, predicted: Floats) -> tuple[float, float]:  # noqa: ARG002
+        """At the middles of the zones, and the root of the sum of squares."""
+        return float(self._value + self.contributors.middles @ self._slopes), self.deviation
 
     def worst(self) -> tuple[Corner, Corner]:
         """Corners along the signs of the gradient."""
@@ -206,6 +220,11 @@ class ErrorMeasure(LinearMeasure):
             changes = self.predicted(offsets, shifts) - self.nominal
             found.append(np.abs(changes).max() / deviation)
         return np.array(found)
+
+    def moments(self, predicted: Floats) -> tuple[float, float]:
+        """Those of the predictions: a measure of errors is not linear in small deviations."""
+        spread = float(predicted.std(ddof=1)) if len(predicted) > 1 else np.nan
+        return (float(predicted.mean()) if len(predicted) else np.nan), spread
 
     def worst(self) -> tuple[Corner, Corner]:
         """The best of the corners that are worst for a series, or a mixture, at a sample."""

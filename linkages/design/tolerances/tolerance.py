@@ -80,10 +80,11 @@ def tolerance(
     -------
     Dataset with the dimensions `measure`, `contributor` and `draw`, in SI. Of the linear analysis,
     from exact derivatives: `sensitivity`, `contribution` (at the limit of each zone), `share` of
-    the variance, `linear_mean`, `linear_deviation` (root of the sum of squares), `worst`
-    (least and largest) and `corner` (what the measures really are there). Of the Monte Carlo:
-    `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw, `mean`,
-    `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
+    the variance, `linear_deviation` (root of the sum of squares), `linear_mean` and
+    `linear_spread` (expected mean and standard deviation; those of `linear_sample` for a measure of
+    errors), `worst` (least and largest) and `corner` (what the measures really are there). Of the
+    Monte Carlo: `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw,
+    `mean`, `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
     confidence interval: copies that cannot be assembled are not within. Its attribute `remarks`
     says where the linear analysis fails.
 
@@ -200,9 +201,8 @@ def _dataset(
     made = [*linear.values()]
     by_contributor = ("measure", "contributor")
     moments = np.array([_moments(row) for row in samples]).T
-    expected = np.array(
-        [_moments(row[np.isfinite(real)]) for row, real in zip(predicted, samples, strict=True)]
-    ).T
+    computed = [row[np.isfinite(real)] for row, real in zip(predicted, samples, strict=True)]
+    expected = np.array([each.moments(row) for each, row in zip(made, computed, strict=True)]).T
     sides = ("measure", "side")
     variables: dict[str, Any] = {
         "nominal": ("measure", [each.nominal for each in made]),
@@ -222,7 +222,7 @@ def _dataset(
         "computed": ("measure", moments[3].astype(int)),
         "linear_mean": ("measure", expected[0]),
         "linear_spread": ("measure", expected[1]),
-        "linear_skewness": ("measure", expected[2]),
+        "linear_skewness": ("measure", [_moments(row)[2] for row in computed]),
         "outcome": drawn["outcome"].drop_vars([*values]),
         "reason": drawn["reason"].drop_vars([*values]),
         "stop_time": drawn["stop_time"].drop_vars([*values]),

@@ -60,6 +60,42 @@ def test_values_in_si(value, dimension, expected):
     assert parse_quantity(value, dimension) == pytest.approx(expected, rel=4e-16, abs=0)
 
 
+@pytest.mark.parametrize(
+    ("value", "dimension", "remedy"),
+    [
+        ("12 ton", d.MASS, "t: 1000 kg, short_ton: 907.185 kg, long_ton: 1016.05 kg"),
+        ("12 tons", d.MASS, "t: 1000 kg"),
+        ("3 kton", d.MASS, "t: 1000 kg"),
+        ("2 ton_force", d.FORCE, "tf: 9806.65 N"),
+        ("1 cwt", d.MASS, "long_hundredweight: 50.8023 kg"),
+        ("1 kcal", d.TORQUE, "cal_th: 4.184 J"),
+        ("30 grad", d.ANGLE, "gon: turn/400, deg: turn/360"),
+        ("30 Grad", d.ANGLE, "deg: turn/360"),  # a gigaradian otherwise
+        ("3 mil", d.ANGLE, "thou: 25.4 µm, mrad: 0.001 rad"),
+        ("3 mils", d.LENGTH, "thou: 25.4 µm"),
+    ],
+)
+def test_units_with_several_meanings_are_refused(value, dimension, remedy):
+    """Twelve tons are 10886, 12000 or 12193 kg."""
+    found = refusal(value, dimension)
+    assert "has several meanings; expected one of " in found
+    assert remedy in found
+
+
+@pytest.mark.parametrize("meanings", units._SEVERAL.values())
+def test_remedies_for_units_with_several_meanings_are_units_of_that_size(meanings):
+    for remedy in meanings.split(", "):
+        name, _, size = remedy.partition(": ")
+        if size and "/" not in size:
+            number, of = size.split()
+            assert units.unit(name).exponents == units.unit(of).exponents
+            assert units.unit(name).scale == pytest.approx(
+                units.unit(of).convert(float(number)), rel=5e-6
+            )
+        else:
+            assert units.unit(name)
+
+
 @given(st.integers(-(10**6), 10**6))
 def test_whole_millimetres_are_the_nearest_double(count):
     assert parse_quantity(f"{count} mm", d.LENGTH) == count / 1000

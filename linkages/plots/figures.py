@@ -18,7 +18,7 @@ from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
 from linkages.plots.style import fitted, style
 from linkages.reading.replacing import replaced
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import available
+from linkages.solution.values.requests import REACTION, REACTIONS, available
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -97,6 +97,8 @@ FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(PICTURES, ()),
     "phase": phase.OUTPUTS,
     FORCE: ("drive_effort",),
+    REACTION: REACTIONS,
+    f"{REACTION}_polar": REACTIONS,
     "clearance_orbit": clearance_orbit.SHOWN,
     "clearance_state": clearance_orbit.SHOWN,
 }

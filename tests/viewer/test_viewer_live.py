@@ -61,8 +61,9 @@ def test_a_changed_motion_is_that_of_simulate(opened, name, path):
     change(page, **{path: value})
     time, found = motion(page)
     mechanism = linkages.load(name, set={path: value})
-    asked = ["joint_position", "bar_angle", "drive_effort", "joint_reaction", "transmission_angle",
-             "slider_position_error", "slider_acceleration_error"]  # fmt: skip
+    asked = ["joint_position", "bar_angle", "drive_effort", "joint_reaction",
+             "pin_reaction", "transmission_angle", "slider_position_error",
+             "slider_acceleration_error"]  # fmt: skip
     outputs = [one for one in asked if one in available(System(mechanism))]
     data = linkages.simulate(mechanism, times=time, outputs=outputs).data
     known = data_series(data)

@@ -18,7 +18,7 @@ from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_accelerated
 from linkages.solution.measuring.followed import Followed, through
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -231,7 +231,7 @@ class Moved:
         """Derivatives at the wanted samples of a piece, as values are computed there."""
         if piece.samples is None:
             return self._derivatives.evaluated(piece, series, self._effects)[1]
-        if any(each.variable == REACTION for each in series):
+        if any(each.variable in REACTIONS for each in series):
             message = "joint reactions have no derivative within a passage through a change point"
             raise ComputationError(message, time=piece.crossing)
         values, slopes = self._derivatives.evaluated(piece, series, self._effects)

@@ -17,8 +17,8 @@ from linkages.solution.measuring.course import Course
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
-from linkages.solution.values.reactions import joint_reactions
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.reactions import reactions
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 if TYPE_CHECKING:
@@ -101,10 +101,10 @@ class Followed:
     def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
         names = list(dict.fromkeys(each.variable for each in series))
         with np.errstate(over="ignore", invalid="ignore"):
-            plain = [name for name in names if name != REACTION]
+            plain = [name for name in names if name not in REACTIONS]
             found = evaluate_variables(motion, plain, compiled_values)
-            if REACTION in names:
-                found[REACTION] = joint_reactions(motion)
+            if len(plain) < len(names):
+                found |= reactions(motion)
         return found
 
     def _interpolated(self, name: str, places: Floats) -> Floats:
@@ -205,6 +205,6 @@ def through(values: Floats, places: Floats, smoothly: bool) -> Floats:
 
 def evaluable(series: Series) -> bool:
     """Whether it can be computed from the motion at one time."""
-    return series.variable == REACTION or (
+    return series.variable in REACTIONS or (
         series.variable in VARIABLES and not VARIABLES[series.variable].whole
     )

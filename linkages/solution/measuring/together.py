@@ -13,7 +13,7 @@ from linkages.solution.measuring.course import Course
 from linkages.solution.measuring.followed import evaluable, smooth, through
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -26,7 +26,7 @@ _AT_ONCE = 16384
 def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
     """Whether a motion can be measured beside others, with the bits that it has alone."""
     own = [each for each in series.values() if each.variable != TIME]
-    simple = all(evaluable(each) and each.variable != REACTION for each in own)
+    simple = all(evaluable(each) and each.variable not in REACTIONS for each in own)
     whole = len(motion.pieces) == 1 and len(motion.time) > 1
     return simple and whole and can_be_compiled(motion.pieces[0])
 

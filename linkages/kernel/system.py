@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,8 +150,25 @@ class System:
             _place=Place(self.model, mechanism, numbers, self.time, state),
         )
 
+    def __getstate__(self) -> dict[str, object]:
+        """Without the equations, which its structure has in every process."""
+        own = vars(self).keys() - {"structure", "model", "topology", "_place"}
+        of_structure = {"whole": self.structure.key[1], "given": self._place.given}
+        return {name: getattr(self, name) for name in own} | of_structure
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """With the equations of its structure."""
+        own = dict(state)
+        whole, given = own.pop("whole"), own.pop("given")
+        vars(self).update(own)
+        self.structure = structure_of(self.mechanism, whole)
+        self.model = self.structure.model
+        self.topology = topology_of(self.structure.topology, self.mechanism)
+        self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
+
     def _with(self, **changed: object) -> System:
-        found = copy.copy(self)
+        found = object.__new__(System)
+        vars(found).update(vars(self))
         for derived in ("parameters", "margin_scale", "jacobian"):
             vars(found).pop(derived, None)
         # modes belong to a state

@@ -7,7 +7,7 @@ of formulas, into the same trees, and never evaluated as code.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -33,8 +33,10 @@ AT = "at"
 ERROR = "error"
 """``error(x)`` is a series less what it is in the nominal motion at the same time."""
 
-_ELEMENT = r"(?:'[^']+'|\"[^\"]+\"|[^\W\d]\w*(?:\[\d+\])?)"
-_SERIES = re.compile(rf"{_ELEMENT}(?:\.{_ELEMENT})*\.[^\W\d]\w*(?: [^\W\d]\w*)*")
+_WORD = re.compile(r"[^\W\d]\w*(?:\[\d+\])?")
+_ELEMENT = rf"(?:'[^']+'|\"[^\"]+\"|{_WORD.pattern})"
+_NEXT = r"(?: (?!(?:and|or|not)\b)[^\W\d]\w*)"
+_SERIES = re.compile(rf"(?:{_ELEMENT}\.)+[^\W\d]\w*{_NEXT}*|(?!not\b)[^\W\d]\w*{_NEXT}+(?= *[,)])")
 
 
 @dataclass(frozen=True)
@@ -95,14 +97,21 @@ def read_measure(text: str) -> Measure:
         if end < len(plain.rstrip()):
             raise NumberError(f"cannot read {shown(plain[end:])}", at=end)
         if is_series(tree):
-            first = next(_sensed(tree), "t")
             raise NumberError(
-                f"it changes with time; expected a number of it, such as max({first})", at=0
+                "a measure is a number; expected outputs within a reduction over time, "
+                "as in max(…) or mean(…)",
+                at=0,
             )
     except NumberError as error:
         place = "" if error.at is None else f" (character {error.at + 1})"
         raise ValueError(f"measure {text!r}: {error.message}{place}{error.hint}") from None
     return Measure(text.strip(), tree)
+
+
+def spelled(series: str) -> str:
+    """The name of a series as a measure contains it: elements that are no words are quoted."""
+    *elements, quantity = series.split(".")
+    return ".".join([*(e if _WORD.fullmatch(e) else f"'{e}'" for e in elements), quantity])
 
 
 def argument(measure: Measure) -> Node:
@@ -185,10 +194,6 @@ class _Measures(FormulaTrees):
         if any(isinstance(n, Call) and n.name == ERROR for n in Formula("", arguments[0]).nodes()):
             raise NumberError("an error of an error is the error itself; expected a series")
         return Call(ERROR, arguments, span=span)
-
-
-def _sensed(node: Node) -> Iterator[str]:
-    return (part.word for part in Formula("", node).nodes() if isinstance(part, Sensed))
 
 
 def _one_series(node: Node) -> str | None:

@@ -98,6 +98,10 @@ class Quantity(FieldType):
         return {"type": ["number", "string"], **LIMITS[self.bound], "pattern": ARITHMETIC}
 
 
+LARGEST_COUNT = 2**53
+"""Beyond it, doubles do not hold every whole number; ten times as many fit into 64 bits."""
+
+
 @dataclass(frozen=True)
 class Count(FieldType):
     """A whole number from `least` on."""
@@ -113,6 +117,8 @@ class Count(FieldType):
             raise QuantityError(self.expected(), counted) from None
         if number < self.least or number != int(number):
             raise QuantityError(self.expected(), shown(value))
+        if number > LARGEST_COUNT:
+            raise QuantityError(f"{self.expected()}, at most {LARGEST_COUNT}", shown(value))
         return int(number)
 
     def expected(self) -> str:

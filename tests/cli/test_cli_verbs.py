@@ -576,8 +576,14 @@ def test_simulate_shows_measures(cli):
 def test_simulate_refuses_measures_before_it_computes(cli):
     found = cli("simulate", "slider-crank.yaml", "--measure", "max(crank.efort)")
     assert found.code == 2
-    assert "did you mean 'effort'" in found.err
+    assert "did you mean 'crank.effort'" in found.err
     assert not found.files
+
+
+def test_list_without_a_name_draws_nothing(cli):
+    result = cli("list", "--dimensions")
+    assert result.code == 2
+    assert "expected the NAME of a mechanism to draw" in result.err
 
 
 def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):

@@ -207,7 +207,7 @@ def refusal(**asked):
         ({"vary": CRANK, "subject_to": "min(transmission_angle)"}, "expected a constraint"),
         ({"vary": CRANK, "search": "gobal"}, "did you mean 'global'?"),
         ({"vary": CRANK, "maximise": "max(t)"}, "found both"),
-        ({"vary": CRANK, "minimise": "crank.effort"}, "it changes with time"),
+        ({"vary": CRANK, "minimise": "crank.effort"}, "expected outputs within a reduction"),
     ],
     ids=lambda value: value if isinstance(value, str) else None,
 )  # fmt: skip

@@ -191,7 +191,7 @@ def test_draws_do_not_depend_on_cores_or_stores(engine, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"of": "stroke(pistol.position)"}, "did you mean 'piston'?"),
+        ({"of": "stroke(pistol.position)"}, "did you mean 'piston.position'?"),
         ({"of": []}, "nothing is asked for"),
         ({"limits": "stroke(piston.position)"}, "expected limits such as"),
         ({"limits": "stroke(piston.position) < 3 kg"}, "the measure is in m"),

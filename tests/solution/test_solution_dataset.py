@@ -1,6 +1,8 @@
 """what a solution holds, how large it is, and how it is saved."""
 
+import copy
 import json
+import pickle
 import tracemalloc
 
 import numpy as np
@@ -266,3 +268,18 @@ def test_watch_sees_progress(press):
     assert seen
     assert all(0 <= fraction <= 1 for fraction in seen)
     assert seen[-1] == 1.0
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+@pytest.mark.parametrize(("name", "end"), [("ninebar", 0.01), ("four-bar", 1.0)])
+def test_a_copy_of_a_solution_is_equal(copied, name, end):
+    solution = linkages.simulate(
+        linkages.load(name), end=end, samples=5, outputs="all", watch=lambda _: None
+    )
+    first = solution.maxima
+    again = copied(solution)
+    assert again.data.identical(solution.data)
+    assert again.maxima == first
+    assert again.system.topology == solution.system.topology
+    measure = "max(kinetic_energy)"
+    assert linkages.measure(again, measure) == linkages.measure(solution, measure)

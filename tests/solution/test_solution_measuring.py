@@ -114,8 +114,8 @@ def test_reactions_and_errors_are_measured_too(crank):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("max(crank.efort)", "did you mean 'effort'"),
-        ("max(crnk.effort)", "did you mean 'crank'"),
+        ("max(crank.efort)", "did you mean 'crank.effort'"),
+        ("max(crnk.effort)", "did you mean 'crank.effort'"),
         ("max(knetic_energy)", "did you mean 'kinetic_energy'"),
         ("max(crank.effort) + 1 mm", "do not go together"),
         ("at(1 s, crank.effort)", "outside of the motion, from 0 s to 0.1 s"),
@@ -207,3 +207,70 @@ def test_internal_states_are_followed_between_samples():
     found = [linkages.measure(solution, f"at({t} s, motors.hoist.current.state)") for t in times]
     # cubic polynomials between samples that are four times as close as the steps
     assert found == pytest.approx([3 * np.exp(-5 * t) for t in times], rel=1e-6)
+
+
+LOADED = """
+joints: {O: [0, 0], W: [0.3, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  "rod 1": {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [W, B], length: 0.25}
+loads: [{joint: A, force: [0, 3 N]}]
+drives: {crank: {angle: 0, speed: 1}}
+assembly: {B: [0.3, 0.25]}
+simulate: {end: 0.1, samples: 3}
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return linkages.simulate(linkages.loads(LOADED), outputs="all")
+
+
+@pytest.mark.parametrize(
+    ("name", "same"),
+    [
+        ("ground.x_shaking_force", "ground.x shaking force"),
+        ("crank.rocker.mechanical_advantage", "crank.rocker.mechanical advantage"),
+        ("transmission angle", "B.transmission_angle"),
+        ("transmission_angle", "B.transmission angle"),
+        ("'rod 1'.speed", '"rod 1".speed'),
+    ],
+)
+def test_spaces_in_names_may_be_underscores(loaded, name, same):
+    assert linkages.measure(loaded, f"max({name})") == linkages.measure(loaded, f"max({same})")
+
+
+@pytest.mark.parametrize(
+    ("name", "suggested"),
+    [
+        ("loads[0].y", ["loads[0].y.force"]),
+        ("loads[0].y force", ["loads[0].y.force"]),
+        ("rocker.mechanical_advantage", ["crank.rocker.mechanical advantage"]),
+        ("ground.shaking_force", ["ground.x shaking force", "ground.y shaking force"]),
+        ("rocker.reaction", ["O.x reaction"]),
+        ("crank.torque", ["crank.effort"]),
+        ("crank", ["crank.angle", "crank.speed", "crank.acceleration", "crank.effort"]),
+        ("'rod 2'.angle", ["'rod 1'.angle"]),
+        ("bar_speed", ["crank.speed", "'rod 1'.speed", "rocker.speed"]),
+        ("knetic energy", ["kinetic_energy"]),
+        ("crank.effrt", ["crank.effort"]),
+        ("bars.rocker.length", ["crank.angle"]),
+    ],
+)
+def test_suggested_names_are_measures(loaded, name, suggested):
+    with pytest.raises(ValueError, match="measure") as caught:
+        linkages.measure(loaded, f"max({name})")
+    for each in suggested:
+        assert each in str(caught.value).partition(": ")[2]
+        assert np.isfinite(linkages.measure(loaded, f"max({each})"))
+
+
+def test_a_number_of_the_definition_is_no_measure(loaded):
+    with pytest.raises(ValueError, match=r"'bars\.rocker\.length' is a value of the definition"):
+        linkages.measure(loaded, "max(bars.rocker.length)")
+
+
+def test_words_of_conditions_end_names(loaded):
+    text = "max(where(crank.speed < rocker.speed and crank.angle < 9, 1, 2))"
+    assert linkages.measure(loaded, text) in (1, 2)

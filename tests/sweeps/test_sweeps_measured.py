@@ -241,7 +241,7 @@ def test_progress_counts_failures():
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"measure": "max(crank.efort)"}, "did you mean 'effort'"),
+        ({"measure": "max(crank.efort)"}, "did you mean 'crank.effort'"),
         ({"measure": []}, "nothing is measured"),
         ({"sequence": "halton"}, "sequence must be"),
         ({"time_per_point": 0.0}, "time_per_point must be"),

@@ -19,7 +19,7 @@ from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
-from linkages.solution.measuring.measure import measure_unit, measured_series
+from linkages.solution.measuring.measure import example_measure, measure_unit, measured_series
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import Code
 from linkages.sweeps.engine import Watch
@@ -100,7 +100,7 @@ def tolerance(
     if not draws >= FEWEST:
         raise ValueError(f"expected at least {FEWEST} draws, found {draws}")
     kept_to = [read_limits(text) for text in ([limits] if isinstance(limits, str) else limits)]
-    measures = _measures(of, kept_to)
+    measures = _measures(mechanism, of, kept_to)
     contributors = contributors_of(mechanism)
     units = _units(contributors.nominal, measures)
     bounds = [each.numbers(units[_key(each.measure)]) for each in kept_to]
@@ -138,7 +138,9 @@ def _key(text: str) -> str:
 
 
 def _measures(
-    of: str | Sequence[str] | Mapping[str, str], limits: Sequence[MeasureLimits]
+    mechanism: Mechanism,
+    of: str | Sequence[str] | Mapping[str, str],
+    limits: Sequence[MeasureLimits],
 ) -> dict[str, Measure]:
     named = (
         of
@@ -149,7 +151,8 @@ def _measures(
     for each in limits:
         found.setdefault(_key(each.measure), read_measure(each.measure))
     if not found:
-        raise ValueError("nothing is asked for; expected a measure such as stroke(piston.position)")
+        example = example_measure(mechanism)
+        raise ValueError(f"nothing is asked for; expected a measure such as {example!r}")
     return found
 
 

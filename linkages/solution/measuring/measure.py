@@ -9,12 +9,13 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.reading.paths import split
 from linkages.solution.measuring.followed import Followed, resolved_motion
 from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.values.requests import requested
-from linkages.solution.values.series import TIME, Series, find_series, system_series
+from linkages.solution.values.series import TIME, Series, example_series, find_series, system_series
 from linkages.spec.grammar import NumberError
-from linkages.spec.measures import Measure, read_measure
+from linkages.spec.measures import Measure, read_measure, spelled
 
 if TYPE_CHECKING:
     from linkages.solution.solution import Solution
@@ -89,17 +90,23 @@ def measured_series(system: System, found: Measure) -> dict[str, Series]:
 def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
     """Name → series of a mechanism; raises ValueError for a name that is none of them."""
     known = system_series(system)
-    known |= {name.replace(" ", "_"): series for name, series in known.items()}
-    known = _alone(known) | known
-    return {name: find_series(known, name) for name in names}
+    found = {}
+    for name in names:
+        try:
+            found[name] = find_series(known, name, spelled)
+        except ValueError:
+            if system.mechanism.definition.value(split(name) or ("",)) is None:
+                raise
+            example = spelled(example_series(system))
+            raise ValueError(
+                f"{name!r} is a value of the definition; expected an output, such as {example!r}"
+            ) from None
+    return found
 
 
-def _alone(known: dict[str, Series]) -> dict[str, Series]:
-    """Outputs of which there is one element, by the name of the output: the transmission angle."""
-    elements: dict[str, set[str]] = {}
-    for series in known.values():
-        elements.setdefault(series.variable, set()).add(series.name)
-    return {s.variable: s for s in known.values() if len(elements[s.variable]) == 1}
+def example_measure(mechanism: Mechanism) -> str:
+    """A measure of this mechanism, for messages."""
+    return f"max({spelled(example_series(System(mechanism)))})"
 
 
 def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:

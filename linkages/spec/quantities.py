@@ -100,9 +100,10 @@ class Quantity(FieldType):
 
 @dataclass(frozen=True)
 class Count(FieldType):
-    """A whole number from `least` on."""
+    """A whole number from `least` to `most`."""
 
     least: int = 1
+    most: int = 2**63 - 1
 
     def read(self, value: Any) -> int:
         """Return the number; ``2001.5`` is refused rather than rounded."""
@@ -113,6 +114,8 @@ class Count(FieldType):
             raise QuantityError(self.expected(), counted) from None
         if number < self.least or number != int(number):
             raise QuantityError(self.expected(), shown(value))
+        if int(number) > self.most:
+            raise QuantityError(f"a whole number up to {self.most}", shown(value))
         return int(number)
 
     def expected(self) -> str:
@@ -174,6 +177,8 @@ Name = Annotated[str, NameRule()]
 Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]
+Periods = Annotated[int, Count(most=10_000_000)]
+SkippedPeriods = Annotated[int, Count(0, most=10_000_000)]
 Number = Annotated[float, Quantity(dimensions.NUMBER)]
 Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
 Length = Annotated[float, Quantity(dimensions.LENGTH)]

@@ -63,7 +63,7 @@ class Request:
     ----------
     verb
         The command.
-    file, assignments, out
+    file, assignments, tables_from, out
         As on the command line.
     json, figures
         Whether to print JSON, and whether to draw.
@@ -81,6 +81,7 @@ class Request:
     verb: str
     file: str
     assignments: Sequence[str] = ()
+    tables_from: Path | None = None
     out: Path | None = None
     json: bool = False
     figures: bool = True
@@ -129,7 +130,7 @@ class Request:
         InputError
             For anything wrong in the file, the assignments or the folder.
         """
-        found = mechanism_from(self.file, self.assignments)
+        found = mechanism_from(self.file, self.assignments, self.tables_from)
         require_folder(self.folder)
         return found
 

@@ -129,7 +129,7 @@ def _asked(
         raise OptionError("vary", f"expected up to {MOST} motions, found {len(places)}")
     found = []
     for file in files:
-        mechanism = mechanism_from(file, request.assignments)
+        mechanism = mechanism_from(file, request.assignments, request.tables_from)
         arguments: dict[str, Any] = {}
         if Path(file).suffix == ENDING:
             saved = opened(file)

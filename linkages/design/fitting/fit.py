@@ -13,7 +13,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.fitting.known import Known, known
 from linkages.design.fitting.measured import Measured, Measurements, measured_of
 from linkages.design.fitting.residuals import Residuals
-from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of
+from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of, require_starts
 from linkages.design.varied.rewritten import rewritten
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import SimulationKeywords, SimulationOptions
@@ -97,8 +97,7 @@ def fit(
     Interrupted
         After Ctrl-C; ``kept["fit"]`` has the best so far.
     """
-    if starts < 1:
-        raise ValueError("starts must be at least 1")
+    require_starts(starts)
     ranges = ranges_of(mechanism, vary)
     found = measured_of(mechanism, measured, sigma)
     given = {name: value for name, value in options.items() if value is not None}

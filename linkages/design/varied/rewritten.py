@@ -47,6 +47,8 @@ def rewritten(
 
 def _exchanged(mechanism: Mechanism, values: Mapping[str, object]) -> str | None:
     """The text of the file with other scalars; None if there is none, or they are not in it."""
+    if mechanism.definition.folder is None:
+        return None
     try:
         path = find(mechanism.definition.source)
         text = decode(path.read_bytes(), str(path))

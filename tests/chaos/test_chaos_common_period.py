@@ -4,7 +4,11 @@ import math
 
 import pytest
 
-from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.common_period import (
+    NoPeriodError,
+    common_period,
+    incommensurate_periods,
+)
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
 
@@ -164,3 +168,25 @@ def test_least_period_of_a_law_that_turns_on_and_on():
 def test_least_period_of_a_table():
     values = "times: [0, 0.5, 1, 1.5, 2, 2.5, 3], values: [0, 1, 3, 0, 1, 3, 0], periodic: true"
     assert period(f"{{law: {{table: {{{values}}}}}}}") == pytest.approx(1.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("one", "two", "expected"),
+    [
+        ("{angle: 0, speed: pi}", "{angle: 1, speed: -pi}", [2.0]),
+        (
+            "{angle: 0, speed: pi}",
+            f"{{angle: 0, speed: {2**0.5 * math.pi!r}}}",
+            [2.0, math.sqrt(2)],
+        ),
+        (
+            "{angle: 0, speed: pi}",
+            '{law: "0.1*sin(2*pi*t/3)+0.1*cos(2*pi*t/sqrt(2))+0.1*sin(2*pi*t*sqrt(2))"}',
+            [6.0, math.sqrt(2)],
+        ),
+    ],
+)
+def test_groups_without_a_common_period(one, two, expected):
+    text = TWO_CRANKS.format(one=one, two=two, more="")
+    found = incommensurate_periods(from_document(parse(text, "cranks.yaml")))
+    assert found == pytest.approx(expected, rel=1e-12)

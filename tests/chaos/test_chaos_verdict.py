@@ -11,6 +11,7 @@ from linkages.chaos.verdicts.judge import judge
 from linkages.chaos.verdicts.report import verdict
 from linkages.components.mechanisms.definition import from_document
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.reading.document import parse
 from linkages.reading.overrides import apply
 from linkages.solvers.integration import LEAST_RTOL
@@ -170,10 +171,15 @@ def test_nothing_is_skipped_where_nothing_dissipates():
 
 def test_what_counts_as_no_difference():
     """A ten-thousandth of the range, of an angle at most of a radian, or errors of integration."""
-    tolerance = alike(System(pendulum(0.8)), period=2.0, rtol=1e-8)
-    assert tolerance(np.array([[0.0, -5.0], [0.1, 5.0]])) == pytest.approx([1e-5, 1e-3])
-    assert tolerance(np.array([[-3.0, -5.0], [3.0, 5.0]])) == pytest.approx([1e-4, 1e-3])
-    assert tolerance(np.zeros((2, 2))) == pytest.approx([1e-6, 1e-6 * np.pi])
+    tolerance = alike(System(pendulum(0.8)), 2.0, RunOptions(rtol=1e-8))
+    small, large = np.array([[0.0, -5.0], [0.1, 5.0]]), np.array([[-3.0, -5.0], [3.0, 5.0]])
+    assert tolerance(small, None) == pytest.approx([1e-5, 1e-3])
+    assert tolerance(large, None) == pytest.approx([1e-4, 1e-3])
+    assert tolerance(np.zeros((2, 2)), None) == pytest.approx([1e-6, 1e-6])
+    least = np.array([[0.0, 1.0], [1e-7, 1.0 + 1e-7]])
+    assert tolerance(least, None) == pytest.approx([1e-6, 2e-6])
+    assert tolerance(least, np.array([1e-13, 1e-7])) == pytest.approx([1e-11, 2e-6])
+    assert tolerance(least, np.array([5e-12, 5e-10])) == pytest.approx([5e-11, 1e-11])
 
 
 def judgements(monkeypatch, **changes):
@@ -186,3 +192,185 @@ def judgements(monkeypatch, **changes):
 
     monkeypatch.setattr("linkages.chaos.verdicts.report.judge", watched)
     return seen
+
+
+SLIDERS = """\
+name: Two sliders
+joints: {O: [0, 0], Q: [0, 1]}
+sliders:
+  a: {joint: P, through: O, mass: 1}
+  b: {joint: R, through: Q, mass: 1}
+loads:
+  - {slider: a, force: "FIRST"}
+  - {slider: b, force: "SECOND"}
+free: {a: {position: 0.5}, b: {position: STARTS}}
+simulate: {end: 1}
+"""
+LINEAR = "-a.position-0.3*a.velocity+cos(1.2*t)"
+
+
+def duffing(force: float, *, slider: str = "b", size: float = 1.0, origin: float = 0.0) -> str:
+    """Of Jordan and Smith, of a size in metres, about an origin: period 2, 5, chaos at 0.28, 0.37,
+    0.5."""
+    x = f"({slider}.position-{origin!r})"
+    return f"{x}-{x}**3/{size!r}**2-0.3*{slider}.velocity+{force * size!r}*cos(1.2*t)"
+
+
+def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
+    text = SLIDERS.replace("FIRST", first).replace("SECOND", second)
+    return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-8, 1e-9])
+@pytest.mark.parametrize("atol", [None, 1e-15])
+def test_a_small_coordinate_beside_a_large_one_is_judged_by_its_own_extent(size, atol):
+    """Two sliders without any connection, of which one moves by a metre."""
+    system = sliders(LINEAR, duffing(0.28, size=size), size)
+    report = verdict(system, periods=200, rtol=1e-10, atol=atol)
+    assert (report.verdict, report.period) == ("periodic", 2), report.reasons
+
+
+def test_an_odd_number_of_points_repeats_after_two():
+    report = verdict(sliders(LINEAR, duffing(0.28), 1.0), periods=201)
+    assert (report.verdict, report.period) == ("periodic", 2), report.reasons
+    assert "The Poincaré section repeats after 2 points." in report.reasons
+
+
+def test_a_verdict_does_not_depend_on_the_origin():
+    report = verdict(sliders(LINEAR, duffing(0.5, origin=2e6), 2e6 + 1), periods=200)
+    assert report.verdict == "chaotic", report.reasons
+    assert report.zero_one["b"][0] > 0.6
+
+
+def test_weak_chaos_on_a_cycle_of_five_is_seen_by_the_zero_one_test():
+    """A cycle of five that feels a thousandth of a chaotic motion."""
+    cycle = duffing(0.37, slider="a") + "+0.001*b.position"
+    report = verdict(sliders(cycle, duffing(0.5), 1.0), periods=300)
+    assert report.verdict == "chaotic", report.reasons
+    assert report.zero_one["a"][0] > 0.6
+
+
+OSCILLATOR = """\
+name: Oscillator
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+loads: [{slider: m, force: "FORCE"}]
+free: {m: {position: POSITION, speed: VELOCITY}}
+simulate: {end: 6.3}
+"""
+
+
+def oscillator(force: str, position: float = 1.0, velocity: float = 0.0) -> linkages.Mechanism:
+    text = OSCILLATOR.replace("FORCE", force).replace("POSITION", repr(position))
+    return from_document(parse(text.replace("VELOCITY", repr(velocity)), "oscillator.yaml"))
+
+
+def test_either_run_is_judged_by_its_own_evidence():
+    """A step h of RK4 shrinks a swing cos t by (1 - h⁶/144): e⁻²⁶ in 200 of them, and e⁻².
+
+    So the first run comes to rest, and the one with 0.56 of its step does not.
+    """
+    report = verdict(oscillator("-m.position"), periods=200, method="rk4", step=1.3)
+    assert "The motion comes to rest." in report.reasons
+    assert report.tighter["verdict"] == report.verdict == "undecided"
+
+
+def test_a_multiplier_near_minus_one_does_not_double_the_period():
+    """0.99 of a deviation is left, on the other side: 2 points repeat sooner than 1 does."""
+    force = "-(0.25+0.1985*cos(t))*m.position-0.2*m.velocity+cos(t)"
+    point = linkages.poincare(oscillator(force), periods=1, skip=2500)
+    x, v = float(point.slider_position[0, 0]), float(point.slider_velocity[0, 0])
+    extent = 2.354
+    report = verdict(oscillator(force, x + 4e-4 * extent, v), periods=200, skip=0)
+    assert (report.verdict, report.period) == ("periodic", 1), report.reasons
+
+
+APART = "Drives and loads have no common period"
+
+
+def cranks(first: float, second: float) -> linkages.Mechanism:
+    """A damped slider between springs to two cranks, with speeds in rpm."""
+    text = f"""\
+name: Two cranks
+joints: {{A: [0, 0], B: [3, 0], O: [0, 1]}}
+bars: {{one: {{joints: [A, P], length: 0.1}}, two: {{joints: [B, Q], length: 0.1}}}}
+sliders: {{m: {{joint: S, through: O, mass: 1}}}}
+drives: {{one: {{angle: 0, speed: {first} rpm}}, two: {{angle: 0, speed: {second} rpm}}}}
+springs:
+  - {{between: [P, S], stiffness: 20, length: 0.5}}
+  - {{between: [Q, S], stiffness: 20, length: 0.5}}
+dampers: [{{slider: m, damping: 0.5}}]
+free: {{m: {{position: 1}}}}
+simulate: {{end: 1}}
+"""
+    return from_document(parse(text, "cranks.yaml"))
+
+
+def two_torques(amplitude: float) -> linkages.Mechanism:
+    """F. J. Romeiras, E. Ott, Phys. Rev. A 35 (1987) 4404, with p = 3 and K = 1.33."""
+    torque = f"3*(1.33+{amplitude!r}*(cos((sqrt(5)-1)/2*t)+cos(t))+cos(arm.angle)-arm.speed)"
+    text = f"""\
+name: Romeiras and Ott
+joints: {{O: [0, 0]}}
+bars: {{arm: {{joints: [O, P], length: 1}}}}
+masses: {{P: 1 kg}}
+loads: [{{bar: arm, torque: "{torque}"}}]
+free: {{arm: {{angle: 0.1}}}}
+simulate: {{end: 1}}
+"""
+    return from_document(parse(text, "two-torques.yaml"))
+
+
+def test_two_forces_without_a_common_period_drag_a_torus():
+    """Of a damped linear oscillator: its motion is that of both forces, in closed form."""
+    report = verdict(oscillator("-m.position-0.2*m.velocity+cos(t)+cos(sqrt(2)*t)"))
+    assert report.verdict == report.tighter["verdict"] == "quasi-periodic", report.reasons
+    assert report.run["period"] == pytest.approx(2 * np.pi)
+    assert report.to_dict()["run"]["other_periods"] == pytest.approx([np.pi * 2**0.5])
+    times = report.section.time.to_numpy()
+    known = sum((np.exp(1j * w * times) / (1 - w**2 + 0.2j * w)).real for w in (1.0, 2**0.5))
+    assert report.section.slider_position[:, 0].to_numpy() == pytest.approx(known, abs=1e-4)
+    assert any(reason.startswith(APART) for reason in report.reasons)
+
+
+def test_cranks_without_a_common_period():
+    report = verdict(cranks(60, 97.0820393), periods=200)
+    assert report.verdict == "quasi-periodic", report.reasons
+
+
+def test_phases_that_hardly_move_against_each_other_need_a_longer_run():
+    """At 60 and 60.01 rpm all positions come again after 6000 s, in which they beat once."""
+    report = verdict(cranks(60, 60.01), periods=300)
+    assert report.verdict == "undecided"
+    assert any("of a turn against each other: run about 60" in text for text in report.reasons)
+
+
+def test_a_third_drive_without_a_common_period():
+    forces = "cos(t)+cos(sqrt(2)*t)+cos(sqrt(3)*t)"
+    report = verdict(oscillator(f"-m.position-0.2*m.velocity+{forces}"), periods=200)
+    assert report.verdict == "undecided"
+    assert any("3 drives or loads have no common period" in text for text in report.reasons)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "expected", "exponent"),
+    [
+        (0.2, "quasi-periodic", None),
+        (0.55, "undecided", -0.162),
+        pytest.param(1.0, "quasi-periodic", None, marks=pytest.mark.slow),
+    ],
+)
+def test_two_torques_on_a_pendulum(amplitude, expected, exponent):
+    """Strange and nonchaotic at 0.55, which a finite number of points cannot prove."""
+    report = verdict(two_torques(amplitude))
+    assert report.verdict == expected, report.reasons
+    assert any("strange nonchaotic" in text for text in report.reasons) is (expected == "undecided")
+    if exponent is not None:
+        assert float(report.exponents.exponent[0]) == pytest.approx(exponent, abs=0.016)
+
+
+@pytest.mark.parametrize(("force", "expected"), [(0.28, "quasi-periodic"), (0.5, "chaotic")])
+def test_a_weak_force_without_a_common_period(force, expected):
+    """A cycle of two becomes a torus of two branches, and chaos remains."""
+    report = verdict(oscillator(duffing(force, slider="m") + "+0.001*cos(sqrt(2)*t)"))
+    assert report.verdict == expected, report.reasons

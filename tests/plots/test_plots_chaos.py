@@ -465,6 +465,7 @@ def report(name="Press", **changes):
         "period": None,
         "curves": None,
         "tighter": {"how": "rtol 1e-11", "verdict": "chaotic"},
+        "phases": (),
     }
     return SimpleNamespace(**{**found, **changes})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -80,6 +81,34 @@ def common_period(mechanism: Mechanism) -> float:
     NoPeriodError
         If nothing depends on time, something does not repeat, or periods are incommensurable.
     """
+    return _common(_periods(mechanism))
+
+
+def incommensurate_periods(mechanism: Mechanism) -> tuple[float, ...]:
+    """Periods in seconds, the longest first, of drives and loads that have none in common.
+
+    Each is the common one of all that do have one. Two laws repeat together only approximately
+    then: their phases run through all combinations.
+
+    Raises
+    ------
+    NoPeriodError
+        If nothing depends on time, or something does not repeat.
+    """
+    groups: list[list[float]] = []
+    for period in _periods(mechanism):
+        for group in groups:
+            with contextlib.suppress(NoPeriodError):
+                _common([*group, period])
+                group.append(period)
+                break
+        else:
+            groups.append([period])
+    return tuple(sorted(map(_common, groups), reverse=True))
+
+
+def _periods(mechanism: Mechanism) -> list[float]:
+    """Periods of all laws of drives and loads, and of whole turns that bodies make."""
     periods: list[float] = []
     rates: dict[str, float] = {}
     for name, drive in mechanism.prescribed.items():
@@ -106,7 +135,7 @@ def common_period(mechanism: Mechanism) -> float:
             periods += course.periods
     if not periods:
         raise NoPeriodError("nothing depends on time, so there is no period of the drives")
-    return _common(periods)
+    return periods
 
 
 def _driven(law: Function, mechanism: Mechanism) -> Function:
@@ -156,7 +185,10 @@ def _reduced(function: Function) -> _Course:
     course = _course(function)
     if not course.periods:
         return course
-    period = _common(list(course.periods))
+    try:
+        period = _common(list(course.periods))
+    except NoPeriodError:
+        return course
     # the golden section spreads times evenly, and no period meets them twice
     spread = (np.arange(SAMPLES) + 0.5) * (math.sqrt(5) - 1) / 2 % 1.0
     times = period * spread

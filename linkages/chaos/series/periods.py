@@ -90,6 +90,11 @@ def differences(
     points: Floats, others: Floats, angles: NDArray[np.bool_], tolerance: Floats
 ) -> Floats:
     """Largest difference of any entry of points, in tolerances, shape (n,); of angles modulo 2π."""
-    apart = points - others
-    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return np.asarray(np.max(np.abs(apart) / tolerance, axis=1))
+    return np.asarray(np.max(np.abs(apart(points, others, angles)) / tolerance, axis=1))
+
+
+def apart(points: Floats, others: Floats, angles: NDArray[np.bool_]) -> Floats:
+    """Differences of the entries of points, shape (n, d); of angles from −π to π."""
+    found = points - others
+    found[:, angles] = np.remainder(found[:, angles] + np.pi, 2 * np.pi) - np.pi
+    return found

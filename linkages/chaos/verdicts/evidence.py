@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -10,7 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.chaos.sections.common_period import (
+    NoPeriodError,
+    common_period,
+    incommensurate_periods,
+)
 from linkages.chaos.sections.crossed import NeverCrossedError, crossed
 from linkages.chaos.sections.free_states import PAIRS, free_names, labelled_states, wrapped
 from linkages.chaos.series.dimension import (
@@ -49,7 +54,17 @@ ALIKE = 1e-4
 """Part of its range by which an entry of the state may differ and be the same."""
 
 ERRORS = 100.0
-"""Relative tolerances that errors of a stretch may amount to."""
+"""Tolerances of the integration that errors of a stretch may amount to."""
+
+RESOLVED, NOISE = 1e-4, 0.1
+"""Parts of its range by which an entry may differ from a run of smaller error and be resolved, and
+from which on it is nothing but errors."""
+
+ROUND_OFF = 1e-13
+"""Part of sizes, and of a radian, below which differences are those of round-off."""
+
+MARGIN = 10.0
+"""Differences from a run of smaller error that a resolved entry may have from itself."""
 
 LONGER = 2.0
 """Part of the stretch, in its length, in which its crossings are looked for."""
@@ -67,18 +82,22 @@ class SectionPlane:
         Seconds from point to point, or about that.
     text, direction
         Of a geometric section, as `linkages.poincare` takes it; empty for a stroboscopic one.
+    others
+        Periods of drives and loads that have none in common with that of a stroboscopic one.
     """
 
     period: float
     text: str = ""
     direction: str = "up"
+    others: tuple[float, ...] = ()
 
     @property
     def attributes(self) -> dict[str, object]:
         """As `linkages.poincare` puts them into its dataset."""
         if self.text:
             return {"section": self.text, "direction": self.direction, "warning": ""}
-        return {"period": self.period, "phase": 0.0, "warning": ""}
+        others = {"other_periods": list(self.others)} if self.others else {}
+        return {"period": self.period, "phase": 0.0, "warning": "", **others}
 
     def points(
         self, system: System, start: System, run: RunOptions, count: int
@@ -110,11 +129,15 @@ class SectionPlane:
 
 
 def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
-    """Stroboscopic, or where the motion returns: its rate vanishes, or it rotates past."""
-    try:
+    """Stroboscopic, or where the motion returns: its rate vanishes, or it rotates past.
+
+    Where drives have no common period the longest one counts, so that a stretch shows the others.
+    """
+    with contextlib.suppress(NoPeriodError):
         return SectionPlane(period=common_period(system.mechanism))
-    except NoPeriodError:
-        pass
+    with contextlib.suppress(NoPeriodError):
+        longest, *others = incommensurate_periods(system.mechanism)
+        return SectionPlane(period=longest, others=tuple(others))
     end = system.mechanism.simulation.end
     tried = [SectionPlane(period=end, text=t, direction=d) for t, d in _sections(system)]
     for section in tried:
@@ -138,24 +161,35 @@ def _sections(system: System) -> Iterator[tuple[str, str]]:
             yield f"{name}.angle={angle:.17g}", "down"
 
 
-def alike(system: System, period: float, rtol: float) -> Callable[[Floats], Floats]:
-    """Difference of entries of states that counts as none, shape (2n,), from states of a stretch.
+def alike(
+    system: System, period: float, run: RunOptions
+) -> Callable[[Floats, Floats | None], Floats]:
+    """Difference of entries of states that counts as none, shape (d,), from states of a stretch.
 
-    A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what errors
-    of the integration may amount to.
+    A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what its own
+    errors amount to. These are at most `ERRORS` tolerances of the entry; the comparison with a run
+    of smaller error shows how much of that. An entry that such errors blur counts as constant only
+    if it is different in that run and moves by no more than they allow.
     """
-    size = len(system.topology.free)
-    rotates = np.array([system.mechanism.bodies[b].rotates for b in system.topology.free])
+    mechanism, free = system.mechanism, system.topology.free
+    rotates = np.array([mechanism.bodies[name].rotates for name in free])
     places = np.array(list(system.places().values()))
     whole = np.where(rotates, 1.0, float(np.ptp(places, axis=0).max()))
-    internal = [state.scale for state in system.mechanism.internal.values()]
-    whole = np.concatenate([whole, whole * 2 * np.pi / period, internal])
-    turning = np.concatenate([rotates, np.zeros(len(whole) - size, dtype=bool)])
+    scales = [state.scale for state in mechanism.internal.values()]
+    round_off = ROUND_OFF * np.concatenate([whole, whole * 2 * np.pi / period, scales])
+    turning = np.concatenate([rotates, np.zeros(len(free) + len(scales), dtype=bool)])
+    scale = np.array([*[1.0] * (2 * len(free)), *scales])
+    atol = (run.rtol if run.atol is None else run.atol) * scale
 
-    def tolerance(states: Floats) -> Floats:
+    def tolerance(states: Floats, errors: Floats | None) -> Floats:
         ranges = np.ptp(states, axis=0)
         ranges = np.where(turning, np.minimum(ranges, 1.0), ranges)
-        return np.maximum(ALIKE * ranges, ERRORS * rtol * whole)
+        allowed = ERRORS * (run.rtol * np.abs(states).max(axis=0) + atol)
+        if errors is None:
+            return np.maximum(ALIKE * ranges, np.maximum(allowed, round_off))
+        blurred = np.where(errors <= RESOLVED * ranges, np.minimum(MARGIN * errors, allowed), 0.0)
+        noise = np.where(errors >= NOISE * ranges, allowed, blurred)
+        return np.maximum(ALIKE * ranges, np.maximum(noise, round_off))
 
     return tolerance
 

@@ -10,6 +10,7 @@ from linkages.chaos.growth.invariants import Invariant
 from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.series.closed_curves import ClosedCurves
 from linkages.chaos.series.dimension import CorrelationDimension
+from linkages.chaos.series.phase_curves import PhaseCurve
 from linkages.chaos.series.rotation import Rotation
 from linkages.chaos.series.spectrum import PowerSpectrum
 from linkages.solution.moving.horizon import Horizon
@@ -66,6 +67,9 @@ class ChaosReport:
         Clearance forces over time (time, clearance); None without clearances.
     certificate
         What is known of the exponents otherwise, and whether it holds.
+    phases
+        How section points depend on the phase of each drive that has no period in common with the
+        section.
     """
 
     name: str
@@ -89,6 +93,7 @@ class ChaosReport:
     force: xr.DataArray | None = None
     notes: tuple[str, ...] = field(default=())
     certificate: tuple[Invariant, ...] = ()
+    phases: tuple[PhaseCurve, ...] = ()
 
     def __repr__(self) -> str:
         return f"ChaosReport({self.name!r}: {self.verdict})"
@@ -137,6 +142,7 @@ class ChaosReport:
                 "doubt": self.dimension.doubt or None,
             },
             "period": self.period,
+            "phases": [asdict(curve) for curve in self.phases],
             "closed_curves": None if self.curves is None else self.curves.count,
             "horizon": None
             if self.horizon is None

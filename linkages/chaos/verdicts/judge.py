@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.lyapunov import PARTS
 from linkages.chaos.growth.systems import TangentSystem, Watch
-from linkages.chaos.series.periods import differences
-from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered
+from linkages.chaos.series.periods import apart, differences
+from linkages.chaos.verdicts.stretch import Evidence, ends_alike, gathered, shrinking
 from linkages.chaos.verdicts.verdict import judged, transient
 
 Floats = NDArray[np.float64]
@@ -31,7 +31,7 @@ BETWEEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Part of a period at which a motion at rest is looked at again; no simple period divides it."""
 
 
-def _alike(states: Floats) -> Floats:
+def _alike(states: Floats, _errors: Floats | None) -> Floats:
     """Difference that counts as none, where nothing else is said."""
     return np.full(states.shape[1], 1e-4)
 
@@ -56,8 +56,12 @@ class Course(Generic[T]):
         Of the system, where it is, and whether with the smaller error: `periods` points of a
         geometric section from there on, shape (points, d), and their times; the system is left as
         it is. None for a point each period.
+    others
+        Periods of drives and loads that have none in common with `period`, the stroboscope's.
     tolerance
-        Of the states of a stretch, shape (n, d): difference of entries that counts as none, (d,).
+        Of the states of the later half of a stretch, shape (n, d), and their largest differences
+        from those with the smaller error, shape (d,), None before they are known: difference of
+        entries that counts as none, (d,).
     observed
         The 0–1 test observes so many entries, the first ones; all by default.
     certified
@@ -70,7 +74,8 @@ class Course(Generic[T]):
     dissipative: bool = True
     parts: int = PARTS
     section: Callable[[T, bool], tuple[Floats, Floats]] | None = None
-    tolerance: Callable[[Floats], Floats] = _alike
+    others: tuple[float, ...] = ()
+    tolerance: Callable[[Floats, Floats | None], Floats] = _alike
     observed: int | None = None
     certified: Callable[[T, Exponents], Exponents] = lambda _, exponents: exponents
 
@@ -133,47 +138,99 @@ def judge(
     ComputationError
         If the motion cannot go on, or somebody interrupts.
     """
-    start, end, skipped, how, evidence = _after_transient(system, course, watches[0])
-    keep(evidence, end)
+    start, skipped, how, seen = _after_transient(system, course, watches[0])
+    keep(seen.evidence(course), seen.end)
+    seen_again = _observed(tighter(start), course, watches[1], tight=True)
+    states, states_again = (_later_half(part.exponents.states) for part in (seen, seen_again))
+    errors = np.abs(apart(states, states_again, seen.end.angles)).max(axis=0)
+    evidence, again = seen.evidence(course, errors), seen_again.evidence(course, errors)
     verdict, reasons = judged(evidence, dissipative=course.dissipative)
-    again, end_again = _observed(tighter(start), course, watches[1], tight=True)
     verdict_again, _ = judged(again, dissipative=course.dissipative)
     return Judgement(
         verdict=verdict,
         reasons=tuple(reasons),
         evidence=evidence,
         start=start,
-        end=end,
+        end=seen.end,
         skipped=skipped,
         how_skipped=how,
         again=again,
-        end_again=end_again,
+        end_again=seen_again.end,
         verdict_again=verdict_again,
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Stretch(Generic[T]):
+    """A stretch of a motion, from which evidence is gathered.
+
+    Parameters
+    ----------
+    points, times, exponents
+        As `Evidence` has them.
+    end
+        The system at the end.
+    """
+
+    points: Floats
+    times: Floats
+    exponents: Exponents
+    end: T
+
+    def evidence(self, course: Course[T], errors: Floats | None = None) -> Evidence:
+        """What it shows; errors as `Course.tolerance` takes them."""
+        angles, states = self.end.angles, self.exponents.states
+        tolerance = course.tolerance(_later_half(states), errors)
+        allowed = course.tolerance(_later_half(states), None)
+        # what shrinks below errors of the integration comes to rest, however well it is resolved
+        resting = np.where(shrinking(states, angles), allowed, tolerance)
+        rests = course.parts > 1 and ends_alike(self.exponents, angles, resting)
+        if rests:
+            tolerance = resting
+            between = copy.copy(self.end)
+            between.advance(BETWEEN * course.period)
+            (away,) = differences(between.state[None], states[-1:], angles, tolerance)
+            rests = bool(away <= 1.0)
+        return gathered(
+            self.points,
+            self.times,
+            angles,
+            self.exponents,
+            tolerance,
+            autonomous=course.section is not None,
+            rests=rests,
+            phases=tuple(self.times / other for other in course.others),
+            observed=course.observed,
+        )
+
+
 def _after_transient(
     system: T, course: Course[T], watch: Watch | None
-) -> tuple[T, T, int, str, Evidence]:
-    """The system where the judged stretch begins and ends, periods before, why, the evidence."""
+) -> tuple[T, int, str, _Stretch[T]]:
+    """The system where the judged stretch begins, periods before, why, the stretch."""
     searched = course.skip is None and course.dissipative
     skipped = course.skip or (FIRST_SKIP if searched else 0)
     start = _later(system, course, skipped)
-    evidence, end = _observed(start, course, watch)
+    seen = _observed(start, course, watch)
     if not searched:
         how = "nothing dissipates" if course.skip is None else "as asked for"
-        return start, end, skipped, how, evidence
+        return start, skipped, how, seen
     for _ in range(MOST_STRETCHES - 1):
-        if not transient(evidence):
+        if not transient(seen.evidence(course)):
             break
         # the wait doubles, the stretch just looked at being part of it
         further = max(course.periods, skipped)
-        start = _later(end, course, further - course.periods)
+        start = _later(seen.end, course, further - course.periods)
         skipped += further
-        evidence, end = _observed(start, course, watch)
-    found = transient(evidence)
+        seen = _observed(start, course, watch)
+    found = transient(seen.evidence(course))
     how = f"the most that is tried: {found}" if found else "the motion is settled from there on"
-    return start, end, skipped, how, evidence
+    return start, skipped, how, seen
+
+
+def _later_half(rows: Floats) -> Floats:
+    """The half that does not show how a transient began."""
+    return rows[len(rows) // 2 :]
 
 
 def _later(system: T, course: Course[T], periods: int) -> T:
@@ -186,8 +243,8 @@ def _later(system: T, course: Course[T], periods: int) -> T:
 
 def _observed(
     start: T, course: Course[T], watch: Watch | None, *, tight: bool = False
-) -> tuple[Evidence, T]:
-    """Evidence of the stretch that begins where a system is, and the system at its end."""
+) -> _Stretch[T]:
+    """The stretch that begins where a system is, which is left there."""
     end = copy.copy(start)
     exponents = lyapunov_spectrum(
         end,
@@ -202,21 +259,4 @@ def _observed(
         points, times = exponents.states[each], exponents.times[each]
     else:
         points, times = course.section(start, tight)
-    tolerance = course.tolerance(exponents.states)
-    rests = course.parts > 1 and ends_alike(exponents, end.angles, tolerance)
-    if rests:
-        between = copy.copy(end)
-        between.advance(BETWEEN * course.period)
-        apart = differences(between.state[None], end.state[None], end.angles, tolerance)
-        rests = bool(apart[0] <= 1.0)
-    evidence = gathered(
-        points,
-        times,
-        end.angles,
-        exponents,
-        tolerance,
-        autonomous=course.section is not None,
-        rests=rests,
-        observed=course.observed,
-    )
-    return evidence, end
+    return _Stretch(points=points, times=times, exponents=exponents, end=end)

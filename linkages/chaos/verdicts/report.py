@@ -123,7 +123,8 @@ def _report(
         skip=options.skip,
         dissipative=not conservative,
         section=points if section.text else None,
-        tolerance=gathering.alike(system, section.period, options.rtol),
+        others=section.others,
+        tolerance=gathering.alike(system, section.period, options),
         observed=len(system.topology.free),
         certified=_certified,
     )
@@ -183,6 +184,7 @@ def _report(
             "method": solution.motion.method,
             "how": _how(options),
             "period": section.period,
+            "other_periods": list(section.others),
             "periods": periods,
             "skip": found.skipped,
             "skipped": found.how_skipped,
@@ -190,6 +192,7 @@ def _report(
         force=solution.data.get("clearance_force"),
         notes=solution.notes,
         certificate=judged.exponents.certificate,
+        phases=judged.phases,
     )
 
 

@@ -13,7 +13,8 @@ from linkages.chaos.series.averages import FEWEST as FEWEST_STEADY
 from linkages.chaos.series.averages import steadiness
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.series.closed_curves import ClosedCurves, closed_curves
-from linkages.chaos.series.periods import differences, find_period
+from linkages.chaos.series.periods import apart, differences, find_period
+from linkages.chaos.series.phase_curves import PhaseCurve, phase_curve
 from linkages.chaos.series.zero_one import FEWEST as FEWEST_TESTED
 from linkages.chaos.series.zero_one import zero_one
 
@@ -29,10 +30,13 @@ MOST_BANDS = 12
 """Bands of a chaotic motion that are told apart."""
 
 REPEATING = 1e-6
-"""Part of the largest value by which a series may differ from a periodic one and be that."""
+"""Part of its range by which a series may differ from a periodic one and be that."""
 
 RESTING = 10
 """One part of the stretch in so many, the last one, in which a motion at rest moves no more."""
+
+SHRINKS = 0.9
+"""Part of what an entry moved by in the part before, below which it moves less and less."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +63,9 @@ class Evidence:
         Section points until the motion repeats at the end; None if it does not.
     curves
         Whether section points lie on closed curves; None where that was not looked for.
+    phases
+        How section points depend on the phase of each drive that has no period in common with the
+        stroboscope.
     settled
         Part of the stretch, from 0 to 1, from which on it repeats, rests, or lies on its curves.
     steady
@@ -76,6 +83,7 @@ class Evidence:
     curves: ClosedCurves | None
     settled: float
     steady: tuple[float, float]
+    phases: tuple[PhaseCurve, ...] = ()
 
     @property
     def law(self) -> Verdict:
@@ -123,6 +131,7 @@ def gathered(
     autonomous: bool = False,
     rests: bool = False,
     observed: int | None = None,
+    phases: tuple[Floats, ...] = (),
 ) -> Evidence:
     """Everything that section points and exponents of one stretch show.
 
@@ -134,6 +143,8 @@ def gathered(
         Difference of entries that counts as none, shape (d,).
     observed
         The 0–1 test observes so many entries, the first ones; all by default.
+    phases
+        Those of drives that have no period in common with the stroboscope, in turns, at the points.
     """
     count, points = len(points), _without_noise(points, angles, tolerance)
     period, curves, settled = None, None, 0.0
@@ -141,7 +152,13 @@ def gathered(
         settled = _part_before(exponents.states, exponents.states[-1:], angles, tolerance)
     elif count >= FEWEST_REPEATING:
         period, settled = _repetition(points, angles, tolerance)
-    if not rests and period is None and count >= 2 * FEWEST_ON_CURVES:
+    over: tuple[PhaseCurve, ...] = ()
+    if phases and not rests and period is None:
+        over, settled = _over_phases(points, phases, angles)
+    elif phases:
+        over = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
+    smooth = bool(over) and all(curve.smooth for curve in over)
+    if not rests and period is None and not smooth and count >= 2 * FEWEST_ON_CURVES:
         curves, settled = _curves(points, angles)
     columns = list(zip(points.T, angles, strict=True))[:observed]
     enough = count >= FEWEST_TESTED
@@ -157,20 +174,27 @@ def gathered(
         curves=curves,
         settled=settled,
         steady=steadiness(points, angles=angles) if count >= FEWEST_STEADY else (0.0, 0.0),
+        phases=over,
     )
 
 
 def _without_noise(points: Floats, angles: NDArray[np.bool_], tolerance: Floats) -> Floats:
     """Points whose entries are constant where they are but for round-off, as on their section."""
-    apart = points - points[:1]
-    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return np.where((np.abs(apart) <= tolerance).all(axis=0), points[:1], points)
+    alike = np.abs(apart(points, points[:1], angles)) <= tolerance
+    return np.where(alike.all(axis=0), points[:1], points)
 
 
 def ends_alike(exponents: Exponents, angles: NDArray[np.bool_], tolerance: Floats) -> bool:
     """Whether the last states are all the same: the motion rests, or its interval is a period."""
     last = exponents.states[-max(2, len(exponents.states) // RESTING) :]
     return _part_before(last, last[-1:], angles, tolerance) == 0.0
+
+
+def shrinking(states: Floats, angles: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which entries move less in the last part of a stretch than in the one before, shape (d,)."""
+    length = max(2, len(states) // RESTING)
+    moved = np.abs(apart(states[-2 * length :], states[-1:], angles))
+    return np.asarray(moved[-length:].max(axis=0) < SHRINKS * moved[:-length].max(axis=0))
 
 
 def _repetition(
@@ -207,10 +231,22 @@ def _curves(points: Floats, angles: NDArray[np.bool_]) -> tuple[ClosedCurves, fl
     return (later, 0.5) if later.count and not whole.count else (whole, 0.0)
 
 
+def _over_phases(
+    points: Floats, phases: tuple[Floats, ...], angles: NDArray[np.bool_]
+) -> tuple[tuple[PhaseCurve, ...], float]:
+    """Curves over phases on which all points lie, or else those of the later half."""
+    whole = tuple(phase_curve(points, phase, angles=angles) for phase in phases)
+    if all(found.smooth for found in whole):
+        return whole, 0.0
+    half = len(points) // 2
+    later = tuple(phase_curve(points[half:], phase[half:], angles=angles) for phase in phases)
+    return (later, 0.5) if all(found.smooth for found in later) else (whole, 0.0)
+
+
 def _zero_one(series: Floats, angle: np.bool_) -> tuple[float, float]:
     observed = np.cos(series) if angle else series
     beyond = _less_periodic_part(observed)
-    if beyond.std() <= REPEATING * np.abs(observed).max():
+    if beyond.std() <= REPEATING * np.ptp(observed):
         return 0.0, 0.0  # what repeats is regular, and its round-off is not asked
     found = zero_one(beyond)
     return found.growth, found.spread

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from linkages.chaos.growth.indicators import Verdict
+from linkages.chaos.sections.common_period import MOST_PERIODS
+from linkages.chaos.series.phase_curves import PhaseCurve
 from linkages.chaos.verdicts.stretch import Evidence
 from linkages.reading.wording import to_error
 
@@ -23,6 +27,9 @@ SURFACE = 2
 
 FEWEST_PERIODS = 200
 """The 0–1 test and the section need so many points."""
+
+APART = f"Drives and loads have no common period (of at most {MOST_PERIODS} of one)"
+"""Where the section is taken with the longest of their periods."""
 
 LATER = 0.5
 """Part of the stretch from which on a motion has settled whose verdict is about that."""
@@ -50,7 +57,8 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
             "the motion seldom crosses it."
         )
         return "undecided", reasons
-    if regular and evidence.period is not None and not late:
+    covered = all(curve.whole for curve in evidence.phases)
+    if regular and evidence.period is not None and not late and covered:
         return "periodic", [*reasons, _repeats(evidence)]
     tested = max(growth for growth, _ in evidence.tests)
     reasons.append(f"The 0–1 test gives {tested:.3f}.")
@@ -61,8 +69,11 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
         if verdict:
             return verdict, reasons
     found = transient(evidence) if dissipative else ""
+    forced = "" if evidence.law is Verdict.CHAOTIC else _forced(evidence)
     if found:
         reasons.append(f"This is a transient: {found}. Skip more, or run longer.")
+    elif forced:
+        reasons.append(forced)
     else:
         reasons.append("The evidence does not agree; run more periods.")
     return "undecided", reasons
@@ -78,6 +89,11 @@ def _aperiodic(
     if evidence.law is Verdict.CHAOTIC:
         return "chaotic" if significant and tested > CHAOTIC_GROWTH else None
     steady = evidence.steady[0] <= DRIFTING
+    if evidence.law is Verdict.REGULAR and not _forced(evidence) and evidence.phases:
+        if evidence.shrinks or steady or not dissipative:
+            reasons.append(_over_phase(evidence.phases[0]))
+            return "quasi-periodic"
+        return None
     if not evidence.neutral or (dissipative and not steady):
         return None
     if curves is not None and curves.count:
@@ -95,6 +111,51 @@ def _aperiodic(
     return None
 
 
+def _forced(evidence: Evidence) -> str:
+    """Why a motion is not seen to follow drives that have no common period; empty if it is."""
+    phases = evidence.phases
+    if not phases:
+        return ""
+    if len(phases) > 1:
+        return (
+            f"{len(phases) + 1} drives or loads have no common period: section points would lie on "
+            "surfaces, which are not looked for."
+        )
+    (curve,) = phases
+    if not curve.whole:
+        needed = math.ceil(len(evidence.points) / max(curve.covered, 1e-9))
+        return (
+            f"{APART}, and their phases run through {curve.covered:.1%} of a turn against each "
+            f"other: run about {needed} periods."
+        )
+    if not curve.smooth and not evidence.shrinks:
+        return (
+            f"{APART}, and Poincaré section points are no function of the second phase: tori with "
+            "a third frequency fill surfaces, which are not looked for."
+        )
+    if not curve.smooth:
+        return (
+            f"{APART}, and Poincaré section points are no smooth function of the second phase "
+            f"(they are up to {curve.error:.0%} of their range off the curve through their "
+            "neighbours): a strange nonchaotic attractor, or a torus with folds narrower than "
+            f"{len(evidence.points)} points resolve. Run more periods."
+        )
+    return ""
+
+
+def _over_phase(curve: PhaseCurve) -> str:
+    """How section points follow a drive that has no common period with the stroboscope."""
+    times = [
+        f"every {curve.points} points" if curve.points > 1 else "",
+        f"{curve.turns} turns of it" if curve.turns > 1 else "",
+    ]
+    closes = " and ".join(filter(None, times))
+    return (
+        f"{APART}; Poincaré section points are a smooth function of the second "
+        f"phase{f', again after {closes}' if closes else ''}: they lie on a torus."
+    )
+
+
 def transient(evidence: Evidence) -> str:
     """Why a motion that dissipates is still on its way to its attractor; empty if it is there."""
     if evidence.settled:
@@ -104,7 +165,7 @@ def transient(evidence: Evidence) -> str:
             else "lies on closed curves"
         )  # fmt: skip
         return f"the motion {how} only after {evidence.settled:.0%} of the stretch"
-    if evidence.rests or evidence.period is not None:
+    if evidence.rests or evidence.period is not None or (evidence.phases and evidence.shrinks):
         return ""
     if evidence.shrinks:
         return "tangents shrink, and the motion does not repeat yet"

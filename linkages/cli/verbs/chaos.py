@@ -104,6 +104,7 @@ def _others(report: ChaosReport) -> list[list[str]]:
     run = report.run
     rows = [
         ["length", f"{run['periods']} periods of {number(run['period'])} s"],
+        *(["no common period with", f"{number(other)} s"] for other in run["other_periods"]),
         ["skipped before", f"{run['skip']} periods: {run['skipped']}"],
         ["integrated by", f"{run['method']}, {run['how']}"],
         ["points of the section repeat", "no" if period is None else f"after {_many(period)}"],

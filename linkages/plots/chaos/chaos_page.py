@@ -113,6 +113,8 @@ def _drawing(mechanism: Mechanism) -> str:
 def _caption(name: str, report: ChaosReport) -> str:
     taken = report.section.attrs
     section = "a point per period of the drives"
+    if "other_periods" in taken:
+        section += f" ({taken['period']:.6g} s, and others have none in common with it)"
     if "section" in taken:
         section = f"a point wherever {taken['section']} is crossed ({taken['direction']})"
     return CAPTIONS[name].format(section=section)

@@ -9,6 +9,7 @@ from linkages.chaos.growth.indicators import CHAOTIC_POWER, REGULAR_POWER
 from linkages.chaos.series.closed_curves import COVERED
 from linkages.chaos.series.closed_curves import FEWEST as FEWEST_ON_CURVES
 from linkages.chaos.series.periods import REPEATS
+from linkages.chaos.series.phase_curves import SMOOTH
 from linkages.chaos.verdicts.evidence import ALIKE
 from linkages.chaos.verdicts.verdict import (
     CHAOTIC_GROWTH,
@@ -26,7 +27,8 @@ HEADS = ("test", "found", "regular", "chaotic")
 MEANINGS = (
     "Largest Lyapunov exponent: the mean rate at which neighbouring motions separate. It tells of "
     f"chaos if it exceeds zero by {SIGNIFICANT:g} standard errors; it is zero for quasi-periodic "
-    "motion, and negative where a periodic orbit attracts its neighbours.",
+    "motion, and negative where a periodic orbit, or a torus that drives impose, attracts its "
+    "neighbours.",
     "Growth of tangents (fast Lyapunov indicator): the power of time with which tangents grew "
     "while time last doubled. Along regular motions it is about 1, or negative where they attract; "
     "along chaotic motions it rises as long as the run goes on.",
@@ -36,7 +38,8 @@ MEANINGS = (
     "Poincaré section repeats: a motion is periodic if its section points come back within "
     f"{ALIKE:g} of their range, or within errors of the integration, {REPEATS} times or more.",
     f"Closed curves: a motion is quasi-periodic if {COVERED:.0%} of its section points lie on "
-    f"closed curves, at least {FEWEST_ON_CURVES} on each.",
+    f"closed curves, at least {FEWEST_ON_CURVES} on each; or, where two drives have no common "
+    f"period, if all are within {SMOOTH:.0%} of their range on a curve over the second phase.",
     "Power in lines: the part of the power spectrum of a rate that single lines carry. It has no "
     "threshold and decides nothing: nearly all for regular motion, less for chaos.",
     "Repetition: a classification that changes with the tolerance rests on numerical error.",
@@ -49,7 +52,7 @@ def rows(report: ChaosReport) -> list[list[str]]:
     curves = 0 if report.curves is None else report.curves.count
     many = "no" if report.period is None else f"after {_points(report.period)}"
     correlation = _limits("", REGULAR_GROWTH, CHAOTIC_GROWTH)
-    again = report.tighter
+    again, limit = report.tighter, f"up to {SMOOTH:g}"
     return [
         _exponent(report),
         [
@@ -63,6 +66,10 @@ def rows(report: ChaosReport) -> list[list[str]]:
         ),
         ["Poincaré section repeats", many, "if so", "no"],
         ["closed curves", str(curves), "1 or more", "0"],
+        *(
+            ["off a curve over the phase of another drive", f"{curve.error:.2g}", limit, "more"]
+            for curve in report.phases
+        ),
         *(
             [f"power in lines, {name}", f"{found.line_share:.2%}", "nearly 100%", "less"]
             for name, found in report.spectra.items()

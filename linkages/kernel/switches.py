@@ -150,7 +150,7 @@ class Switches:
         graph, moves = self._model.graph, function.level > Level.PARAMETERS
         if moves and not self._collecting and self._model.topology.coordinates:
             _ = self._model.free_accelerations  # so that the order is always the same
-        owner = None if active is None else self._number(active)
+        owner = None if active is None else self.number(active)
         known = self._known.get((function.index, owner))
         if known is None and not (jump or stick):
             other = self._known.get((graph.negate(function).index, owner))
@@ -175,7 +175,7 @@ class Switches:
         They may depend on modes that are added later than it.
         """
         if self._collecting:
-            number = self._number(mode)
+            number = self.number(mode)
             behind = (*rates, *self._model.internal)
             self.switches[number] = replace(self.switches[number], jump=behind)
 
@@ -210,7 +210,7 @@ class Switches:
             self._called[name] = len(self.switches)
             self._pressed.append(len(self.switches))
             self.switches.append(
-                Switch(self._unused(name), zero, self._number(owner), shakes=shakes)
+                Switch(self._unused(name), zero, self.number(owner), shakes=shakes)
             )
         modes = [self._model.inputs.mode(first + k) for k in range(len(names))]
         for k, function in enumerate(functions(modes), first):
@@ -220,7 +220,7 @@ class Switches:
     def holds(self, mode: Scalar, over: Scalar, under: Scalar) -> None:
         """Say what a mode of 0 stands for, a ratio, for forces that know themselves what holds."""
         if self._collecting:
-            self._holds[self._number(mode)] = over, under
+            self._holds[self.number(mode)] = over, under
 
     def stuck(self, mode: Scalar) -> Scalar:
         """Not negative where a mode is 0."""
@@ -266,7 +266,8 @@ class Switches:
             found, count = f"{name} ({count})", count + 1
         return found
 
-    def _number(self, mode: Scalar) -> int:
+    def number(self, mode: Scalar) -> int:
+        """The number of the switch that has a mode."""
         if mode.operation == "input" and mode.arguments[0] == "mode":
             return int(mode.arguments[1])
         raise ValueError(f"active must be the mode of a switch, found {mode!r}")

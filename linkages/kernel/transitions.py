@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from linkages.kernel.graph.differentiation import derivative_along
+from typing import NamedTuple
+
+from linkages.kernel.graph.differentiation import derivative, derivative_along
 from linkages.kernel.graph.scalars import Scalar, section
 from linkages.kernel.model import Model
 from linkages.kernel.numbers.layout import Layout
@@ -18,13 +20,60 @@ def jump_places(model: Model) -> tuple[int, ...]:
     return tuple(found)
 
 
+class Constraint(NamedTuple):
+    """A function of time and state that is constant while a mode lasts, also along neighbours.
+
+    Parameters
+    ----------
+    function
+        Its gradient by the state is a direction in which there are no neighbours.
+    mode
+        Number of the switch whose mode says whether it is in force: where it is 0 if the switch
+        sticks, where it is +1 if it is that of a contact that presses.
+    touch
+        Number of the switch of the same contact that closes it; −1 for a switch that sticks.
+    """
+
+    function: Scalar
+    mode: int
+    touch: int
+
+
+def constraints(model: Model, layout: Layout) -> list[Constraint]:
+    """What modes keep constant: functions that stick at zero, gaps of contacts and their rates.
+
+    None where tangents are derivatives by numbers: those are not asked how they grow.
+
+    Parameters
+    ----------
+    model
+        Its accelerations have been built.
+    layout
+        Where the tangents stand.
+    """
+    if not layout.tangents or layout.fed:
+        return []
+    switches, walls = model.switches, model.walls
+    found = [
+        Constraint(switch.function, number, -1)
+        for number, switch in enumerate(switches.switches)
+        if switch.stick
+    ]
+    for contact in walls.contacts:
+        press, touch = switches.number(contact.pressing), switches.number(contact.touching)
+        own = contact.gap.indentation, contact.speed
+        found += [Constraint(function, press, touch) for function in own]
+    return found
+
+
 @section("what becomes of the state where a switch changes")
 def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     """New memories and new rates, from the state before a change.
 
     With tangents these values are followed by their rates along the motion before the change, by
-    their derivatives along each tangent, and by those of the functions of all switches: values (v),
-    rates (v), derivatives (v, k), derivatives of functions (m, k).
+    their derivatives along each tangent, by those of the functions of all switches, and by the
+    gradients of constraints as tangents stand: values (v), rates (v), derivatives (v, k),
+    derivatives of functions (m, k), gradients (c, places and rates of free coordinates).
 
     Parameters
     ----------
@@ -44,4 +93,12 @@ def transition_nodes(model: Model, layout: Layout) -> list[Scalar]:
     for place, memory in enumerate(switches.memories):
         if memory.alike:
             rates[place], moved[place] = model.graph.zero, [model.graph.zero] * layout.tangents
-    return [*values, *rates, *(entry for row in moved for entry in row)]
+    gradients = _gradients(model, layout)
+    return [*values, *rates, *(entry for row in [*moved, *gradients] for entry in row)]
+
+
+def _gradients(model: Model, layout: Layout) -> list[list[Scalar]]:
+    """Derivatives of constraints by the state; those by integrals of internal states are zero."""
+    count, inputs = layout.moved, model.inputs
+    state = [*map(inputs.coordinate, range(count)), *map(inputs.rate, range(count))]
+    return derivative([own.function for own in constraints(model, layout)], state)

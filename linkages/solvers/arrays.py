@@ -33,6 +33,7 @@ from linkages.solvers.steps.views import (
     Events,
     Nodes,
     Record,
+    SwitchingView,
     SystemView,
     T,
     TableView,
@@ -40,6 +41,7 @@ from linkages.solvers.steps.views import (
 )
 
 WATCH_TANGENTS = Loaded("linkages.solvers.watched.tangents", "watch_tangents")
+PROJECT = Loaded("linkages.solvers.loops.transitions", "project")
 
 
 class Memory:
@@ -301,7 +303,13 @@ def record(memory: Memory, room: Room) -> Record:
     )
 
 
-def observed(memory: Memory, room: Room, system: SystemView, record: Record) -> Record:
+def observed(
+    memory: Memory,
+    room: Room,
+    system: SystemView,
+    record: Record,
+    switching: SwitchingView | None = None,
+) -> Record:
     """A record with what renormalises the tangents of jobs, if they have any."""
     first = room.jobs[0]
     if first.tangents is None:
@@ -315,7 +323,8 @@ def observed(memory: Memory, room: Room, system: SystemView, record: Record) -> 
         every=memory.own([plan.every for plan in plans if plan]),
         offset=memory.own([plan.offset for plan in plans if plan]),
         orthogonal=int(first.tangents.orthogonal),
-        loses=int(own is not None and own.closes),
+        project=PROJECT.address if own is not None and own.constraints else 0,
+        context=0 if switching is None else switching.context,
         seen=memory.zeros(1),
         lengths=memory.rows(room.arrays["lengths"]),
         grown=memory.rows(room.arrays["grown"]),

@@ -70,6 +70,8 @@ class Switching:
         Number of free coordinates and internal states: the first ones, whose rates may jump.
     tangents
         Number of tangents, the last coordinates, with `free` entries each.
+    constraints : c of (mode, touch)
+        What modes keep constant, as a `linkages.kernel.transitions.Constraint` has it.
     transition
         Writes what becomes of a state ``[q (n), v (n), a (n)]`` where a switch rises: numbers
         remembered, then new rates; with tangents also their derivatives, see
@@ -84,17 +86,13 @@ class Switching:
     shakes: tuple[bool, ...] = ()
     free: int = 0
     tangents: int = 0
+    constraints: tuple[tuple[int, int], ...] = ()
     transition: Companion | None = None
 
     @property
     def held(self) -> int:
         """Number h of modes, numbers remembered and their tangents."""
         return len(self.names) + len(self.owners) * (1 + self.tangents)
-
-    @property
-    def closes(self) -> bool:
-        """Whether rates may jump: a rigid contact that closes leaves no neighbours off its wall."""
-        return any(place >= 0 for place in self.jumps)
 
     @property
     def values(self) -> int:
@@ -105,6 +103,7 @@ class Switching:
     def written(self) -> int:
         """Length of what `transition` writes."""
         further = self.values * (1 + self.tangents) + len(self.names) * self.tangents
+        further += len(self.constraints) * 2 * self.free
         return self.values + (further if self.tangents else 0)
 
 

@@ -140,6 +140,8 @@ def switching(
         state=memory.each([log.state for log in logs]),
         turns=memory.each([log.turns for log in logs]),
         held=memory.each([log.held for log in logs]),
+        constraints=len(own.constraints),
+        holders=memory.integers(own.constraints),
     )
     context = memory.words([*system, *table, *record, *switches])
     first_steps = memory.zeros(2 * len(own.names))

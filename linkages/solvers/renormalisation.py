@@ -12,6 +12,9 @@ Floats = NDArray[np.float64]
 MOST_DOUBT = 1e-3
 """Part of the shortest tangent that the error of a step may amount to."""
 
+LONGEST = 1e50
+"""Length to which a tangent may grow: numbers end at 1e150, which long intervals would reach."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Renormalisation:
@@ -47,13 +50,16 @@ class Renormalisation:
         return (samples + self.offset) // self.every
 
     def stretched(self, tangents: Floats, rtol: float, atol: float) -> bool:
-        """Whether errors of the next steps would show in the shortest tangent.
+        """Whether errors of the next steps would show in the shortest tangent, or one is too long.
 
         `tangents` has shape (2·size, columns); the tolerances are those of its entries.
         """
         lengths = np.exp(self.factors(tangents)[0])
         lengths = lengths[lengths > 0.0]  # a contact that closed may have taken others away
-        return bool(max(rtol * lengths.max(), atol) > MOST_DOUBT * lengths.min())
+        if not len(lengths):
+            return False
+        doubt = max(rtol * lengths.max(), atol)
+        return bool(doubt > MOST_DOUBT * lengths.min() or lengths.max() > LONGEST)
 
     def factors(self, tangents: Floats) -> tuple[Floats, Floats]:
         """Logarithms of lengths, shape (columns,), and what makes tangents renormalised.

@@ -97,3 +97,98 @@ def test_lengths_without_orthogonality_do_not_depend_on_intervals():
     assert lengths[0] == pytest.approx(lengths[1], rel=1e-4)
     # e⁻¹⁰ on the side of the weakly damped bar
     assert lengths[1].min() == pytest.approx(-0.5 * WEAK * 20, abs=1.0)
+
+
+MOTOR = """
+joints: {{O: [0, 0]}}
+bars: {{wheel: {{points: {{O: [0, 0], P: [0.1, 0]}}, mass: 4, center: [0, 0], inertia: 0.02}}}}
+motors: {{h: {{bar: wheel, voltage: "6 + 3*sin(5*t)", torque_constant: 0.5 N m/A, resistance: 2 ohm,
+             inductance: {inductance}}}}}
+free: {{wheel: {{angle: 0}}}}
+"""
+SLIDER = """
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+free: {m: {position: 0.1}}
+simulate: {end: 2}
+"""
+PID = """controllers: {hold: {slider: m, of: m.position, setpoint: 0, proportional: 6, integral: 5,
+                       derivative: 4}}
+"""
+MAXWELL = """springs: [{slider: m, stiffness: 2}]
+maxwell: [{slider: m, stiffness: 3, damping: 1}]
+"""
+UNSTABLE = 'loads: [{slider: m, force: "250000*m.position"}]\n'
+
+
+def motor(inductance):
+    """Its equations for speed and current, J ω' = k i, L i' = −k ω − R i, beside the angle."""
+    matrix = [[0, 1, 0], [0, 0, 0.5 / 0.02], [0, -0.5 / inductance, -2 / inductance]]
+    return MOTOR.format(inductance=f"{inductance} H"), matrix
+
+
+LINEAR = {
+    "motor": motor(0.05),
+    "slow motor": motor(0.5),
+    # z' = −I x, F = −P x + z − D v
+    "PID": (SLIDER + PID, [[0, 1, 0], [-6, -4, 1], [-5, 0, 0]]),
+    # s' = v − k s/d
+    "Maxwell": (SLIDER + MAXWELL, [[0, 1, 0], [-2, 0, -3], [0, 1, -3]]),
+}
+
+
+@pytest.mark.parametrize("interval", [0.5, 40.0])
+@pytest.mark.parametrize(("text", "matrix"), LINEAR.values(), ids=LINEAR)
+def test_internal_states(text, matrix, interval):
+    """Exponents of linear systems, in runs so long that tangents would shrink below e⁻³⁵⁰ by far.
+
+    Pairs swing about their mean within an interval.
+    """
+    known = np.sort(np.linalg.eigvals(matrix).real)[::-1]
+    mechanism = from_document(parse(text, "linear.yaml"))
+    found = exponents_of(mechanism, periods=int(1280 / interval), skip=5, interval=interval)
+    assert found.values == pytest.approx(known, abs=6e-3)
+    assert found.values.sum() == pytest.approx(np.trace(matrix), rel=1e-6)
+    assert found.lost == 0
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"method": "tsit5"},
+        {"method": "rk4", "step": 2e-3},
+        {"method": "gauss8", "step": 1e-2},
+    ],
+    ids=["tsit5", "rk4", "gauss8"],
+)
+def test_internal_states_in_every_kind_of_loop(how):
+    text, matrix = LINEAR["motor"]
+    known = np.sort(np.linalg.eigvals(matrix).real)[::-1]
+    mechanism = from_document(parse(text, "linear.yaml"))
+    found = exponents_of(mechanism, periods=64, skip=2, interval=0.4, **how)
+    assert found.values == pytest.approx(known, abs=1e-3)
+
+
+def test_bristles_of_friction():
+    """Their exponent is that of the bristles where they are bent while a mass slides, −σ₀|v|/F."""
+    text = """
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+friction: [{slider: m, force: 1, bristle_stiffness: 1e3}]
+loads: [{slider: m, force: 1}]
+free: {m: {position: 0, speed: 0.5}}
+simulate: {end: 1}
+"""
+    found = exponents_of(from_document(parse(text, "bristles.yaml")), periods=20, skip=1)
+    assert found.values[-1] == pytest.approx(-500.0, rel=1e-2)
+    assert found.values[0] == pytest.approx(0.0, abs=0.2)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("how", [{}, {"method": "rk4", "step": 1e-4}], ids=["dop853", "rk4"])
+def test_intervals_in_which_tangents_would_overflow(how, count):
+    """A body at rest on a top, from which neighbours fall by e¹⁰⁰⁰ within an interval."""
+    text = SLIDER.replace("0.1", "0") + UNSTABLE
+    mechanism = from_document(parse(text, "top.yaml"))
+    found = exponents_of(mechanism, periods=16, skip=1, interval=8.0, count=count, **how)
+    assert found.values == pytest.approx([500.0, -500.0][:count], rel=1e-3)

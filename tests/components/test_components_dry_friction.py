@@ -182,3 +182,28 @@ def test_no_certificate_takes_it_for_conservative(more):
 )
 def test_wrong_entries(entry, found):
     assert any(found in problem for problem in complaints(block(0, 0) + f"- {entry}\n"))
+
+
+@pytest.mark.parametrize("kind", ["force: {}", "force: {}, static: {}, stribeck_speed: 0.1"])
+def test_a_mass_that_is_let_go_does_not_chatter(kind):
+    """Whatever the error of its speed while it sticks, which says nothing on where it goes.
+
+    Rates are round-off there, too: two of these forces used to end as if a ball came to rest.
+    """
+    text = """
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+springs: [{slider: m, stiffness: 1}]
+loads: [{slider: m, force: "2*cos(0.25*t)"}]
+free: {m: {position: 0.1}}
+friction:
+"""
+    for force in (0.7, 0.75, 0.8, 1.0):
+        mechanism = linkages.loads(text + f"- {{slider: m, {kind.format(force, 1.2 * force)}}}\n")
+        ends = []
+        for method in ("dop853", "vern9", "tsit5"):
+            for rtol in (1e-8, 1e-9, 1e-10, 1e-11):
+                run = {"method": method, "rtol": rtol, "end": 60.0, "samples": 2}
+                data = linkages.simulate(mechanism, **run).data
+                ends.append(float(data.slider_position[-1, 0]))
+        assert ends == pytest.approx([ends[-1]] * len(ends), abs=1e-6)

@@ -165,6 +165,14 @@ def test_end_of_reach_is_located(method, far):
     assert result.final_state[0] == pytest.approx(1.2345, abs=max(1e-12, smallest))
 
 
+@pytest.mark.parametrize("name", ["dop853", "tsit5", "vern9"])
+def test_trials_beyond_the_end_of_reach_are_counted(name):
+    """Each is a quarter of the last, from a length like 1 down to 16 ε·t: 26 of them or so."""
+    result = integrate(flow(limited_rates, [1.2345]), [0.0, 1.0], [0.0, 3.0], method=name)
+    assert 15 < result.rejected < 60
+    assert result.evaluations > 5 * (result.steps + result.rejected)
+
+
 def test_end_of_reach_of_a_drive_is_located(method):
     limited = flow(free_rates, [1.2345], clock=limited_clock)
     result = integrate(limited, [0.0, 1.0], [0.0, 1.0, 2.0], **method)

@@ -43,6 +43,15 @@ def test_zeros_of_a_swing(method):
     assert both.count == len(expected)
 
 
+def test_an_event_at_the_very_end_ends_the_run(method):
+    """It is the last step that ends there, not one that is shortened."""
+    event = Event(weights=[1, 0], level=1.0, terminal=1)
+    result = integrate(flow(free_rates), [0.0, 1.0], [0.0, 1.0], events=[event], **method)
+    assert result.outcome is Outcome.EVENT
+    assert result.stop_time == pytest.approx(1.0, abs=1e-15)
+    assert result.crossings[0].count == 1
+
+
 def test_directions_share_all_crossings(method):
     events = [Event(weights=[0.3, 1.0], level=0.1, direction=d) for d in (-1, 0, 1)]
     result = integrate(pendulum(), [2.0, 0.0], [0.0, 20.0], events=events, **method)

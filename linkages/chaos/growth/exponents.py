@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.growth.invariants import Invariant
-from linkages.chaos.growth.systems import Growth, TangentSystem, part_of, start_tangents
+from linkages.chaos.growth.systems import (
+    Growth,
+    TangentSystem,
+    part_of,
+    replace_lost,
+    start_tangents,
+)
 from linkages.chaos.series.averages import drift, mean_error
 from linkages.errors import ComputationError, Interrupted, UnfinishedError
 
@@ -42,10 +48,11 @@ class Exponents:
         What is known of them otherwise; empty where nothing is, or the spectrum is not whole.
     lost
         How many more there are of −∞: a rigid contact that closes leaves no neighbours off its
-        wall, and takes these directions away.
+        wall, nor does dry friction that sticks leave any that slip; these directions are lost.
     touch
-        Rate, time and contact of the touch at the smallest rate; None if nothing touches. Where it
-        tends to zero, tangents jump without bound and exponents converge slowly [1]_.
+        Rate, time and contact of the touch at the smallest rate behind `skip`; None if nothing
+        touches. Where it tends to zero, tangents jump without bound and exponents converge slowly
+        [1]_.
 
     References
     ----------
@@ -77,7 +84,7 @@ class Exponents:
 
     @property
     def some(self) -> bool:
-        """Whether any is finite: contacts that close may take all neighbours away."""
+        """Whether any is finite: contacts that close and friction may take all neighbours away."""
         return self.growth.shape[1] > 0
 
     @property
@@ -163,6 +170,7 @@ def lyapunov_spectrum(
         How many exponents, the largest ones; all of them by default.
     skip
         Intervals before the average begins: motion and tangents find their attractor in them.
+        Directions that are lost in them alone count as others.
     certify
         What makes their certificate.
     watch
@@ -212,6 +220,7 @@ def lyapunov_spectrum(
     try:
         for grown in system.grow(skip, interval, watch=part_of(watch, 0, skip, whole)):
             _require_length(grown)
+        replace_lost(system)
         states.append(system.state[None])
         times.append(np.array([system.time]))
         for grown in system.grow(intervals, interval, watch=part_of(watch, skip, intervals, whole)):
@@ -233,7 +242,7 @@ def lyapunov_spectrum(
 
 def _require_length(grown: Growth) -> None:
     """Tangents that vanish have no direction to go on with, but where contacts took them."""
-    taken = np.isneginf(grown.rates) & grown.closes
+    taken = np.isneginf(grown.rates) & grown.loses
     lost = ~(np.isfinite(grown.rates) | taken).all(axis=1)
     if lost.any():
         time = float(grown.times[np.argmax(lost)])

@@ -70,7 +70,7 @@ def lyapunov(
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
     ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
     and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
-    smallest rate of a touch, its time, and the name of the contact. With clearances, `contact_lost`
+    smallest rate of a touch behind `skip`, its time, and the name of the contact. With clearances, `contact_lost`
     and `least_force` (clearance) as `linkages.poincare` has them, over what is averaged.
 
     Raises
@@ -169,9 +169,9 @@ def run_exponents(
         raise OptionError("count", f"count must be from 1 to {whole}, found {count}")
     length = options.interval or characteristic_period(system.mechanism)
 
-    parts = parts_of(options)
+    parts, begun = parts_of(options), system.time + skip * length
     if log is not None:
-        log.restart(since=system.time + skip * length)
+        log.restart(since=begun)
     needed = samples_needed(system, periods * parts) if columns == whole else 0
     tangents = LinkageTangents(system, columns, options, parts=needed, log=log)
 
@@ -187,7 +187,7 @@ def run_exponents(
         certify=certify if columns == whole else None,
         watch=watch,
     )
-    return replace(found, touch=tangents.slowest)
+    return replace(found, touch=tangents.slowest(begun))
 
 
 def parts_of(options: ExponentOptions) -> int:

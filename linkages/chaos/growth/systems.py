@@ -35,15 +35,16 @@ class Growth:
         At the ends of intervals, shape (intervals, d) and (intervals,).
     tangents
         There, brought back to length one, shape (intervals, d, k).
-    closes
-        Whether contacts that close may take tangents away: those are zero, and their rates −∞.
+    loses
+        Whether sticking and contacts that close may take tangents away: those are zero, and their
+        rates −∞.
     """
 
     rates: Floats
     states: Floats
     times: Floats
     tangents: Floats
-    closes: bool = False
+    loses: bool = False
 
 
 class TangentSystem(Protocol):
@@ -136,6 +137,21 @@ def start_tangents(system: TangentSystem, columns: int) -> None:
         raise ValueError(
             f"the system carries {carried[1]} tangents, {columns} are needed: build it with as many"
         )
+
+
+def replace_lost(system: TangentSystem) -> None:
+    """Give a system new directions for those that it has lost, orthonormal to all others.
+
+    The growth of tangents is that of neighbours from here on: what was lost before does not count.
+    """
+    tangents = system.tangents
+    lost = ~tangents.any(axis=0)
+    if lost.any():
+        kept = tangents[:, ~lost]
+        more = random_directions(len(tangents), len(tangents))
+        whole = np.linalg.qr(np.hstack([kept, more]))[0]
+        tangents[:, lost] = whole[:, kept.shape[1] : tangents.shape[1]]
+        system.tangents = tangents
 
 
 def part_of(watch: Watch | None, first: float, count: float, whole: float) -> Watch | None:

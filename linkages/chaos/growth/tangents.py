@@ -142,19 +142,20 @@ class LinkageTangents:
             notes=tuple(note for part in self._kept for note in part.notes),
         )
 
-    @property
-    def slowest(self) -> Touch | None:
-        """The touch of the motion at the smallest rate; None if nothing touches."""
-        found = [touch for part in self._touching if (touch := slowest_touch(part)) is not None]
-        return min(found, default=None)
+    def slowest(self, since: float = -math.inf) -> Touch | None:
+        """The touch at the smallest rate in integrations that began at a time or later, if any."""
+        found = [slowest_touch(part) for part in self._touched(since)]
+        return min((touch for touch in found if touch is not None), default=None)
 
     def touches(self, since: float = -math.inf) -> dict[str, int]:
         """How often each contact was touched in integrations that began at a time or later."""
         found: Counter[str] = Counter()
-        for part in self._touching:
-            if part.time[0] > since:
-                found.update(touch_counts(part))
+        for part in self._touched(since):
+            found.update(touch_counts(part))
         return dict(found)
+
+    def _touched(self, since: float) -> list[Motion]:
+        return [part for part in self._touching if part.time[0] > since]
 
     @property
     def tangents(self) -> Floats:
@@ -232,7 +233,7 @@ class LinkageTangents:
             states=self._states(ends),
             times=ends.time,
             tangents=renormalised.tangents,
-            closes=self.march.closes,
+            loses=self.march.constrained,
         )
 
     def _states(self, motion: Motion) -> Floats:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from linkages.chaos.growth.exponents import Exponents, lyapunov_spectrum
 from linkages.chaos.growth.lyapunov import characteristic_period, parts_of
-from linkages.chaos.growth.systems import Growth, Watch, start_tangents
+from linkages.chaos.growth.systems import Growth, Watch, replace_lost, start_tangents
 from linkages.chaos.growth.tangents import LinkageTangents
 from linkages.chaos.sections.free_states import require_free
 from linkages.errors import LinkagesError
@@ -68,6 +68,8 @@ def _batches(
 ) -> Iterator[tuple[Floats, Renormalised]]:
     """The integrations for intervals that are skipped, and for those behind them."""
     yield from system.batches(skip, length, orthogonal=True)
+    if skip:
+        replace_lost(system)
     yield from system.batches(intervals, length, orthogonal)
 
 

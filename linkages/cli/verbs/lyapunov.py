@@ -54,8 +54,8 @@ def run(request: Request) -> int:
             screen.print(f"sum of these: {total} ± {by} 1/s")
         if said["lost"]:
             screen.print(
-                f"{said['lost']}{' more' if rows else ''} are −∞: rigid contacts that close leave "
-                "no neighbours off their walls"
+                f"{said['lost']}{' more' if rows else ''} are −∞: where rigid contacts close or "
+                "friction sticks, motions merge with their neighbours"
             )
         if "least_touch" in said:
             screen.print(

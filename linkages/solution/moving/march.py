@@ -256,9 +256,9 @@ class March:
         return found
 
     @property
-    def closes(self) -> bool:
-        """Whether contacts may close, which takes tangents away."""
-        return self._plan.switching is not None and self._plan.switching.closes
+    def constrained(self) -> bool:
+        """Whether modes may leave no neighbours in some directions, which takes tangents away."""
+        return self._plan.switching is not None and bool(self._plan.switching.constraints)
 
     @property
     def sample(self) -> Piece:

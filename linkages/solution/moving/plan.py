@@ -23,7 +23,7 @@ from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.numbers.parameters import definition_vector
 from linkages.kernel.structure import MOST_STRUCTURES
 from linkages.kernel.system import System
-from linkages.kernel.transitions import jump_places, transition_nodes
+from linkages.kernel.transitions import constraints, jump_places, transition_nodes
 from linkages.kernel.variations import variations
 from linkages.kernel.varying import Varying
 from linkages.solvers.flow import Companion, Flow, Switching
@@ -103,6 +103,7 @@ def switching_of(model: Model, layout: Layout) -> Switching | None:
         shakes=tuple(switch.shakes for switch in switches.switches),
         free=layout.moved,
         tangents=layout.tangents,
+        constraints=tuple((own.mode, own.touch) for own in constraints(model, layout)),
     )
 
 

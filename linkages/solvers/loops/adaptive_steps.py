@@ -33,6 +33,7 @@ from linkages.solvers.loops.commit import (
     commit,
     cut_short,
     margin_outcome,
+    observe,
     outcome_of,
 )
 from linkages.solvers.printed.control import SHRINK_TURNING
@@ -40,6 +41,8 @@ from linkages.solvers.steps.stages import LOWER, call_hook, call_step, status_of
 from linkages.solvers.steps.views import (
     ACCEPTED,
     BEFORE,
+    BEFORE_CHANGE,
+    BEHIND_CHANGE,
     CARRY,
     END,
     ERROR,
@@ -144,7 +147,10 @@ def change_mode(
     pace = floats(system.pace)
     t = pace[T]
     forward = choose(system.backward != 0, code.value(-1.0), 1.0)
+    observe(code, record, t, BEFORE_CHANGE)
     outcome = call_hook(switching.change, switching.context, t, forward, t).whole
+    with code.when(outcome == DONE):
+        observe(code, record, t, BEHIND_CHANGE)
     with code.when((outcome == DONE) & (pace[END] - t != 0.0)):
         integers(record.counters)[EVALUATIONS] += 1
         call_step(code, system.first, system.frame)
@@ -227,8 +233,9 @@ def conclude_step(code: Procedure, context: Whole) -> Whole:
         with code.when((part < 0.0) & (abs(h) > finest_step(pace, t))):
             accepted.set(False)
             factor.set(SHRINK_TURNING)
-        changing.set((part >= 0.0) & (part <= 1.0))
-        with code.when((part >= 0.0) & (part < 1.0)):
+        # one at the very end is met by the next step, which begins there
+        changing.set((part >= 0.0) & (part < 1.0))
+        with code.when(changing):
             h.set(h * part)
             t_end.set(t + h)
             next_carry.set((t_end - t) - (h - pace[CARRY]))

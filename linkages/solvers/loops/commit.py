@@ -15,6 +15,8 @@ from linkages.solvers.steps.views import (
     EVALUATIONS,
     NOW,
     SAMPLES,
+    START,
+    STEP,
     STEPS,
     Record,
     SystemView,
@@ -56,10 +58,10 @@ def margin_outcome(code: Procedure, system: SystemView, record: Record) -> Whole
     return code.value(DONE)
 
 
-def observe(code: Procedure, record: Any, t: Real) -> None:
-    """Show row 0 to what follows every step."""
+def observe(code: Procedure, record: Any, t: Real, when: float = STEP) -> None:
+    """Show row 0 to what follows every step, and is told what was done."""
     with code.when(record.observer != 0):
-        call_hook(record.observer, record.observed, t, code.value(0.0), t)
+        call_hook(record.observer, record.observed, t, code.value(when), t)
 
 
 @printed
@@ -81,7 +83,7 @@ def begin(code: Procedure, system: SystemView, record: Record, start: Real, near
         with code.when(abs(floats(record.time)[counters[SAMPLES]] - start) > near):
             code.stop()
         write_sample(system, record, 0)
-    observe(code, record, start)
+    observe(code, record, start, START)
     return margin_outcome(system, record)
 
 

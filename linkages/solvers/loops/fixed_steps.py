@@ -16,10 +16,13 @@ from linkages.solvers.loops.commit import (
     commit,
     cut_short,
     margin_outcome,
+    observe,
     outcome_of,
 )
 from linkages.solvers.steps.stages import NOT_FINITE, call_hook, try_step
 from linkages.solvers.steps.views import (
+    BEFORE_CHANGE,
+    BEHIND_CHANGE,
     EVALUATIONS,
     STOP,
     Hook,
@@ -84,8 +87,8 @@ def step_to(
         changing = code.variable(False)
         with code.when(switching.look != 0):
             part = call_hook(switching.look, switching.context, t, made, reached)
-            changing.set((part >= 0.0) & (part <= 1.0))
-            with code.when((part >= 0.0) & (part < 1.0)):
+            changing.set((part >= 0.0) & (part < 1.0))
+            with code.when(changing):
                 made.set(made * part)
                 reached.set(t + made)
         with code.when(made != 0.0):
@@ -104,8 +107,11 @@ def step_to(
         commit(system, table, record, reached)
         outcome.set(margin_outcome(system, record))
         with code.when(changing & (outcome == DONE)):
+            observe(code, record, reached, BEFORE_CHANGE)
             found = call_hook(switching.change, switching.context, t, h, reached)
             outcome.set(found.whole)
+            with code.when(outcome == DONE):
+                observe(code, record, reached, BEHIND_CHANGE)
         with code.when((reached == t_end) | (outcome != DONE)):
             code.stop()
         # what is left of the step behind a change

@@ -16,7 +16,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from linkages.kernel.code.operands import Real, Truth, Whole, choose, choose_of, floats, integers
+from linkages.kernel.code.operands import (
+    Real,
+    Truth,
+    Whole,
+    choose,
+    choose_of,
+    floats,
+    integers,
+    root_of,
+)
 from linkages.kernel.code.printed import printed
 from linkages.kernel.code.procedure import Procedure
 from linkages.solvers.loops.commit import CHATTER, DIVERGED, DONE, SLIDING, outcome_of, settle
@@ -33,6 +42,8 @@ from linkages.solvers.watched.switches import (
 
 # A rate behind a change that is this small beside that before is zero: the motion touches.
 GRAZING = 1e-9
+# Part of the square of a gradient that is left of one that depends on others.
+DEPENDENT = 1e-16
 # So many changes within this part of the time until then, and time goes on no more.
 CHANGES, SPAN = 100, 1e-10
 
@@ -204,6 +215,89 @@ def cross_tangents(
                 rows[n + first + i] = moved - rows[2 * n + i] * later
             with case.otherwise():
                 rows[n + first + i] += (before[2 * n + i] - rows[2 * n + i]) * later
+
+
+@printed
+def is_in_force(
+    code: Procedure, system: SystemView, switches: SwitchesView, place: Whole, own: Whole
+) -> Truth:
+    """Whether modes keep a function constant, or the change of a switch has just brought it to 0.
+
+    A contact that closes without pressing is about to open, but has taken all neighbours along.
+    """
+    holders, held = integers(switches.holders), floats(system.held)
+    mode, touch = holders[2 * place], holders[2 * place + 1]
+    with code.when(touch < 0):
+        code.leave(held[mode] == 0.0)
+    return (held[mode] > 0.0) | ((touch == own) & (held[touch] > 0.0))
+
+
+@printed
+def scalar_product(code: Procedure, count: Whole, one: Whole, other: Whole) -> Real:
+    """Of so many numbers."""
+    total = code.variable(0.0)
+    with code.count(count) as i:
+        total.set(total + floats(one)[i] * floats(other)[i])
+    return code.value(total)
+
+
+@printed
+def take_part(code: Procedure, count: Whole, factor: Real, one: Whole, other: Whole) -> None:
+    """Subtract a multiple of some numbers from others."""
+    with code.count(count) as i:
+        floats(other)[i] -= factor * floats(one)[i]
+
+
+@printed
+def project_along(
+    code: Procedure, system: SystemView, switches: SwitchesView, normal: Whole
+) -> None:
+    """Take from all tangents in row 0 their parts along a direction of length one."""
+    free, half = switches.free, WORD * switches.free
+    with code.count(switches.tangents) as column:
+        places = system.rows + WORD * (system.n - (switches.tangents - column) * free)
+        rates = places + WORD * system.n
+        with code.count(2):
+            along = scalar_product(free, normal, places)
+            along += scalar_product(free, normal + half, rates)
+            take_part(free, along, normal, places)
+            take_part(free, along, normal + half, rates)
+
+
+@printed
+def project(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real:  # noqa: ARG001
+    """Take from tangents in row 0 what modes do not let neighbours differ by.
+
+    Without, round-off in these directions would grow beside tangents that shrink. h is 1 behind a
+    change of a mode, otherwise 0. Returns the number of directions in which there are no
+    neighbours.
+    """
+    system, switches = system_at(context), switches_at(context)
+    own = choose(h > 0.0, integers(switches.kind)[0] >> 1, -1)
+    rank, size = code.variable(0), 2 * switches.free
+    with code.count(switches.constraints) as k:
+        rank.set(rank + is_in_force(system, switches, k, own).whole)
+    with code.when(rank == 0):
+        code.leave(0.0)
+    rank.set(0)
+    with code.when(new_values(system, switches, t) != 0):
+        code.leave(0.0)
+    behind = switches.values * (2 + switches.tangents) + switches.modes * switches.tangents
+    first = switches.written + WORD * behind
+    with code.count(switches.constraints) as k, code.when(is_in_force(system, switches, k, own)):
+        gradient, normal = first + WORD * k * size, first + WORD * rank * size
+        whole = scalar_product(size, gradient, gradient)
+        with code.count(2), code.count(rank) as before:
+            other = first + WORD * before * size
+            take_part(size, scalar_product(size, other, gradient), other, gradient)
+        left = scalar_product(size, gradient, gradient)
+        with code.when(left > DEPENDENT * whole):
+            length = root_of(left)
+            with code.count(size) as i:
+                floats(normal)[i] = floats(gradient)[i] / length
+            project_along(system, switches, normal)
+            rank.set(rank + 1)
+    return rank.real
 
 
 @printed

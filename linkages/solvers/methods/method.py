@@ -127,9 +127,9 @@ class RungeKutta(Method):
         events, record = hooks.events(store, room), arrays.record(store, room)
         system = arrays.system(store, room, rows, pace, code, record, events)
         table = arrays.table(store, tableau, job.flow)
-        record = arrays.observed(store, room, system, record)
         hook = hooks.hook(store, events, system, table, record)
         switching = hooks.switching(store, room, events, system, table, record, tableau.quarters)
+        record = arrays.observed(store, room, system, record, switching)
         words = (system, table, record, hook, switching)
         control = arrays.control(store, room, code) if job.step is None else ()
         return PreparedMotions(

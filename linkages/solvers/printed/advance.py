@@ -29,7 +29,7 @@ from linkages.solvers.printed.shape import (
     whole_row,
 )
 from linkages.solvers.printed.stages import wrap
-from linkages.solvers.renormalisation import MOST_DOUBT
+from linkages.solvers.renormalisation import LONGEST, MOST_DOUBT
 from linkages.solvers.steps.views import (
     ACCEPTED,
     ACTIVE,
@@ -61,7 +61,7 @@ from linkages.solvers.steps.views import (
 # The sine is concave on both sides of zero: over MOST_CHANGE, tan(x)/x stays below this.
 CONCAVITY = 1.1
 # With room for round-off: what watches tangents decides.
-DOUBT = 0.9 * MOST_DOUBT
+DOUBT, LONG = 0.9 * MOST_DOUBT, 0.9 * LONGEST
 
 
 class Trial(NamedTuple):
@@ -254,7 +254,8 @@ class Advance:
     def _tangents_fade(self) -> str:
         """Whether errors of steps may come to show in the shortest tangent at the end.
 
-        Only what watches tangents knows. One that a contact has taken away is zero, and no matter.
+        Or one may be too long. Only what watches tangents knows. One that a contact has taken away
+        is zero, and no matter.
         """
         code, memory, shape = self._code, self._memory, self._shape
         zero = code.constant(0.0)
@@ -268,7 +269,8 @@ class Advance:
         doubt = larger(
             code, code.multiply(code.multiply(rtol, rtol), longest), code.multiply(atol, atol)
         )
-        return code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
+        fades = code.compare("ogt", doubt, code.multiply(code.constant(DOUBT**2), least))
+        return code.any_of(fades, code.compare("ogt", longest, code.constant(LONG**2)))
 
     def _squares(self) -> Iterator[str]:
         """Squared lengths of tangents at the end, each less its parts along those before it."""

@@ -146,7 +146,7 @@ class Record(NamedTuple):
     sampled_held: int  # (m, h) of float64
     counters: int  # (6,) of int64
     control: int  # (2,) of float64, which the calling thread reads and writes meanwhile
-    observer: int  # a compiled function ``(context, t, h, t_end)`` that follows every step, or 0
+    observer: int  # a compiled function ``(context, t, when, t)`` that follows every step, or 0
     observed: int  # its context
 
 
@@ -205,6 +205,8 @@ class SwitchesView(NamedTuple):
     state: int  # (capacity, 2n) of float64, before the change
     turns: int  # (capacity, n) of int64
     held: int  # (capacity, h) of float64, behind the change
+    constraints: int  # number c of functions that modes keep constant
+    holders: int  # (c, 2) of int64: see `flow.Switching.constraints`
 
 
 class Tangents(NamedTuple):
@@ -216,7 +218,8 @@ class Tangents(NamedTuple):
     every: int
     offset: int
     orthogonal: int  # 0 or 1
-    loses: int  # 0 or 1: whether contacts that close take tangents away
+    project: int  # a compiled function that projects tangents where modes constrain them, or 0
+    context: int  # and its context: see `transitions.project`
     seen: int  # (1,) of int64: samples that are done
     lengths: int  # (times, columns) of float64: logarithms of lengths before
     grown: int  # (columns,) of float64: those since the last of these times
@@ -256,6 +259,8 @@ class SwitchingView(NamedTuple):
     first_steps: int  # (2m,) of float64: lengths of the steps behind the last changes of each kind
 
 
+# When an observer is called: behind a step, at the start, before and behind a change of a mode.
+STEP, START, BEFORE_CHANGE, BEHIND_CHANGE = 0.0, 1.0, 2.0, 3.0
 # Entries of `counters`.
 SAMPLES, STEPS, REJECTED, EVALUATIONS, BLOCK, SWITCH = range(6)
 # Entries of `control`: the time reached, whether to stop, and steps of lanes made alone.

@@ -188,7 +188,9 @@ def crossing(
     slack = larger_of(ROUND_OFF * rise, -2.0 * start)
     with code.when(end < 0.0):
         begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
-        with code.when(begins):
+        # friction that lets go has rates that are round-off as well: it waits until it moves
+        waits = (start < 0.0) & (end >= 2.0 * start)
+        with code.when(begins | waits):
             code.leave(GO_ON)
         code.leave(locate(system, table, record, modes, switch, t, h, part))
     with code.when((start > 0.0) & (rise < 0.0) & (fall > 0.0)):

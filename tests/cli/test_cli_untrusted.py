@@ -271,13 +271,13 @@ def test_what_is_stamped_is_validated_when_it_is_read(tmp_path):
     ("analysis", "arguments", "expected"),
     [
         ("simulate", {"samples": 10**12}, "samples must be at least 2 and at most 10000000"),
-        ("poincare", {"periods": 10**12}, "periods must be a whole number up to 10000000"),
-        ("lyapunov", {"skip": 10**30}, "skip must be a whole number up to 10000000"),
-        ("bifurcation", {"vary": ["gravity[1]=-9:-8:2"], "periods": 10**12}, "up to 10000000"),
+        ("poincare", {"periods": 10**12}, "periods must be a whole number > 0, at most 10000000"),
+        ("lyapunov", {"skip": 10**30}, "skip must be a whole number >= 0, at most 10000000"),
+        ("bifurcation", {"vary": ["gravity[1]=-9:-8:2"], "periods": 10**12}, "at most 10000000"),
         ("map", {"x": ["gravity[1]=-9:-8:9999"], "y": ["bars.rod.mass=1:2:9999"]}, "at most 1e"),
         ("sweep", {"measure": [], "vary": ["gravity[1]=-9:-8:9999999999"]}, "at most 1e"),
         ("tolerance", {"of": ["max(kinetic_energy)"], "draws": 10**12}, "at most 1e"),
-        ("entropy", {"periods": 10**12}, "periods must be a whole number up to 10000000"),
+        ("entropy", {"periods": 10**12}, "periods must be a whole number > 0, at most 10000000"),
         (
             "optimise",
             {"vary": ["bars.rod.mass=1:2"], "minimise": "max(kinetic_energy)", "starts": 10**12},

@@ -70,8 +70,9 @@ def lyapunov(
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
     ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
     and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
-    smallest rate of a touch behind `skip`, its time, and the name of the contact. With clearances, `contact_lost`
-    and `least_force` (clearance) as `linkages.poincare` has them, over what is averaged.
+    smallest rate of a touch behind `skip`, its time, and the name of the contact. With clearances,
+    `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over what is
+    averaged.
 
     Raises
     ------

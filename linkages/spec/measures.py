@@ -27,6 +27,9 @@ OVER_TIME = {
 }  # fmt: skip
 """What a series is reduced to by one argument."""
 
+INTEGRALS = frozenset({"mean", "rms"})
+"""Those that are integrals over time."""
+
 AT = "at"
 """``at(t, x)`` is the value of a series at a time."""
 
@@ -51,6 +54,12 @@ class Measure:
         """Names of the series that it depends on, each once."""
         nodes = Formula(self.text, self.tree).nodes()
         return tuple(dict.fromkeys(node.word for node in nodes if isinstance(node, Sensed)))
+
+    @property
+    def integrates(self) -> bool:
+        """Whether it has integrals over time in it."""
+        nodes = Formula(self.text, self.tree).nodes()
+        return any(isinstance(node, Call) and node.name in INTEGRALS for node in nodes)
 
     @property
     def compares(self) -> bool:

@@ -118,7 +118,6 @@ def test_reactions_and_errors_are_measured_too(crank):
         ("max(crnk.effort)", "did you mean 'crank.effort'"),
         ("max(knetic_energy)", "did you mean 'kinetic_energy'"),
         ("max(crank.effort) + 1 mm", "do not go together"),
-        ("at(1 s, crank.effort)", "outside of the motion, from 0 s to 0.1 s"),
     ],
 )
 def test_messages(crank, text, message):
@@ -138,6 +137,43 @@ def test_names_of_an_output_are_listed_once():
 def test_division_by_zero(crank, text):
     with pytest.raises(linkages.ComputationError, match="divides by zero"):
         linkages.measure(crank, text)
+
+
+def test_times_that_follow_from_the_motion(crank):
+    found = linkages.measure(crank, "at(time_of_max(piston.velocity), crank.angle)")
+    time = linkages.measure(crank, "time_of_max(piston.velocity)")
+    assert found == pytest.approx(0.3 + 100 * time, rel=1e-12)
+    found = linkages.measure(crank, "at(final(t)/2, piston.position)")
+    assert found == pytest.approx(position(0.3 + 5), rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["at(1 s, crank.effort)", "at(10*final(t), crank.effort)"])
+def test_a_time_outside_of_the_motion_costs_that_measure_alone(crank, text):
+    reason = f"measure {text!r}: t = 1 s is outside of the motion, from 0 s to 0.1 s"
+    with pytest.raises(linkages.ComputationError) as caught:
+        linkages.measure(crank, text)
+    assert str(caught.value) == reason
+    vary, other = {"bars.rod.length": [0.14, 0.15]}, "final(piston.position)"
+    data = linkages.sweep(crank.mechanism, vary, [text, other])
+    assert np.isnan(data[text]).all()
+    assert np.isfinite(data[other]).all()
+    assert data["reason"].to_numpy().tolist() == [reason] * 2
+
+
+def test_each_motion_of_a_sweep_has_its_own_times(crank):
+    """Driven motions are evaluated at once, free ones are integrated side by side."""
+    free = linkages.loads(OSCILLATOR % 21)
+    for mechanism, path, values, text in (
+        (crank.mechanism, "bars.rod.length", [0.14, 0.15, 0.2], "piston.velocity"),
+        (free, "springs[0].stiffness", [8.0, 20.0, 50.0], "bar.speed"),
+    ):
+        place = "piston.position" if text[0] == "p" else "bar.angle"
+        measure = f"at(time_of_max({text}), {place})"
+        data = linkages.sweep(mechanism, {path: values}, measure)
+        assert data[measure].to_numpy().tolist() == [
+            linkages.measure(linkages.simulate(mechanism.with_values({path: value})), measure)
+            for value in values
+        ]
 
 
 def test_what_was_not_computed_must_be_asked_for():

@@ -15,6 +15,7 @@ from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar, reachable
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.system import System
+from linkages.solution.measuring.followed import APART
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Changed, Motion, Piece
 
@@ -25,9 +26,6 @@ _LOOKS = 4001
 
 _CLOSER = 64
 """Parts into which an interval is cut where two changes may hide in it."""
-
-APART = 8
-"""How many roundings of a time lie between it and where laws are on one side for certain."""
 
 ALIKE = 1e-6
 """Part by which movements of times may differ that belong to one event."""

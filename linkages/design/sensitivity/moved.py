@@ -63,6 +63,8 @@ class Moved:
         Places just before them and just behind them, shape (breaks, 2).
     grid
         Places of all samples of the motion.
+    integrated
+        Whether the motion is integrated, and samples are as close as its steps.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class Moved:
         self._effects, self._derivatives = effects, derivatives
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
+        self.integrated = bool(system.layout.moved)
         self.time, self.count = time, len(effects)
         own = self._followed.time
         self.breaks = [one for one in breaks if own[0] < one.before and one.behind < own[-1]]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.design.tolerances.contributors import Contributors
+from linkages.solution.measuring.followed import places_of
 from linkages.solution.measuring.reduced import Source, reduced
 from linkages.spec.measures import Measure
 
@@ -273,13 +274,17 @@ class _Deviating:
     ) -> None:
         self._motion, self._offsets, self._shifts = motion, offsets, shifts
         self._slopes, self._pushes = slopes, pushes
-        self.count, self.time = len(offsets), motion.time
+        self.count, self.time, self.intervals = len(offsets), motion.time, None
 
     def sampled(self, series: str) -> Floats:
         """A series at the samples."""
         moved = self._offsets @ self._slopes[series].T
         moved = moved + np.einsum("nck,sck->ns", self._shifts, self._pushes[series])
         return np.asarray(self._motion.sampled(series) + moved)
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions."""
+        return self.between(series, which, places_of(self.time, times))
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series anywhere in some of the motions."""

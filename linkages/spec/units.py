@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from linkages.reading.private import private_folder
 from linkages.reading.wording import shown, suggestion
 
 _LONGEST = 80
@@ -222,8 +223,11 @@ def _registry() -> Any:
     import pint
 
     try:
-        # parsed definitions of units are kept in the user's cache folder: it saves 0.15 s a run
-        registry: Any = pint.UnitRegistry(cache_folder=":auto:")
+        # parsed definitions of units are kept as pickles, which saves 0.15 s a run
+        folder = private_folder("units")
+        if any(path.stat().st_uid != folder.stat().st_uid for path in folder.iterdir()):
+            raise PermissionError(None, f"others put files into {folder}")
+        registry: Any = pint.UnitRegistry(cache_folder=folder)
     except Exception:
         # Another process may be writing there (pint does it in place), or have been stopped
         # meanwhile, and half a pickle raises anything. The definitions themselves need no cache.

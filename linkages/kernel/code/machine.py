@@ -44,15 +44,24 @@ class MachineCode:
     Parameters
     ----------
     text
-        In LLVM's assembly language; or, if that is costly to write, all that it depends on.
-    write
-        Writes it then, where no machine code is kept.
+        In LLVM's assembly language.
     """
 
-    def __init__(self, text: str, write: Callable[[], str] | None = None) -> None:
+    def __init__(self, text: str) -> None:
         begin = time.perf_counter()
         key = "\n".join([_FORMAT, *_host(), text])
-        content, known = kept(key, ".o", lambda: _compiled(text if write is None else write()))
+        content, known = kept(key, ".o", lambda: _compiled(text))
+        try:
+            self._link(content, key)
+        except Exception:  # whatever its reader raises for something else
+            if not known:
+                raise
+            content, known = kept(key, ".o", lambda: _compiled(text), anew=True)
+            self._link(content, key)
+        how = "was known" if known else "is new and was compiled"
+        LOGGER.info("kernel %s %s, %.2f s", digest_of(key), how, time.perf_counter() - begin)
+
+    def _link(self, content: bytes, key: str) -> None:
         defined, needed, image = content.split(b"\n", 2)
         library = _llvm().JITLibraryBuilder().add_object_img(image)
         self._types = {name: types for name, *types in map(str.split, defined.decode().split(";"))}
@@ -61,8 +70,6 @@ class MachineCode:
         for name in needed.decode().split():
             library.import_symbol(name, _library_function(name))
         self._held = library.link(_linker(), f"{digest_of(key)}-{next(_NUMBERS)}")
-        how = "was known" if known else "is new and was compiled"
-        LOGGER.info("kernel %s %s, %.2f s", digest_of(key), how, time.perf_counter() - begin)
 
     def address(self, name: str) -> int:
         """Address of one of its functions."""

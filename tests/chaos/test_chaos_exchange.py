@@ -129,6 +129,31 @@ def test_exponents_do_not_depend_on_what_is_free():
         assert apart <= float(found.tolerance[0]) < 0.05 * abs(float(found.expected[0]))
 
 
+def test_an_exchange_is_no_growth():
+    """The ratio of lengths in the old and new coordinate, 25 or so, is no part of exponents.
+
+    Nothing dissipates, so the sum is zero, as that of volumes of coordinates and momenta. The four
+    bars exchange to and fro, in intervals and between them.
+    """
+    conservative = SLIDER_CRANK.split("dampers:")[0] + "assembly:" + SLIDER_CRANK.split("bly:")[1]
+    for mechanism in (swinging(conservative, BY_PISTON), built(THROWN)):
+        found, one = (
+            linkages.lyapunov(mechanism, periods=40, interval=0.5, count=count) for count in (2, 1)
+        )
+        assert abs(found.attrs["sum"]) < 1e-8
+        assert "sum of all" not in found.attrs["warning"]
+        # whatever the direction it begins in, within ln 10 over 20 s
+        assert one.exponent.to_numpy() == pytest.approx(found.exponent.to_numpy()[:1], abs=0.1)
+
+
+def test_no_exchange_no_other_metric():
+    """Lengths are those in the coordinates themselves: sums are known from det J at both ends."""
+    conservative = SLIDER_CRANK.split("dampers:")[0] + "assembly:" + SLIDER_CRANK.split("bly:")[1]
+    found = linkages.lyapunov(swinging(conservative, BY_CRANK), periods=40, interval=0.5)
+    assert float(found.found[0]) == pytest.approx(float(found.expected[0]), abs=1e-9)
+    assert abs(float(found.found[0])) > 1e-3
+
+
 def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
     """Through its change points, for ever: without gravity it turns at its speed of 6 rad/s.
 

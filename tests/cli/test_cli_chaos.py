@@ -187,6 +187,24 @@ def test_exponents_as_a_table(pendulum):
     assert "2 files in" in result.out
 
 
+def test_lost_exponents_are_shown(cli, tmp_path):
+    text = """\
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+springs: [{slider: m, stiffness: 1}]
+friction: [{slider: m, force: 1}]
+free: {m: {position: 5.3}}
+simulate: {end: 2}
+"""
+    (tmp_path / "m.yaml").write_text(text)
+    result = cli("lyapunov", "m.yaml", "--periods", "64", "--no-figures")
+    assert "1 more is −∞" in result.out
+    result = cli("chaos", "m.yaml", "--periods", "200", "--skip", "10", "--no-figures")
+    assert re.search(r"2, lost\W+−∞", result.out)
+    content = json.loads((tmp_path / "results/m/chaos.json").read_text(encoding="utf-8"))
+    assert (content["verdict"], content["exponents"], content["lost"]) == ("at rest", [0.0], 1)
+
+
 def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
     """No error of integration at all is allowed here, so that the first one violates."""
     monkeypatch.setattr("linkages.chaos.growth.certificate.SMALL", 0.0)

@@ -83,6 +83,8 @@ def certificate(
     passed = tangents.motion.part(first, last, between)
     damping = _joined(passed, Volumes.damping_rates)
     logarithms = _joined(passed.part(each=parts), Volumes.logarithm)
+    if tangents.metric.exchanged:  # which measures volumes of momenta
+        logarithms = np.zeros_like(logarithms)
     numeric = _numeric(tangents.tolerance, exponents)
     floor = max(SMALL * float(exponents.errors.max()), numeric)
     traces = np.trace(damping, axis1=1, axis2=2) + _joined(passed, Volumes.relaxation)

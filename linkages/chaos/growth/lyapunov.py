@@ -68,7 +68,8 @@ def lyapunov(
     (time, index). For the whole spectrum also what is known of it otherwise: `found`, `expected`
     and `tolerance` (invariant). Attributes: ``settled`` (0 or 1) with a ``warning`` if the history
     has not settled or an invariant is violated, ``sum`` and ``sum_error`` of the exponents,
-    ``lost``, the number of those that are −∞, for rigid contacts that close take neighbours away,
+    ``lost``, the number of those that are −∞, for motions merge with neighbours where rigid
+    contacts close and where friction sticks,
     and where something touches, ``least_touch``, ``least_touch_time`` and ``least_touch_of``: the
     smallest rate of a touch behind `skip`, its time, and the name of the contact. With clearances,
     `contact_lost` and `least_force` (clearance) as `linkages.poincare` has them, over what is

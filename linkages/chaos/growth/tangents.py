@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.chaos.growth.metric import FixedMetric
 from linkages.chaos.growth.systems import Growth, part_of
 from linkages.chaos.sections.contact_log import ContactLog
 from linkages.chaos.sections.free_states import wrapped
@@ -34,7 +35,8 @@ class LinkageTangents:
     """States of a mechanism, with solutions of the variational equations.
 
     The free coordinates are those of the system at its start; where the motion is integrated in
-    others for a while, the state is still in these, and tangents are in those.
+    others for a while, the state is still in these, and tangents are in those. How they grow does
+    not depend on it.
 
     Parameters
     ----------
@@ -55,6 +57,8 @@ class LinkageTangents:
         How it moves.
     parts
         That number.
+    metric
+        How lengths of tangents are measured, from the last beginning of `batches` on.
     """
 
     def __init__(
@@ -76,6 +80,7 @@ class LinkageTangents:
         self._kept: list[Motion] = [start] if self.parts else []
         self._ends = [start]
         self._touching: list[Motion] = []
+        self.metric = FixedMetric(self.march.sample, self.tangents)
 
     def __copy__(self) -> LinkageTangents:
         """Another one in the same state, which goes its own way from there."""
@@ -210,6 +215,7 @@ class LinkageTangents:
         """Sample times of one integration after the other, and what they do with tangents."""
         each, most = self.sampling(interval)
         start, done = self.time, 0
+        self.metric = FixedMetric(self.march.sample, self.tangents)
         while done < intervals:
             count = min(most, intervals - done)
             times = start + interval * (done + np.arange(1, count * each + 1) / each)
@@ -228,8 +234,11 @@ class LinkageTangents:
             self._kept.append(motion.part(between - 1, each=between))
         ends = motion.part(each - 1, each=each)
         self._ends.append(ends)
+        lengths = self.metric.corrected(
+            renormalised.lengths, ends, renormalised.tangents, renormalised.orthogonal
+        )
         return Growth(
-            rates=renormalised.lengths / interval,
+            rates=lengths / interval,
             states=self._states(ends),
             times=ends.time,
             tangents=renormalised.tangents,

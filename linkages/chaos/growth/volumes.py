@@ -117,7 +117,7 @@ class Volumes:
         if self.conservative:
             return np.zeros((len(piece.wanted), size, size))
         damping = self._values(self._damping, piece).T.reshape(-1, size, size)
-        return np.asarray(np.linalg.solve(self._masses(piece), damping))
+        return np.asarray(np.linalg.solve(self.masses(piece), damping))
 
     def relaxation(self, piece: Piece) -> Floats:
         """Rates in 1/s at which volumes of internal states shrink, shape (times,)."""
@@ -141,14 +141,14 @@ class Volumes:
 
     def logarithm(self, piece: Piece) -> Floats:
         """Logarithm of the volume of momenta per volume of rates, shape (times,)."""
-        return np.asarray(np.linalg.slogdet(self._masses(piece))[1])
+        return np.asarray(np.linalg.slogdet(self.masses(piece))[1])
 
     def _values(self, nodes: list[Scalar], piece: Piece) -> Floats:
         """Values of nodes, shape (nodes, times)."""
         return piece.interpolated(evaluate_nodes(piece, nodes))
 
-    def _masses(self, piece: Piece) -> Floats:
-        """The mass matrix, shape (times, n, n)."""
+    def masses(self, piece: Piece) -> Floats:
+        """The mass matrix in a piece of a motion, shape (times, n, n)."""
         lower = [entry for row in self._model.mass_matrix for entry in row]
         values = self._values(lower, piece)
         masses = np.empty((values.shape[1], self._size, self._size))

@@ -116,6 +116,7 @@ class ChaosReport:
             "errors": [float(v) for v in exponents["error"]],
             "settled": bool(exponents.attrs["settled"]),
             "sum": exponents.attrs["sum"],
+            "lost": int(exponents.attrs["lost"]),
             "power": self.power,
             "certificate": [invariant.to_dict() for invariant in self.certificate],
             "zero_one": {n: {"growth": k, "spread": s} for n, (k, s) in self.zero_one.items()},

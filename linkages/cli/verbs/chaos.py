@@ -57,6 +57,8 @@ def _tables(report: ChaosReport) -> list[Table]:
         [f"{row['index']}, {row['sign']}", number(row["value"]), f"{row['error']:.2g}"]
         for row in exponent_rows(report.exponents)
     ]
+    lost = range(len(exponents) + 1, len(exponents) + report.exponents.attrs["lost"] + 1)
+    exponents += [[f"{index}, lost", "−∞", "0"] for index in lost]
     found: list[Table] = [
         ("Lyapunov exponents", ["exponent", "value (1/s)", "standard error"], exponents),
     ]

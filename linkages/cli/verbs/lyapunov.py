@@ -52,10 +52,10 @@ def run(request: Request) -> int:
             screen.print(table("Lyapunov exponents", heads, cells, numbers=2))
             total, by = to_error(said["sum"], said["sum_error"])
             screen.print(f"sum of these: {total} ± {by} 1/s")
-        if said["lost"]:
+        if lost := int(said["lost"]):
             screen.print(
-                f"{said['lost']}{' more' if rows else ''} are −∞: where rigid contacts close or "
-                "friction sticks, motions merge with their neighbours"
+                f"{lost}{' more' if rows else ''} {'is' if lost == 1 else 'are'} −∞: where "
+                "rigid contacts close or friction sticks, motions merge with their neighbours"
             )
         if "least_touch" in said:
             screen.print(

@@ -21,7 +21,7 @@ HEIGHT, LEGEND, ROW = 3.0, 0.2, 0.16
 SETTLING = 0.1
 """Part of the run at the beginning that may lie outside the picture."""
 
-NONE = "all Lyapunov exponents are −∞: contacts that closed leave no neighbours"
+NONE = "all Lyapunov exponents are −∞: the motion has merged with its neighbours"
 """What is written where there is nothing to draw."""
 
 

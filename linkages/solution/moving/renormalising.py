@@ -24,7 +24,7 @@ class Renormalised:
     """
 
     def __init__(self, every: int = 1, *, orthogonal: bool = True) -> None:
-        self._every, self._orthogonal = every, orthogonal
+        self._every, self.orthogonal = every, orthogonal
         self._seen = 0
         self._grown: Floats | None = None
         self._lengths: list[Floats] = []
@@ -41,7 +41,7 @@ class Renormalised:
             grown=self._grown,
             every=self._every,
             offset=self._seen % self._every,
-            orthogonal=self._orthogonal,
+            orthogonal=self.orthogonal,
         )
 
     def add(self, trajectory: Trajectory, layout: Layout) -> None:

@@ -139,12 +139,10 @@ def varied_columns(data: xr.Dataset, *dims: str) -> dict[str, xr.DataArray]:
 
 def contact_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
     """Head → what was seen of contact in every clearance."""
-    from linkages.chaos.sections.contact_log import CONTACT
-
     heads = {"contact_lost": "contact lost in {} (share)", "least_force": "least force in {} (N)"}
     return {
         heads[variable].format(name): data[variable].sel(clearance=name)
-        for variable in CONTACT
+        for variable in heads
         if variable in data
         for name in data["clearance"].to_numpy()
     }

@@ -34,6 +34,11 @@ class LinkForce:
         First time of that in seconds, linearly interpolated; None if there is none.
     smallest, largest
         Extreme forces in newtons, tension positive.
+    least_time
+        When the smallest was found, in seconds.
+    steps
+        Steps of the integration between two looks, on average. Methods take many steps per
+        oscillation: with too many, oscillations between two looks are not seen.
     """
 
     clearance: str
@@ -41,6 +46,8 @@ class LinkForce:
     first_loss: float | None
     smallest: float
     largest: float
+    least_time: float
+    steps: float = 0.0
 
     @property
     def sentence(self) -> str:
@@ -68,7 +75,8 @@ def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> LinkForc
     spans = lost_spans(t, f)
     share = sum(end - begin for begin, end in spans) / float(t[-1] - t[0])
     first = spans[0][0] if spans else None
-    return LinkForce(clearance, share, first, float(f.min()), float(f.max()))
+    least = float(t[np.argmin(f)])
+    return LinkForce(clearance, share, first, float(f.min()), float(f.max()), least)
 
 
 def lost_spans(time: Floats, force: Floats) -> list[tuple[float, float]]:

@@ -158,6 +158,18 @@ def test_the_mean_torque_of_a_shaper_is_the_work_of_its_cut(samples):
     assert found == pytest.approx([2000 * 0.3 / (2 * np.pi)], rel=1e-9)
 
 
+@pytest.mark.parametrize("width", ["5e-5", "1e-6"])
+def test_a_short_push_in_a_driven_motion_is_found(width):
+    """Its condition is followed along the motion, and heads for zero on both sides."""
+    push = f"loads: [{{bar: crank, torque: 'where(abs(t - 0.40009) < {width}, -5, 0)'}}]"
+    bare, pushed = (
+        linkages.simulate(linkages.loads(SLIDER_CRANK % "0.3 + t" + more), end=0.8, samples=3)
+        for more in ("", push)
+    )
+    found = [linkages.measure(each, "mean(crank.effort)") for each in (bare, pushed)]
+    assert found[1] - found[0] == pytest.approx(5 * 2 * float(width) / 0.8, rel=1e-4)
+
+
 @pytest.mark.parametrize("samples", [3, 101])
 def test_rates_in_a_rigid_clearance(samples):
     solution = linkages.simulate(linkages.loads(CLEARANCE), samples=samples)

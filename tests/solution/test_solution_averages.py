@@ -220,6 +220,35 @@ def test_a_mean_over_a_pole_is_none():
         linkages.measure(solution, "mean(1/(crank.angle - 0.7))")
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_rates_of_a_random_chain_between_stops_under_loads_that_jump(seed):
+    """Speeds that impacts change, and accelerations that forces change, each over a second."""
+    draw = np.random.default_rng(seed)
+    restitution, level, rate, speed = draw.uniform([0.2, 0.1, 2, -2], [0.9, 0.6, 9, 2])
+    mechanism = linkages.loads(f"""
+        gravity: [0, -9.81]
+        joints: {{O: [0, 0]}}
+        bars:
+          upper: {{joints: [O, A], length: 0.4, mass: 1}}
+          lower: {{joints: [A, B], length: 0.3, mass: 0.7}}
+        free: {{upper: {{angle: -1.2, speed: {speed}}}, lower: {{angle: -1.9, speed: 0.5}}}}
+        stops:
+          - {{bars: [ground, upper], lower: -2.2, upper: -0.9, restitution: {restitution}}}
+        loads:
+          - {{bar: lower, torque: "where(sin({rate}*t) > {level}, 2, -1)"}}
+          - {{bar: lower, torque: "where(lower.angle > -1.5, -1, 1)"}}
+    """)
+    for samples in (3, 101):
+        solution = linkages.simulate(mechanism, end=1.5, samples=samples)
+        assert sum(each.count for each in solution.motion.changes.values()) > 4
+        check_rates(solution, accelerations=False)
+        # impulses are none of it, so that there is no change to compare it with
+        mean = "mean(lower.acceleration)"
+        assert linkages.measure(solution, mean) == pytest.approx(
+            linkages.measure(linkages.simulate(mechanism, end=1.5, samples=37), mean), rel=1e-9
+        )
+
+
 def quadrature(function, intervals=16):
     edges = np.linspace(0.0, 1.0, intervals + 1)
     group = np.zeros(intervals, dtype=int)

@@ -14,7 +14,8 @@ from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import Samples, evenly, fewest
+from linkages.solution.measuring.branches import brackets, watched
+from linkages.solution.measuring.followed import Samples, evenly, looks, parted
 from linkages.solution.moving.limits import GRID_ANGLE, suspicious
 from linkages.solution.moving.turns import turned_by
 from linkages.solution.values.series import TIME, Series
@@ -163,8 +164,15 @@ class DrivenMotions:
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        few = fewest(_Wanted(self._system, self._series).nodes)
-        found = [evenly(self.time, highest, few) for highest in self._highest.tolist()]
+        found = [evenly(self.time, highest) for highest in self._highest.tolist()]
+        conditions = watched(self._system.model, _Wanted(self._system, self._series).nodes)
+        for motion, (begin, end) in enumerate(found) if conditions else ():
+            own = self._parameters.of(slice(motion, motion + 1))
+
+            def look(times: Floats, own: list[Floats] = own) -> Floats:
+                return _evaluated(self._system, conditions, own, times)
+
+            found[motion] = parted(begin, end, brackets(looks(begin, end), look))
         which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in found])
         begin, end = (np.concatenate(edges) for edges in zip(*found, strict=True))
         return which, begin, end

@@ -158,6 +158,18 @@ def test_the_mean_torque_of_a_shaper_is_the_work_of_its_cut(samples):
     assert found == pytest.approx([2000 * 0.3 / (2 * np.pi)], rel=1e-9)
 
 
+@pytest.mark.parametrize("width", ["5e-5", "1e-6"])
+def test_a_short_push_in_a_driven_motion_is_found(width):
+    """Its condition is followed along the motion, and heads for zero on both sides."""
+    push = f"loads: [{{bar: crank, torque: 'where(abs(t - 0.40009) < {width}, -5, 0)'}}]"
+    bare, pushed = (
+        linkages.simulate(linkages.loads(SLIDER_CRANK % "0.3 + t" + more), end=0.8, samples=3)
+        for more in ("", push)
+    )
+    found = [linkages.measure(each, "mean(crank.effort)") for each in (bare, pushed)]
+    assert found[1] - found[0] == pytest.approx(5 * 2 * float(width) / 0.8, rel=1e-4)
+
+
 @pytest.mark.parametrize("samples", [3, 101])
 def test_rates_in_a_rigid_clearance(samples):
     solution = linkages.simulate(linkages.loads(CLEARANCE), samples=samples)
@@ -206,6 +218,35 @@ def test_a_mean_over_a_pole_is_none():
     solution = linkages.simulate(linkages.loads(SLIDER_CRANK % "t"), end=2.0, samples=30)
     with pytest.raises(linkages.ComputationError, match="no finite value"):
         linkages.measure(solution, "mean(1/(crank.angle - 0.7))")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_rates_of_a_random_chain_between_stops_under_loads_that_jump(seed):
+    """Speeds that impacts change, and accelerations that forces change, each over a second."""
+    draw = np.random.default_rng(seed)
+    restitution, level, rate, speed = draw.uniform([0.2, 0.1, 2, -2], [0.9, 0.6, 9, 2])
+    mechanism = linkages.loads(f"""
+        gravity: [0, -9.81]
+        joints: {{O: [0, 0]}}
+        bars:
+          upper: {{joints: [O, A], length: 0.4, mass: 1}}
+          lower: {{joints: [A, B], length: 0.3, mass: 0.7}}
+        free: {{upper: {{angle: -1.2, speed: {speed}}}, lower: {{angle: -1.9, speed: 0.5}}}}
+        stops:
+          - {{bars: [ground, upper], lower: -2.2, upper: -0.9, restitution: {restitution}}}
+        loads:
+          - {{bar: lower, torque: "where(sin({rate}*t) > {level}, 2, -1)"}}
+          - {{bar: lower, torque: "where(lower.angle > -1.5, -1, 1)"}}
+    """)
+    for samples in (3, 101):
+        solution = linkages.simulate(mechanism, end=1.5, samples=samples)
+        assert sum(each.count for each in solution.motion.changes.values()) > 4
+        check_rates(solution, accelerations=False)
+        # impulses are none of it, so that there is no change to compare it with
+        mean = "mean(lower.acceleration)"
+        assert linkages.measure(solution, mean) == pytest.approx(
+            linkages.measure(linkages.simulate(mechanism, end=1.5, samples=37), mean), rel=1e-9
+        )
 
 
 def quadrature(function, intervals=16):

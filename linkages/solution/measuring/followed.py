@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.kernel.graph.scalars import Scalar, reachable
+from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.solution.measuring.branches import brackets, watched
 from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.course import Course
 from linkages.solution.moving.driven import fastest
-from linkages.solution.moving.evaluation import evaluate_variables
+from linkages.solution.moving.evaluation import evaluate_nodes, evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import reaction_nodes, reactions
@@ -46,9 +47,9 @@ many, and how many samples are added in all."""
 _SAMPLES = 6
 """Intervals between samples in one interval of a quadrature: a step and a half."""
 
-_FEWEST, _FEWEST_BRANCHED, _MOST, _ANGLE = 16, 256, 20_000, 0.5 * math.pi
-"""Intervals of a quadrature where nothing is integrated: the fewest, those where laws have branches
-as well, the most, and the angle that a drive turns by in one of them."""
+_FEWEST, _MOST, _ANGLE, _LOOKS = 16, 20_000, 0.5 * math.pi, 32
+"""Intervals of a quadrature where nothing is integrated: the fewest, the most, the angle that a
+drive turns by in one of them, and how often it is looked for changes of branch there."""
 
 _CLOSE = 2000
 """Intervals between samples of a motion that is not integrated and passes change points."""
@@ -118,14 +119,24 @@ class Followed:
     @cached_property
     def intervals(self) -> tuple[Whole, Floats, Floats]:
         """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
-        motion = self._motion
+        motion, system = self._motion, self._system
         if motion.method:
             begin, end = between_changes(motion)
         else:
-            nodes = [n for each in self._series.values() for n in _nodes(each, self._system)]
-            highest = fastest(self._system, float(motion.time[-1]))
-            begin, end = evenly(motion.time, highest, fewest(nodes))
+            begin, end = evenly(motion.time, fastest(system, float(motion.time[-1])))
+        nodes = [n for each in self._series.values() for n in _nodes(each, system)]
+        conditions = [] if system.layout.moved else watched(self._model, nodes)
+        if conditions:
+            found = brackets(looks(begin, end), lambda times: self._looked(conditions, times))
+            begin, end = parted(begin, end, found)
         return np.zeros(len(begin), dtype=int), begin, end
+
+    def _looked(self, nodes: list[Scalar], times: Floats) -> Floats:
+        """Nodes at some times, shape (nodes, times); nan where no piece of the motion is."""
+        found = np.full((len(nodes), len(times)), np.nan)
+        for inside, piece in self.within(self._own.at(times)):
+            found[:, inside] = evaluate_nodes(piece, nodes)
+        return found
 
     def _at(self, series: Sequence[str], inner: Floats, places: Floats) -> list[Floats]:
         """The series at places among the samples of the motion, and among those evenly spaced."""
@@ -304,16 +315,25 @@ def between_changes(motion: Motion) -> tuple[Floats, Floats]:
     return np.concatenate([e[:-1] for e in edges]), np.concatenate([e[1:] for e in edges])
 
 
-def fewest(nodes: Sequence[Scalar]) -> int:
-    """Least number of intervals in a motion that drives determine; more for what has branches."""
-    branched = any(node.operation == "select" for node in reachable(nodes))
-    return _FEWEST_BRANCHED if branched else _FEWEST
-
-
-def evenly(times: Floats, highest: float, few: int) -> tuple[Floats, Floats]:
-    """At least a few intervals of a motion that drives determine, from their highest speed."""
+def evenly(times: Floats, highest: float) -> tuple[Floats, Floats]:
+    """Intervals of a motion that drives determine, from their highest speed; at least a few."""
     turned = abs(float(times[-1] - times[0])) * highest / _ANGLE
-    edges = np.linspace(times[0], times[-1], int(np.clip(np.nan_to_num(turned), few, _MOST)) + 1)
+    edges = np.linspace(
+        times[0], times[-1], int(np.clip(np.nan_to_num(turned), _FEWEST, _MOST)) + 1
+    )
+    return edges[:-1], edges[1:]
+
+
+def looks(begin: Floats, end: Floats) -> Floats:
+    """Times in intervals at which it is looked for changes of branch."""
+    part = np.arange(_LOOKS) / _LOOKS
+    return np.append((begin[:, None] + part * (end - begin)[:, None]).ravel(), end[-1])
+
+
+def parted(begin: Floats, end: Floats, found: Floats) -> tuple[Floats, Floats]:
+    """Intervals of which those around a change of branch are cut on both sides of it."""
+    order = 1 if end[-1] >= begin[0] else -1
+    edges = np.unique(np.concatenate([begin, end[-1:], found.ravel()]))[::order]
     return edges[:-1], edges[1:]
 
 

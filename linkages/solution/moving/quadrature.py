@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
-PRECISION = 1e-10
-"""Estimated error that is allowed, as a part of the integral of the absolute value."""
+PRECISION = 1e-9
+"""Estimated error that is allowed, as a part of the integral of the absolute value.
+
+It is that of the rule with fewer nodes: what is smooth is integrated to some 1e-12."""
 
 _ROUND_OFF = 1e-14
 _DEEPEST, _ALL, _ROOM = 44, 3, 128

@@ -405,7 +405,7 @@ def chaos(
         int | None, typer.Option(help="Length of the motion in periods; default: 300.")
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="As few periods as a verdict can rest on.")
+        bool, typer.Option("--quick", help="200 periods, and 300 only if these do not decide.")
     ] = False,
 ) -> None:
     """Say whether the motion comes to rest, is periodic, quasi-periodic or chaotic, and why."""

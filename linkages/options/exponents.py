@@ -27,7 +27,8 @@ class ExponentOptions(RunOptions):
     count
         How many exponents, the largest; default: all. The cost grows with it.
     interval
-        Length of a period in s; default: that of the drives, or simulate.end.
+        Length in s of what counts as a period for `periods` and `skip`, so that the run lasts
+        ``periods`` times as long; default: the period of the drives, or simulate.end.
     """
 
     periods: Periods = 300

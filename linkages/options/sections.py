@@ -29,7 +29,8 @@ class SectionOptions(RunOptions):
     section
         Take points where this is crossed instead, e.g. ``slider9.velocity=0``. It is an element, a
         quantity of position or velocity (angle, speed, position, velocity) and a value in SI; or
-        ``gap.touch``, where the pin of a clearance that opens touches its hole.
+        ``gap.touch``, where the pin of a clearance that opens touches its hole, or
+        ``stops[0].lower.touch``, where a body touches a stop with restitution.
     direction
         How the section is crossed; ``down`` is where a pin that touches leaves its hole.
     end

@@ -179,6 +179,15 @@ def test_exponents_sum_to_the_divergence(pendulum, tmp_path):
     )
 
 
+def test_an_interval_that_counts_as_the_period_is_shown(pendulum, tmp_path):
+    result = pendulum("lyapunov", "--periods", "64", "--interval", "0.05 s", "--no-figures")
+    assert "over 64 intervals of 0.05 s, up to t = 3.2 s" in result.out
+    attributes = opened(tmp_path, "lyapunov.nc").attrs
+    assert (attributes["periods"], attributes["period"]) == (64, 0.05)
+    result = pendulum("lyapunov", "--periods", "16", "--no-figures")
+    assert f"exponents up to t = {16 * PERIOD:.6g} s" in result.out
+
+
 def test_exponents_as_a_table(pendulum):
     result = pendulum("lyapunov", "--periods", "64", "--count", "1", "--no-figures")
     assert (result.code, result.err) == (0, "")
@@ -404,6 +413,21 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
     assert "<b>" not in page
     assert "&lt;b&gt; pendulum" in page
     assert "base64" not in page
+
+
+def test_a_quick_verdict_takes_more_periods_where_it_needs_them(cli, tmp_path):
+    """Three forces without a common period are never judged."""
+    (tmp_path / "m.yaml").write_text("""\
+name: Oscillator
+joints: {O: [0, 0]}
+sliders: {m: {joint: P, through: O, mass: 1}}
+loads: [{slider: m, force: "-m.position-m.velocity+cos(t)+cos(sqrt(2)*t)+cos(sqrt(3)*t)"}]
+free: {m: {position: 1}}
+simulate: {end: 1}
+""")
+    content = json.loads(cli("chaos", "m.yaml", "--quick", "--json", "--no-figures").out)
+    assert content["verdict"] == "undecided"
+    assert content["run"]["periods"] == 300
 
 
 # what is refused

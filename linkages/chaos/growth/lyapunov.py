@@ -93,7 +93,10 @@ def lyapunov(
     log = None if looked is None else ContactLog(looked)
 
     def labelled(exponents: Exponents) -> xr.Dataset:
-        data = labelled_exponents(mechanism, exponents).assign_attrs(skip=asked.skip, **asked.how)
+        length = asked.interval or characteristic_period(mechanism)
+        data = labelled_exponents(mechanism, exponents).assign_attrs(
+            periods=asked.periods, skip=asked.skip, period=length, **asked.how
+        )
         if log is None:
             return data
         contacts = log.contacts

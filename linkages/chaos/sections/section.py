@@ -26,7 +26,7 @@ from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.options import options_of
-from linkages.solution.values.surface import example_section, parse_section
+from linkages.solution.values.surface import DIRECTIONS, example_section, parse_section
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -171,7 +171,7 @@ def require_section(system: System, options: SectionOptions) -> None:
     if options.section is None:
         stroboscopic_period(system)
     else:
-        parse_section(system, options.section)
+        parse_section(system, options.section).guard(DIRECTIONS[options.direction])
 
 
 def stroboscopic_period(system: System) -> float:

@@ -1,24 +1,25 @@
-"""Touches of journals and bearings: when within a period, in which direction, and how fast."""
+"""Touches of pins in holes and of bodies at stops: when, in which direction, and how fast."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import NoPeriodError, common_period
+from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_nodes
-from linkages.solution.moving.motion import Motion
-from linkages.solution.values.series import Series, system_series
+from linkages.solution.moving.motion import Motion, Piece
+from linkages.solution.values.series import system_series
 from linkages.solution.values.surface import Surface
 
 Floats = NDArray[np.float64]
 
 TOUCH = "touch"
-"""Dimension of what is known of touches: the clearance."""
+"""Dimension of what is known of touches: the clearance, or the end of a way."""
 
 VARIABLES = {
     "touch_phase": ("", "part of the period of the drives"),
@@ -31,7 +32,8 @@ VARIABLES = {
 def touch_values(system: System, motion: Motion, surface: Surface) -> dict[str, Floats]:
     """What is known of touches, shape (crossings, 1) each; nothing of other sections.
 
-    Without a common period of the drives there is no phase, without an offset no direction.
+    Without a common period of the drives there is no phase, without an offset no direction. Rates
+    at stops are those before an impact.
     """
     if not surface.touch:
         return {}
@@ -39,9 +41,13 @@ def touch_values(system: System, motion: Motion, surface: Surface) -> dict[str, 
 
     def along(quantity: str) -> Floats | None:
         series = known.get(f"{surface.touch}.{quantity}")
-        return None if series is None else _values(motion, series)
+        if series is None:
+            return None
+        return _evaluated(motion, lambda piece: series.node(piece.system.model))
 
     rate, x, y = along("indentation rate"), along("x offset"), along("y offset")
+    if surface.end:
+        rate = _evaluated(motion, lambda piece: surface.nodes(piece.system.model)[1])
     found = {
         "touch_phase": _phase(system, motion),
         "touch_direction": None if x is None or y is None else np.arctan2(y, x),
@@ -77,9 +83,8 @@ def touch_variables(
     }
 
 
-def _values(motion: Motion, series: Series) -> Floats:
-    parts = [evaluate_nodes(p, [series.node(p.system.model)])[0] for p in motion.pieces]
-    return np.concatenate(parts)
+def _evaluated(motion: Motion, node: Callable[[Piece], Scalar]) -> Floats:
+    return np.concatenate([evaluate_nodes(piece, [node(piece)])[0] for piece in motion.pieces])
 
 
 def _phase(system: System, motion: Motion) -> Floats | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,8 @@ from linkages.chaos.series.rotation import Rotation, classify_angle, refined
 from linkages.chaos.series.spectrum import PowerSpectrum, power_spectrum
 from linkages.chaos.verdicts.stretch import Evidence
 from linkages.components.mechanisms.mechanism import Mechanism
+from linkages.kernel.numbers.laws import law_values
+from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
@@ -37,6 +39,8 @@ from linkages.solution.remarks.assumptions import assumptions
 from linkages.solution.remarks.doubts import doubts
 from linkages.solution.solution import Solution
 from linkages.solution.values.labelled import labelled
+from linkages.solution.values.series import system_series
+from linkages.solution.values.surface import TOUCH
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,6 +54,9 @@ RETURNS = 64
 FEWEST_RETURNS = 8
 """Crossings below which a section is seldom crossed, and another one is tried."""
 
+GOES_ON = 0.2
+"""Part of the mean time between crossings below which later ones accumulate."""
+
 ALIKE = 1e-4
 """Part of its range by which an entry of the state may differ and be the same."""
 
@@ -59,6 +66,9 @@ ERRORS = 100.0
 RESOLVED, NOISE = 1e-4, 0.1
 """Parts of its range by which an entry may differ from a run of smaller error and be resolved, and
 from which on it is nothing but errors."""
+
+CREEPING = 1.5
+"""Way of an entry, in its ranges, up to which it moves in one direction."""
 
 ROUND_OFF = 1e-13
 """Part of sizes, and of a radian, below which differences are those of round-off."""
@@ -143,22 +153,34 @@ def section_for(system: System, run: RunOptions, periods: int) -> SectionPlane:
     for section in tried:
         probe = replace(section, period=end * periods / RETURNS / LONGER)
         _, times = probe.points(system, system, run, RETURNS)
-        if len(times) >= FEWEST_RETURNS:
+        if len(times) >= FEWEST_RETURNS and _goes_on(times):
             return replace(section, period=float(np.ptp(times)) / (len(times) - 1))
-    return tried[0]
+    return next(section for section in tried if not section.text.endswith(f".{TOUCH}"))
+
+
+def _goes_on(times: Floats) -> bool:
+    """Whether later crossings are about as far apart as all, unlike impacts before rest."""
+    gaps = np.diff(times)
+    return bool(np.median(gaps[len(gaps) // 2 :]) > GOES_ON * gaps.mean())
 
 
 def _sections(system: System) -> Iterator[tuple[str, str]]:
-    """Geometric sections and their directions, in the order in which they are tried."""
+    """Geometric sections and their directions, in the order in which they are tried.
+
+    Where something touches, rates jump past zero, and impacts are the points of the motion.
+    """
+    contacts, ends = system.mechanism.contacts, system.mechanism.ends
+    for touched in [*(contact.name for contact in contacts), *(end.name for end in ends)]:
+        yield f"{touched}.{TOUCH}", "up"
+    known = system_series(system).values()
     for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
         for name in names:
-            if dim == "slider":
-                yield f"{name}.velocity=0", "up"
-                continue
-            yield f"{name}.speed=0", "up"
-            angle = system.state[system.topology.free.index(name)]
-            yield f"{name}.angle={angle:.17g}", "up"
-            yield f"{name}.angle={angle:.17g}", "down"
+            told = {s.variable: s.name for s in known if s.place.get(dim) == name}
+            yield f"{told[rate]}=0", "up"
+            at = system.state[system.topology.free.index(name)]
+            yield f"{told[value]}={at:.17g}", "up"
+            yield f"{told[value]}={at:.17g}", "down"
 
 
 def alike(
@@ -168,8 +190,8 @@ def alike(
 
     A ten-thousandth of what the entry ranges over, of an angle at most of a radian; or what its own
     errors amount to. These are at most `ERRORS` tolerances of the entry; the comparison with a run
-    of smaller error shows how much of that. An entry that such errors blur counts as constant only
-    if it is different in that run and moves by no more than they allow.
+    of smaller error shows how much of that. An entry that moves by no more than they allow counts
+    as constant if it is different in that run, or creeps in one direction.
     """
     mechanism, free = system.mechanism, system.topology.free
     rotates = np.array([mechanism.bodies[name].rotates for name in free])
@@ -188,7 +210,8 @@ def alike(
         if errors is None:
             return np.maximum(ALIKE * ranges, np.maximum(allowed, round_off))
         blurred = np.where(errors <= RESOLVED * ranges, np.minimum(MARGIN * errors, allowed), 0.0)
-        noise = np.where(errors >= NOISE * ranges, allowed, blurred)
+        creeps = np.abs(np.diff(states, axis=0)).sum(axis=0) <= CREEPING * ranges
+        noise = np.where(creeps | (errors >= NOISE * ranges), allowed, blurred)
         return np.maximum(ALIKE * ranges, np.maximum(noise, round_off))
 
     return tolerance
@@ -202,7 +225,7 @@ def labelled_section(system: System, section: SectionPlane, evidence: Evidence) 
         columns = [free.index(name) for name in names]
         value, rate = PAIRS[dim]
         at = evidence.points[:, columns]
-        values[value] = at if dim == "slider" else wrapped(at)
+        values[value] = wrapped(at) if VARIABLES[value].angle else at
         values[rate] = evidence.points[:, [size + column for column in columns]]
     if system.topology.internal:
         values["internal_state"] = evidence.points[:, 2 * size :]
@@ -260,11 +283,35 @@ def rotation_of(system: System, solution: Solution) -> dict[str, Rotation]:
     """Free angle → what it does."""
     found, time = {}, solution.data.time.to_numpy()
     for dim, names in free_names(system).items():
-        if dim != "slider":
+        if VARIABLES[PAIRS[dim][0]].angle:
             values = solution.data[PAIRS[dim][0]]
             for name in names:
                 found[name] = classify_angle(*refined(time, values.sel({dim: name}).to_numpy()))
     return found
+
+
+def rates_of(
+    system: System, solution: Solution, rotation: Mapping[str, Rotation]
+) -> dict[str, tuple[float, str]]:
+    """Free coordinate → its mean rate, that of `rotation` for an angle, and the unit of that."""
+    found, time = {}, solution.data.time.to_numpy()
+    for dim, names in free_names(system).items():
+        value, rate = PAIRS[dim]
+        for name in names:
+            values = solution.data[value].sel({dim: name}).to_numpy()
+            mean = float(values[-1] - values[0]) / float(time[-1] - time[0])
+            found[name] = (
+                rotation[name].rate if name in rotation else mean,
+                str(solution.data[rate].attrs["units"]),
+            )
+    return found
+
+
+def driven(mechanism: Mechanism, first: float, last: float) -> bool:
+    """Whether a drive moves between two times in seconds."""
+    times = np.linspace(first, last, PER_PERIOD)
+    laws = [drive.law for drive in mechanism.prescribed.values()]
+    return any(np.ptp(law_values(law, times)) > 0 for law in laws)
 
 
 def conservative(mechanism: Mechanism) -> bool:

@@ -67,6 +67,8 @@ class ChaosReport:
         Clearance forces over time (time, clearance); None without clearances.
     certificate
         What is known of the exponents otherwise, and whether it holds.
+    rates
+        Free coordinate → its mean rate, and the unit of that.
     phases
         How section points depend on the phase of each drive that has no period in common with the
         section.
@@ -93,6 +95,7 @@ class ChaosReport:
     force: xr.DataArray | None = None
     notes: tuple[str, ...] = field(default=())
     certificate: tuple[Invariant, ...] = ()
+    rates: dict[str, tuple[float, str]] = field(default_factory=dict)
     phases: tuple[PhaseCurve, ...] = ()
 
     def __repr__(self) -> str:
@@ -135,6 +138,7 @@ class ChaosReport:
                 }
                 for name, found in self.rotation.items()
             },
+            "mean_rates": {n: {"value": v, "units": u} for n, (v, u) in self.rates.items()},
             "dimension": None
             if self.dimension is None
             else {

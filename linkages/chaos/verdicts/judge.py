@@ -58,6 +58,9 @@ class Course(Generic[T]):
         it is. None for a point each period.
     others
         Periods of drives and loads that have none in common with `period`, the stroboscope's.
+    driven
+        Whether drives move something between two times: where the rest of the state does not change
+        the motion is not at rest then.
     tolerance
         Of the states of the later half of a stretch, shape (n, d), and their largest differences
         from those with the smaller error, shape (d,), None before they are known: difference of
@@ -75,6 +78,7 @@ class Course(Generic[T]):
     parts: int = PARTS
     section: Callable[[T, bool], tuple[Floats, Floats]] | None = None
     others: tuple[float, ...] = ()
+    driven: Callable[[float, float], bool] = lambda _, __: False
     tolerance: Callable[[Floats, Floats | None], Floats] = _alike
     observed: int | None = None
     certified: Callable[[T, Exponents], Exponents] = lambda _, exponents: exponents
@@ -185,12 +189,14 @@ class _Stretch(Generic[T]):
         # what shrinks below errors of the integration comes to rest, however well it is resolved
         resting = np.where(shrinking(states, angles), allowed, tolerance)
         rests = course.parts > 1 and ends_alike(self.exponents, angles, resting)
-        if rests:
+        if rests and not course.driven(self.end.time, self.end.time + course.period):
             tolerance = resting
             between = copy.copy(self.end)
             between.advance(BETWEEN * course.period)
             (away,) = differences(between.state[None], states[-1:], angles, tolerance)
             rests = bool(away <= 1.0)
+        else:
+            rests = False
         return gathered(
             self.points,
             self.times,

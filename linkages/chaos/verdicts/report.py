@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
@@ -124,6 +125,7 @@ def _report(
         dissipative=not conservative,
         section=points if section.text else None,
         others=section.others,
+        driven=partial(gathering.driven, mechanism),
         tolerance=gathering.alike(system, section.period, options),
         observed=len(system.topology.free),
         certified=_certified,
@@ -156,6 +158,7 @@ def _report(
         )
     reasons += [one.sentence for one in contact if one.sentence]
     judged, exponents = found.evidence, found.again.exponents
+    rotation = gathering.rotation_of(system, solution)
     names = system.topology.free
     return ChaosReport(
         name=mechanism.name,
@@ -168,7 +171,7 @@ def _report(
         zero_one=dict(zip(names, judged.tests, strict=False)),
         spectra=gathering.spectra_of(system, solution),
         section=kept["chaos_section"],
-        rotation=gathering.rotation_of(system, solution),
+        rotation=rotation,
         dimension=gathering.dimension_of(judged),
         period=judged.period,
         curves=judged.curves,
@@ -192,6 +195,7 @@ def _report(
         force=solution.data.get("clearance_force"),
         notes=solution.notes,
         certificate=judged.exponents.certificate,
+        rates=gathering.rates_of(system, solution, rotation),
         phases=judged.phases,
     )
 

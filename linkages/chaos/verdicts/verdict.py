@@ -69,11 +69,17 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
         if verdict:
             return verdict, reasons
     found = transient(evidence) if dissipative else ""
+    curves = 0 if evidence.curves is None else evidence.curves.count
     forced = "" if evidence.law is Verdict.CHAOTIC else _forced(evidence)
     if found:
         reasons.append(f"This is a transient: {found}. Skip more, or run longer.")
     elif forced:
         reasons.append(forced)
+    elif curves and tested < REGULAR_GROWTH and evidence.law is Verdict.UNDECIDED:
+        reasons.append(
+            f"Poincaré section points lie on {_curves(curves)}, as those of quasi-periodic motions "
+            "do; only tangents do not decide yet. Run more periods."
+        )
     else:
         reasons.append("The evidence does not agree; run more periods.")
     return "undecided", reasons
@@ -97,8 +103,7 @@ def _aperiodic(
     if not evidence.neutral or (dissipative and not steady):
         return None
     if curves is not None and curves.count:
-        number = "a closed curve" if curves.count == 1 else f"{curves.count} closed curves"
-        reasons.append(f"Poincaré section points lie on {number}.")
+        reasons.append(f"Poincaré section points lie on {_curves(curves.count)}.")
         return "quasi-periodic"
     # at the end of a cascade of period doublings there is but one neutral direction
     directions = SURFACE + evidence.autonomous
@@ -109,6 +114,10 @@ def _aperiodic(
         )
         return "quasi-periodic"
     return None
+
+
+def _curves(count: int) -> str:
+    return "a closed curve" if count == 1 else f"{count} closed curves"
 
 
 def _forced(evidence: Evidence) -> str:

@@ -33,8 +33,10 @@ def run(request: Request, periods: int | None, quick: bool) -> int:
 
     length = FEWEST_PERIODS if periods is None and quick else periods
     with request.computing("judging") as watch:
-        given = {**request.given, "periods": length}
-        report = verdict(request.mechanism, watch=watch, **given)
+        report = verdict(request.mechanism, watch=watch, **{**request.given, "periods": length})
+    if quick and periods is None and report.verdict == "undecided":
+        with request.computing("judging longer") as watch:
+            report = verdict(request.mechanism, watch=watch, **{**request.given, "periods": None})
     tables, content = _tables(report), report.to_dict()
 
     def made() -> Iterator[File]:
@@ -83,18 +85,19 @@ def _tables(report: ChaosReport) -> list[Table]:
 
 
 def _coordinates(report: ChaosReport) -> Table:
-    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate (rad/s)"]
+    heads = ["coordinate", "0–1 test", "spread", "power in lines", "motion", "mean rate"]
     rows = []
     for name, spectrum in report.spectra.items():
         growth, rotation = report.zero_one.get(name), report.rotation.get(name)
+        rate, unit = report.rates[name]
         rows.append(
             [
                 name,
                 "" if growth is None else f"{growth[0]:.3f}",
                 "" if growth is None else f"{growth[1]:.2g}",
                 f"{100 * spectrum.line_share:.4g} %",
-                "" if rotation is None else str(rotation.kind),
-                "" if rotation is None else number(rotation.rate),
+                "–" if rotation is None else str(rotation.kind),
+                f"{number(rate)} {unit}",
             ]
         )
     return "Free coordinates", heads, rows

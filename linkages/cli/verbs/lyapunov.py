@@ -45,7 +45,10 @@ def run(request: Request) -> int:
 
     def show(screen: Console) -> None:
         title = f"[bold]{escape(said['name'])}[/bold]"
-        screen.print(f"{title}: Lyapunov exponents up to t = {number(end)} s")
+        counted = ""
+        if request.given.get("interval") is not None:
+            counted = f" over {said['periods']} intervals of {number(said['period'])} s,"
+        screen.print(f"{title}: Lyapunov exponents{counted} up to t = {number(end)} s")
         cells = [[r["index"], r["sign"], *to_error(r["value"], r["error"])] for r in rows]
         heads = ["exponent", "sign", "value (1/s)", "standard error"]
         if rows:
@@ -71,6 +74,8 @@ def run(request: Request) -> int:
     content = {
         "mechanism": said["name"],
         "end": end,
+        "periods": int(said["periods"]),
+        "period": float(said["period"]),
         "exponents": rows,
         "sum": {"value": said["sum"], "error": said["sum_error"]},
         "lost": int(said["lost"]),

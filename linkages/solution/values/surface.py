@@ -20,7 +20,8 @@ from linkages.solution.moving.motion import Piece
 from linkages.solution.values.series import Series, example_series, find_series, system_series
 
 TOUCH = "touch"
-"""Quantity of a clearance that opens: journal and bearing touch; with direction down, they part."""
+"""Quantity of what touches: journal and bearing of a clearance that opens, or a body and its stop;
+with direction down, they part."""
 
 
 @dataclass(frozen=True)
@@ -34,17 +35,21 @@ class Surface:
     level
         In SI.
     touch
-        The clearance whose journal touches its bearing there; empty for other surfaces.
+        The clearance whose journal touches its bearing there, or the end of a way that a body
+        touches; empty for other surfaces.
+    end
+        Whether it is an end of a way: that has no series, and `series` is its name alone.
     """
 
     series: Series
     level: float
     touch: str = ""
+    end: bool = False
 
     @property
     def turns(self) -> bool:
         """Whether it is an angle, which has a value again after every turn."""
-        return self.series.angle
+        return not self.end and self.series.angle
 
     @property
     def key(self) -> tuple[str, str, float]:
@@ -58,21 +63,43 @@ class Surface:
 
     def nodes(self, model: Model) -> tuple[Scalar, Scalar]:
         """What crosses zero there, and its rate; an angle half a turn away, too, the other way."""
+        if self.end:
+            (gap,) = (nodes.gap for nodes in model.ends if nodes.name == self.touch)
+            return gap.indentation, gap.rate(model.velocities)
         difference, rate = self.series.node(model) - self.level, self.rate.node(model)
         if not self.turns:
             return difference, rate
         return model.graph.sin(difference), model.graph.cos(difference) * rate
 
     def guard(self, direction: int, *, wanted: int = 0, name: str = "") -> Guard:
-        """What a motion watches to find where it is crossed; arguments as `Guard` has them."""
+        """What a motion watches to find where it is crossed; arguments as `Guard` has them.
+
+        Raises
+        ------
+        ValueError
+            For the end of a way, which bodies leave within the impact, in any direction but up.
+        """
+        if self.end and direction != DIRECTIONS["up"]:
+            raise ValueError(
+                f"{self.series.name!r} is where a body arrives; expected direction 'up'"
+            )
+        arrives = bool(self.touch) and direction == DIRECTIONS["up"]
         return Guard(
-            nodes=self.nodes,
+            nodes=self._arrival if arrives else self.nodes,
             direction=direction,
             wanted=wanted,
             counts=self.reached if self.turns else None,
-            key=self.key,
+            key=(*self.key, arrives),
             name=name,
         )
+
+    def _arrival(self, model: Model) -> tuple[Scalar, Scalar]:
+        """The same; a closed rigid contact stays beyond zero, where it is but round-off."""
+        difference, rate = self.nodes(model)
+        for contact in model.walls.contacts:
+            if contact.name == self.touch:
+                difference = model.graph.select(contact.touching, contact.gap.size, difference)
+        return difference, rate
 
     def reached(self, piece: Piece) -> NDArray[np.bool_]:
         """Which zeros of `nodes` of an angle are not half a turn away, shape (m,)."""
@@ -87,7 +114,8 @@ DIRECTIONS = {"up": 1, "down": -1, "both": 0}
 def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]:
     """Read ``{"piston.velocity": "up", "crank.angle=90 deg": "both"}``; no value means zero.
 
-    ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down).
+    ``gap.touch`` is where a journal touches its bearing (up) or leaves it (down), and
+    ``stops[0].lower.touch`` where a body touches its stop.
 
     Raises
     ------
@@ -107,7 +135,7 @@ def parse_events(system: System, events: Mapping[str, str]) -> tuple[Guard, ...]
 
 
 def parse_section(system: System, text: str) -> Surface:
-    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"gap.touch"``.
+    """Read ``"slider9.velocity=0"``, ``"crank.angle=90 deg"``, ``"gap.touch"``, and the like.
 
     Raises
     ------
@@ -158,11 +186,19 @@ def _surface(system: System, text: str, what: str, value: str = "") -> Surface:
 
 
 def _touch(system: System, name: str, what: str) -> Surface:
-    """Where the journal of a clearance touches its bearing."""
+    """Where the journal of a clearance touches its bearing, or a body the end of its way."""
     opening = [contact.name for contact in system.mechanism.contacts]
-    if name not in opening:
-        told = suggestion(name, opening) or (
-            f"; expected {listed(opening)}" if opening else ": none has the key 'contact'"
-        )
-        raise ValueError(f"{what} '{name}.{TOUCH}': {name!r} is no clearance that opens{told}")
-    return Surface(system_series(system)[f"{name}.indentation"], 0.0, name)
+    if name in opening:
+        return Surface(system_series(system)[f"{name}.indentation"], 0.0, name)
+    ends = [end.name for end in system.mechanism.ends]
+    alone = [end for end in ends if name in (end, end.rpartition(".")[0])]
+    if len(alone) == 1:
+        return Surface(Series(f"{alone[0]}.{TOUCH}", TOUCH, {}), 0.0, alone[0], end=True)
+    known = [*opening, *ends]
+    told = suggestion(name, known) or (f"; expected {listed(known)}" if known else "")
+    if alone:
+        told = f", but of {len(alone)}; expected {listed(alone)}"
+    raise ValueError(
+        f"{what} '{name}.{TOUCH}': {name!r} is no clearance that opens (with the key 'contact') "
+        f"and no end of a stop with 'restitution'{told}"
+    )

@@ -14,7 +14,7 @@ from linkages.design.fitting.known import Known, known
 from linkages.design.fitting.measured import Measured, Measurements, measured_of
 from linkages.design.fitting.residuals import Residuals
 from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of, require_starts
-from linkages.design.varied.rewritten import rewritten
+from linkages.design.varied.rewritten import kept, rewritten
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
@@ -165,6 +165,7 @@ def _result(
         _remarks(ranges, numbers, how),
     )
     data = _dataset(mechanism, ranges, measured, residuals, how, values)
+    data.attrs["notes"] += kept(changed)
     data.attrs["interrupted"] = int(interrupted)
     return Fitted(mechanism=changed, text=text, data=data)
 

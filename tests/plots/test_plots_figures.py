@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from functools import cache
 
 import matplotlib
 import numpy as np
@@ -9,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots import designs, save_figures, write_figure
+from linkages.plots import designs, save_figures, style, write_figure
 from linkages.plots.figures import OF_ALL
 
 
@@ -113,3 +114,17 @@ def test_the_convergence_of_a_search_shows_every_run(values):
         assert whole.x0 <= box.x0
         assert box.x1 <= whole.x1
         assert box.y0 >= whole.y0
+
+
+def test_characters_without_a_glyph_are_said_once(tmp_path, monkeypatch, caplog):
+    """Warnings are errors here; fonts beside that of Matplotlib are taken away."""
+    monkeypatch.setattr(style, "FALLBACKS", ())
+    monkeypatch.setattr(style, "_said", set())
+    for cached in (style._settings, style._drawable):
+        monkeypatch.setattr(style, cached.__name__, cache(cached.__wrapped__))
+    figure = Figure()
+    figure.add_subplot().set_title("曲柄 crank 한글")
+    for name in ("a.png", "b.svg", "c.pdf"):
+        write_figure(figure, tmp_path / name)
+    (said,) = caplog.messages
+    assert "figures show boxes for 曲柄글한: no font that was found has these" in said

@@ -90,6 +90,10 @@ def differences(
     points: Floats, others: Floats, angles: NDArray[np.bool_], tolerance: Floats
 ) -> Floats:
     """Largest difference of any entry of points, in tolerances, shape (n,); of angles modulo 2π."""
-    apart = points - others
-    apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
-    return np.asarray(np.max(np.abs(apart) / tolerance, axis=1))
+    # what overflows is further apart than any tolerance: infinite, or nan where that is, too
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        apart = points - others
+        apart[:, angles] = np.remainder(apart[:, angles] + np.pi, 2 * np.pi) - np.pi
+        away = apart != 0.0  # what is equal is within a tolerance of zero as well
+        found = np.divide(np.abs(apart), tolerance, out=np.zeros_like(apart), where=away)
+    return np.asarray(np.max(np.where(np.isnan(found), np.inf, found), axis=1))

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rich.console import Console
-from rich.markup import escape
 
 from linkages.cli.loading import (
     arguments_in,
@@ -157,7 +156,7 @@ class Request:
         """
         from linkages.errors import UnfinishedError
 
-        title = f"{label} {escape(self.mechanism.name)}"
+        title = f"{label} {self.mechanism.name}"
         try:
             with progress(title, shown=not self.json, what=what) as watch:
                 yield watch

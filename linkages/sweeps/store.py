@@ -142,8 +142,8 @@ class SweepStore:
             if error.errno not in _NO_SPACE:
                 raise
             done = status(self.folder)["done"]
-            each = len(content) / self.chunk
-            more = max(1.0, (self.count - done) * each)
+            parts = (self.count - done) / self.chunk if path.name != RESULT else 1.0
+            more = len(content) * max(1.0, parts)
             raise ComputationError(
                 f"{self.folder}: no space left to write {path.name}; {done} of {self.count} points "
                 f"are stored, about {more:.3g} bytes more are needed. Make room: the same command "

@@ -310,3 +310,14 @@ def test_a_number_of_the_definition_is_no_measure(loaded):
 def test_words_of_conditions_end_names(loaded):
     text = "max(where(crank.speed < rocker.speed and crank.angle < 9, 1, 2))"
     assert linkages.measure(loaded, text) in (1, 2)
+
+
+def test_magnitudes_whose_squares_overflow():
+    text = """
+joints: {O: [0, 0]}
+bars: {rod: {joints: [O, P], length: 1e200, mass: 1}}
+drives: {rod: {angle: 0, speed: 1}}
+simulate: {end: 1, samples: 5}
+"""
+    rows = linkages.simulate(linkages.loads(text), outputs=["joint_velocity"]).maxima
+    assert {row["element"]: row["value"] for row in rows}["P"] == pytest.approx(1e200, rel=1e-12)

@@ -191,6 +191,20 @@ def test_a_full_disk_leaves_what_is_there_intact(tmp_path, monkeypatch):
     monkeypatch.setattr(stores, "put", full)
     with pytest.raises(ComputationError, match=r"no space left .* 20 of 60 points are stored"):
         sweep(tmp_path, executor=Threads(1))
+    room[0] = 99
+    whole_file = []
+
+    def full_at_the_end(path, content):
+        if path.name == RESULT:
+            whole_file.append(len(content))
+            raise OSError(errno.ENOSPC, "No space left on device")
+        put(path, content)
+
+    other = tmp_path.with_name(f"{tmp_path.name}-other")
+    monkeypatch.setattr(stores, "put", full_at_the_end)
+    with pytest.raises(ComputationError, match="60 of 60 points") as caught:
+        sweep(other, executor=Threads(1))
+    assert f"about {whole_file[0]:.3g} bytes more" in str(caught.value)
     monkeypatch.setattr(stores, "put", put)
     assert status(tmp_path)["done"] == 20
     assert sweep(tmp_path).identical(whole)

@@ -175,6 +175,9 @@ def test_a_motion_that_stops_is_shown_up_to_there(opened):
     assert not solution.completed
     assert message.startswith("Stops at t = 0.")
     assert "joint B" in message
+    assert message.endswith(".")
+    assert not message.endswith("..")
+    assert "change_points" not in message
     last = page.evaluate("v.stage.motion.end")
     step = page.evaluate("v.recorded.time[1]")
     assert stop - 1.01 * step < last <= stop

@@ -158,7 +158,7 @@ class Lines:
         values = np.asarray(array, dtype=float)
         dims = [str(dim) for dim in array.dims[1:]]
         if "axis" in dims:
-            values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
+            values, dims = np.hypot.reduce(values, axis=-1), dims[:-1]
         self.data, self.time = data, np.asarray(data["time"], dtype=float)
         self.names = [
             ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))

@@ -99,7 +99,8 @@ def series_of(dense: Dense, name: str) -> tuple[Floats, list[str]]:
 
 def _magnitudes(name: str, values: Floats) -> Floats:
     if VARIABLES[name].magnitude:
-        values = np.linalg.norm(values, axis=-1)
+        with np.errstate(over="ignore"):  # where it is infinite; squares overflow much sooner
+            values = np.hypot.reduce(values, axis=-1)
     return values.reshape(len(values), math.prod(values.shape[1:]))
 
 

@@ -65,7 +65,7 @@ class Series:
         """The series in a solution's data."""
         array = data[self.variable]
         found = array.sel(dict(self.place)) if self.place else array
-        return (found**2).sum("axis") ** 0.5 if self.size else found
+        return found.reduce(np.hypot.reduce, "axis") if self.size else found
 
     def words(self, long_name: str) -> str:
         """What an axis calls it: the variable's name, and whose it is."""

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.kernel.outputs import links
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from linkages.solution.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -94,12 +96,19 @@ def _zero(time: Floats, force: Floats, index: int) -> float:
     return float(time[index] + share * (time[index + 1] - time[index]))
 
 
-def contact_of(solution: Solution) -> tuple[LinkForce, ...]:
-    """The check of every massless link whose force a solution has, wherever its samples are."""
+def force_of(solution: Solution) -> xr.DataArray | None:
+    """Clearance forces that a solution has, (time, clearance), wherever its samples are."""
     if "clearance_force" not in solution.data or solution.data.sizes["time"] < 2:
+        return None
+    return solution.dense(["clearance_force"])["clearance_force"]
+
+
+def contact_of(solution: Solution, force: xr.DataArray | None = None) -> tuple[LinkForce, ...]:
+    """The check of every massless link; `force` is that of `force_of` if it is known."""
+    force = force_of(solution) if force is None else force
+    if force is None:
         return ()
-    data = solution.dense(["clearance_force"])
-    time, force = data["time"].to_numpy(), data["clearance_force"]
+    time = force["time"].to_numpy()
     return tuple(
         contact_check(name, time, force.sel(clearance=name).to_numpy())
         for name in links(solution.system.model)

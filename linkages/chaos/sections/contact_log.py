@@ -98,6 +98,8 @@ class ContactLog:
 
     def note(self, motion: Motion) -> None:
         """Look at the samples of the next part of the motion."""
+        if not len(motion.time):
+            return
         if math.isnan(self._begun):
             self._begun = float(motion.time[0])
         if (lasted := float(motion.time[-1]) - self._begun) > 0.0:

@@ -58,8 +58,10 @@ class Strobe:
     @property
     def contacts(self) -> tuple[LinkForce, ...]:
         """Forces in clearances from the first point to the last."""
-        lasted = self.motion.time[-1] - self.motion.time[0]
-        rate = self.motion.cost.get("steps", 0) / lasted if lasted > 0.0 else 0.0
+        if len(self.checked) < 2:
+            return ()
+        lasted = self.motion.time[-1] - self.system.time
+        rate = self.motion.cost.get("steps", 0) / lasted
         return contacts_in(self.motion, rate, self.checked)
 
     @property

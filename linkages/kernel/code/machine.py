@@ -17,6 +17,9 @@ from linkages.kernel.code.cache import digest_of, kept
 
 LOGGER = logging.getLogger(__name__)
 
+LONG_TEXT = 3_000_000
+"""Characters that compile for about ten seconds; the time grows like their number to the 1.5."""
+
 _FORMAT = "3"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
@@ -118,6 +121,12 @@ def _linker() -> Any:
 
 def _compiled(text: str) -> bytes:
     """A line of what it defines, a line of what it needs, and its machine code."""
+    if len(text) > LONG_TEXT:
+        LOGGER.warning(
+            "compiling %.1f million characters of equations, which can take minutes; the result is "
+            "kept for the next run",
+            len(text) / 1e6,
+        )
     module = _llvm().parse_assembly(text)
     module.verify()
     if _VARIABLE.search(text):

@@ -8,8 +8,8 @@ import copy
 import io
 import json
 import random
-import resource
 import struct
+import sys
 import zlib
 
 import numpy as np
@@ -25,6 +25,8 @@ from linkages.solution.files import netcdf_bytes
 from linkages.stamps import FORMATS, stamp
 from linkages.sweeps import store as stores
 from linkages.sweeps.answers import OWN, Answer, Code, Field, stacked
+
+resource = pytest.importorskip("resource", reason="POSIX")
 
 QUICK, LONG = 12, 1200
 """Changed files of each kind."""
@@ -138,15 +140,20 @@ def read_results(path):
         linkages.open(path)
 
 
+def most_memory():
+    """Of this process, in MiB."""
+    unit = 1024**2 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
 @pytest.fixture
 def quiet(capfd, caplog):
     """Nothing that other libraries say reaches the user, and memory is bounded."""
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = most_memory()
     yield
     assert capfd.readouterr() == ("", "")
     assert not [record.message for record in caplog.records if record.levelname != "INFO"]
-    taken = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
-    assert taken < MOST_MEMORY
+    assert most_memory() - before < MOST_MEMORY
 
 
 def judge_results(kind, count, tmp_path):

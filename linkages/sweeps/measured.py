@@ -25,6 +25,7 @@ from linkages.solution.measuring.followed import (
     evaluable,
     factor_of,
     resolved_motion,
+    unrecorded,
 )
 from linkages.solution.measuring.measure import (
     measure_unit,
@@ -342,7 +343,8 @@ class MeasureQuestion(Question):
         found: dict[int, Answer] = {}
         for place, (system, resolved) in moved.items():
             motion = resolved.motion
-            if motion.failure is None and goes_together(motion, self._series):
+            known = not (self._integrated and unrecorded(motion))
+            if motion.failure is None and known and goes_together(motion, self._series):
                 key = system.structure.key, system.topology.coordinates
                 alike.setdefault(key, {})[place] = system, resolved
             else:

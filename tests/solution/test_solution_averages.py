@@ -249,6 +249,20 @@ def test_rates_of_a_random_chain_between_stops_under_loads_that_jump(seed):
         )
 
 
+def test_a_mean_over_impacts_that_are_not_recorded_is_refused():
+    """Some 14,000 impacts; whoever asks for the end as well gets it."""
+    low = BALL.replace("position: 1,", "position: 0.001,") % 1.0
+    mechanism, mean = linkages.loads(low), "mean(ball.velocity)"
+    reason = r"'stops\[0\].lower: touch' changes 14\d\d\d times, of which 10000 are recorded"
+    with pytest.raises(linkages.ComputationError, match=reason):
+        linkages.measure(linkages.simulate(mechanism, end=400, samples=3), mean)
+    vary = {"sliders.ball.mass": [0.3, 0.4]}
+    data = linkages.sweep(mechanism, vary, [mean, "final(t)"], end=400, samples=3)
+    assert np.isnan(data[mean]).all()
+    assert data["final(t)"].to_numpy().tolist() == [400.0, 400.0]
+    assert "expected a shorter motion" in str(data["reason"].to_numpy()[0])
+
+
 def quadrature(function, intervals=16):
     edges = np.linspace(0.0, 1.0, intervals + 1)
     group = np.zeros(intervals, dtype=int)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from linkages.errors import ComputationError
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
@@ -19,7 +20,13 @@ from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.course import Course
 from linkages.solution.moving.driven import fastest
 from linkages.solution.moving.evaluation import evaluate_nodes, evaluate_variables
-from linkages.solution.moving.motion import Motion, Piece, Settings, compute_motion
+from linkages.solution.moving.motion import (
+    Changed,
+    Motion,
+    Piece,
+    Settings,
+    compute_motion,
+)
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.reactions import reaction_nodes, reactions
 from linkages.solution.values.requests import REACTIONS
@@ -302,8 +309,27 @@ def between_sides(times: Floats, sides: Floats) -> Floats:
     return np.asarray(stretches[inside < parts] @ np.array([1.0 - part, part])).ravel()
 
 
+def unrecorded(motion: Motion) -> str:
+    """Which impacts of a motion are not all recorded, in words; empty if all are."""
+    for contact in motion.pieces[0].system.model.walls.contacts:
+        changed = motion.changes.get(contact.touch, Changed.none())
+        known = len(changed.rises)
+        if changed.count > known:
+            return f"'{contact.touch}' changes {changed.count} times, of which {known} are recorded"
+    return ""
+
+
 def between_changes(motion: Motion) -> tuple[Floats, Floats]:
-    """Intervals of a few samples each, of which none has a change of mode in it."""
+    """Intervals of a few samples each, of which none has a change of mode in it.
+
+    Raises
+    ------
+    ComputationError
+        If speeds jump at times that are not recorded.
+    """
+    if found := unrecorded(motion):
+        message = f"{found}; expected a shorter motion for a mean over time"
+        raise ComputationError(message, time=None)
     times, sides = motion.time, sides_of(motion)
     stretches = np.concatenate([times[:1], sides.ravel(), times[-1:]]).reshape(-1, 2)
     order = 1 if times[-1] >= times[0] else -1

@@ -223,11 +223,23 @@ def contact_kept(data: xr.Dataset) -> str:
         return ""
     interval = data["contact_lost"].attrs["interval"]
     looked = f"looked at every {interval:.3g} s after what is skipped"
-    steps, least = float(data["steps_per_look"].max()), float(data["least_force"].min())
+    steps, least = float(data["steps_per_look"].max()), _least(data)
     if steps > RESOLVED:
         return (
-            f"journal and bearing are in contact where the force was {looked}, least {least:.4g} N;"
+            f"journal and bearing are in contact where the force was {looked}, {least};"
             f" the motion takes {steps:.2g} steps between two looks, so contact may be lost in "
             "between: simulate follows every oscillation"
         )
-    return f"journal and bearing stay in contact: least force {least:.4g} N, {looked}"
+    return f"journal and bearing stay in contact: {least}, {looked}"
+
+
+def _least(data: xr.Dataset) -> str:
+    """The least force that was found, its clearance and, of a single motion, its time."""
+    forces = data["least_force"].min(
+        [dim for dim in data["least_force"].dims if dim != "clearance"]
+    )
+    name = str(data["clearance"].to_numpy()[np.nanargmin(forces)])
+    text = f"least force {float(forces.min()):.4g} N in {name}"
+    if data["least_force"].ndim > 1:
+        return text
+    return f"{text} at t = {float(data['least_force_time'].sel(clearance=name)):.4g} s"

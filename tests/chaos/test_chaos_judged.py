@@ -63,6 +63,13 @@ def test_chaos_needs_the_zero_one_test(growth, expected):
     assert verdict(evidence(0.3, growth=growth)) == expected
 
 
+@pytest.mark.parametrize(("second", "expected"), [(0.2, True), (-0.2, False)])
+def test_several_positive_exponents_are_named(second, expected):
+    found, reasons = judged(evidence(0.3, second, -0.9, growth=0.95), dissipative=True)
+    assert found == "chaotic"
+    assert ("2 exponents are positive (hyperchaos)." in reasons) is expected
+
+
 @pytest.mark.parametrize(("errors", "expected"), [(2.0, "undecided"), (8.0, "chaotic")])
 def test_chaos_needs_a_significant_exponent(errors, expected):
     """Tangents of a random walk are long in the end, and do not grow exponentially."""

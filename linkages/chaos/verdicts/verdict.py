@@ -93,7 +93,12 @@ def _aperiodic(
     value, error = exponents.largest
     significant = value > SIGNIFICANT * error
     if evidence.law is Verdict.CHAOTIC:
-        return "chaotic" if significant and tested > CHAOTIC_GROWTH else None
+        if not significant or tested <= CHAOTIC_GROWTH:
+            return None
+        positive = int((exponents.values > SIGNIFICANT * exponents.errors).sum())
+        if positive > 1:
+            reasons.append(f"{positive} exponents are positive (hyperchaos).")
+        return "chaotic"
     steady = evidence.steady[0] <= DRIFTING
     if evidence.law is Verdict.REGULAR and not _forced(evidence) and evidence.phases:
         if evidence.shrinks or steady or not dissipative:

@@ -263,6 +263,18 @@ def test_a_mean_over_impacts_that_are_not_recorded_is_refused():
     assert "expected a shorter motion" in str(data["reason"].to_numpy()[0])
 
 
+@pytest.mark.parametrize("samples", [3, 101])
+def test_the_mean_number_of_touches(samples):
+    """It rises by one at every impact: the mean is that of the times left behind each."""
+    mechanism = linkages.loads(CLEARANCE)
+    solution = linkages.simulate(mechanism, samples=samples, outputs=["touches"])
+    changes = solution.motion.changes["gap: touch"]
+    times = changes.time[changes.rises]
+    assert len(times) > 10
+    mean = linkages.measure(solution, "mean(gap.touches)")
+    assert mean == pytest.approx(np.sum(0.1 - times) / 0.1, rel=1e-9)
+
+
 def quadrature(function, intervals=16):
     edges = np.linspace(0.0, 1.0, intervals + 1)
     group = np.zeros(intervals, dtype=int)

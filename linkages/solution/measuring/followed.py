@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,10 @@ from linkages.solution.moving.motion import (
     compute_motion,
 )
 from linkages.solution.resolved import MOST_SAMPLES
+from linkages.solution.values.episodes import states, touches_so_far
+from linkages.solution.values.impacts import losses_of_impacts
 from linkages.solution.values.reactions import reaction_nodes, reactions
-from linkages.solution.values.requests import REACTIONS
+from linkages.solution.values.requests import LOSS, REACTIONS, STATE, TOUCHES
 from linkages.solution.values.series import TIME, Series
 
 if TYPE_CHECKING:
@@ -60,6 +62,13 @@ drive turns by in one of them, and how often it is looked for changes of branch 
 
 _CLOSE = 2000
 """Intervals between samples of a motion that is not integrated and passes change points."""
+
+_STEPS: dict[str, Callable[[Motion], NDArray[Any]]] = {
+    STATE: states,
+    TOUCHES: touches_so_far,
+    LOSS: lambda motion: np.sum(losses_of_impacts(motion), axis=0),
+}
+"""Outputs that change at changes of mode alone, and what computes them at samples of a motion."""
 
 _FIVE = range(5)
 """Samples that a polynomial goes through, of series that are not evaluated between samples."""
@@ -109,6 +118,8 @@ class Followed:
             elif evaluable(found):
                 values = found.picked(self._evaluated(self._motion, [found]), self._model)
                 values = values[self._own.even]
+            elif found.variable in _STEPS:
+                values = self._stepped(series)[self._own.even]
             else:
                 assert self._data is not None
                 values = self._between_samples(found.of(self._data).to_numpy(), found)
@@ -158,7 +169,7 @@ class Followed:
                 left[k, inside] = False
         for row, name, open_ in zip(found, series, left, strict=True):
             if open_.any():
-                row[open_] = self._interpolated(name, places[open_])
+                row[open_] = self._interpolated(name, inner[open_], places[open_])
         return list(found)
 
     def _evaluated(self, motion: Motion, series: Sequence[Series]) -> dict[str, Floats]:
@@ -170,10 +181,18 @@ class Followed:
                 found |= reactions(motion)
         return found
 
-    def _interpolated(self, name: str, places: Floats) -> Floats:
+    def _interpolated(self, name: str, inner: Floats, places: Floats) -> Floats:
         """From values at samples alone."""
+        if self._series[name].variable in _STEPS:
+            return np.interp(inner, np.arange(len(self._motion.time)), self._stepped(name))
         (values,) = self.sampled(name)
         return through(values, places, smooth(self._series[name]))
+
+    def _stepped(self, name: str) -> Floats:
+        """What changes at changes of mode alone, at all samples of the motion."""
+        series = self._series[name]
+        found = np.asarray(_STEPS[series.variable](self._motion), dtype=float)
+        return series.picked({series.variable: found}, self._model)
 
     def _between_samples(self, values: Floats, series: Series) -> Floats:
         """What the data have, at the samples of the motion that is followed."""

@@ -1,4 +1,5 @@
 import math
+import os
 import re
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from linkages.reading.private import ENVIRONMENT_VARIABLE
 from linkages.spec import dimensions as d
 from linkages.spec import quantities as q
 from linkages.spec import units
@@ -287,15 +289,25 @@ def test_plain_numbers_do_not_import_pint():
 @pytest.mark.parametrize("rest", [0.0, 0.5, 0.99], ids=str)
 def test_units_that_another_process_is_writing(rest, tmp_path, monkeypatch):
     """Pint writes its cache in place: who reads meanwhile, or after a crash, finds a part of it."""
-    monkeypatch.setattr("platformdirs.user_cache_path", lambda *_, **__: tmp_path)
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
     fresh = units._registry.__wrapped__
     assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
-    kept = [*tmp_path.glob("*.pickle")]
+    kept = [*(tmp_path / "units").glob("*.pickle")]
     assert kept
     for path in kept:
         content = path.read_bytes()
         path.write_bytes(content[: int(rest * len(content))])
     assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_units_that_others_may_have_written_are_not_read(tmp_path, monkeypatch):
+    """They are pickles, which can run anything."""
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
+    (tmp_path / "units").mkdir()
+    (tmp_path / "units").chmod(0o777)
+    assert units._registry.__wrapped__().Quantity(1, "inch").to("metre").magnitude == 0.0254
+    assert not [*(tmp_path / "units").iterdir()]
 
 
 @pytest.mark.parametrize(

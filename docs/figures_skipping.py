@@ -23,7 +23,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.plan import build_flow, kernel_source
-from linkages.solution.values.reactions import joint_reactions
+from linkages.solution.values.reactions import reactions
 
 ROUNDS = 101
 LIGHT = {
@@ -99,7 +99,7 @@ def outputs() -> str:
     for _ in range(ROUNDS):
         for name, action in [*cases.items()]:
             rounds[name].append(_seconds(action))
-        rounds["`joint_reaction`"].append(_seconds(lambda: joint_reactions(motion)))
+        rounds["`joint_reaction`"].append(_seconds(lambda: reactions(motion)))
     full = min(rounds["default"])
     lines = ["| outputs | operations per sample | time |", "|---|--:|--:|"]
     for name, times in rounds.items():

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from linkages.cli.options import Figures, Format, Json, Out, Picture, Template, complete_file
+from linkages.errors import InputError, Problem
 
 
 def new(
@@ -79,5 +80,9 @@ def list_mechanisms(
     from linkages.cli.verbs.library import run_list, run_show
 
     if name is None:
+        for flag, given in (("--dimensions", dimensions), ("--out", out is not None)):
+            if given:
+                message = "expected the NAME of a mechanism to draw before this option"
+                raise InputError(flag, [Problem(message=message)])
         raise typer.Exit(run_list(json))
     raise typer.Exit(run_show(name, out, json, figures, form.value, dimensions))

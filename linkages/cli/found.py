@@ -38,6 +38,14 @@ class WithFound(TyperGroup):
         found = {_verb(name): analysis for name, analysis in analyses().items()}
         return _command(cmd_name, found[cmd_name]) if cmd_name in found else None
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; what is wrong with its options is said without the words of pydantic."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = error.message.removeprefix("Value error, ")
+            raise
+
 
 def _verb(name: str) -> str:
     return name.replace("_", "-")

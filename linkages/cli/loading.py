@@ -20,7 +20,9 @@ Given = TypeVar("Given")
 Found = TypeVar("Found")
 
 
-def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
+def mechanism_from(
+    file: str, assignments: Sequence[str], tables_from: Path | None = None
+) -> Mechanism:
     """Read a definition file with the values of ``--set`` put in.
 
     Raises
@@ -28,7 +30,7 @@ def mechanism_from(file: str, assignments: Sequence[str]) -> Mechanism:
     InputError
         For anything wrong in the file or the assignments.
     """
-    return load(file, set=overrides("--set", assignments))
+    return load(file, set=overrides("--set", assignments), tables_from=tables_from)
 
 
 INTEGRATION = ("method", "rtol", "atol", "step", "change_points")

@@ -48,6 +48,14 @@ Set = Annotated[
         "--set", metavar="PATH=VALUE", help="Use another value, e.g. clearances.r1.size=0.1mm."
     ),
 ]
+TablesFrom = Annotated[
+    Path | None,
+    typer.Option(
+        "--tables-from",
+        metavar="DIR",
+        help="Read files of tables below this folder, too; default: below that of FILE.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
 Out = Annotated[
     Path | None,

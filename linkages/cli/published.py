@@ -43,6 +43,9 @@ DEFINITIONS = (".yaml", ".yml")
 _LOCAL = re.compile(r"(?<![^=])(/|~|[A-Za-z]:[\\/]).*")
 """An absolute path, alone or after an equals sign."""
 
+MAX_RECORD = 32 * 1024**2
+"""Bytes of a record that is read."""
+
 
 class EndedError(LinkagesError):
     """Ctrl-C or a signal ended a run; the message says what has been written."""
@@ -197,6 +200,8 @@ def _own(record: Path) -> dict[str, str]:
 def _read(record: Path) -> dict[str, Any]:
     """What a record says; nothing if it is none."""
     try:
+        if record.stat().st_size > MAX_RECORD:
+            return {}
         content = json.loads(record.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return {}

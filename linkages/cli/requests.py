@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from rich.console import Console
-from rich.markup import escape
 
 from linkages.cli.loading import (
     arguments_in,
@@ -63,7 +62,7 @@ class Request:
     ----------
     verb
         The command.
-    file, assignments, out
+    file, assignments, tables_from, out
         As on the command line.
     json, figures
         Whether to print JSON, and whether to draw.
@@ -81,6 +80,7 @@ class Request:
     verb: str
     file: str
     assignments: Sequence[str] = ()
+    tables_from: Path | None = None
     out: Path | None = None
     json: bool = False
     figures: bool = True
@@ -129,7 +129,7 @@ class Request:
         InputError
             For anything wrong in the file, the assignments or the folder.
         """
-        found = mechanism_from(self.file, self.assignments)
+        found = mechanism_from(self.file, self.assignments, self.tables_from)
         require_folder(self.folder)
         return found
 
@@ -156,7 +156,7 @@ class Request:
         """
         from linkages.errors import UnfinishedError
 
-        title = f"{label} {escape(self.mechanism.name)}"
+        title = f"{label} {self.mechanism.name}"
         try:
             with progress(title, shown=not self.json, what=what) as watch:
                 yield watch

@@ -15,7 +15,7 @@ from linkages.chaos.sections.free_states import PAIRS
 from linkages.chaos.sections.touches import TOUCH
 from linkages.cli.published import EndedError
 from linkages.cli.requests import File, Request
-from linkages.cli.terminal import number, print_notes
+from linkages.cli.terminal import print_notes
 from linkages.errors import Interrupted
 
 if TYPE_CHECKING:
@@ -72,7 +72,8 @@ def result(request: Request, label: str, what: str, task: Callable[..., xr.Datas
 def _words(found: Progress) -> str:
     """How fast a sweep is, and what failed so far."""
     failed = [f"{count} {word.replace('_', ' ')}" for word, count in found.failures.items()]
-    return ", ".join([f"{number(found.rate)} per second", *failed])
+    done = f"{int(found.done)} of {found.total}"
+    return ", ".join([done, f"{found.rate:.2g} per second", *failed])
 
 
 def publish(
@@ -139,12 +140,10 @@ def varied_columns(data: xr.Dataset, *dims: str) -> dict[str, xr.DataArray]:
 
 def contact_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
     """Head → what was seen of contact in every clearance."""
-    from linkages.chaos.sections.contact_log import CONTACT
-
     heads = {"contact_lost": "contact lost in {} (share)", "least_force": "least force in {} (N)"}
     return {
         heads[variable].format(name): data[variable].sel(clearance=name)
-        for variable in CONTACT
+        for variable in heads
         if variable in data
         for name in data["clearance"].to_numpy()
     }

@@ -14,13 +14,16 @@ from typing import Any, TextIO, cast
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
+from rich.table import Column, Table
 
 from linkages.interrupts import keep_from_now_on
 
 MOST_NOTES = 10
 PATIENCE = 1.0
 """Seconds before a progress bar appears."""
+
+BAR = 16
+"""Its width in characters: the time that is left and some words fit beside it into 80."""
 
 
 _UNBOUNDED = 100_000
@@ -163,15 +166,16 @@ def progress(
     )
 
     bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
+        BarColumn(BAR),
         TaskProgressColumn("[progress.percentage]{task.percentage:>4.3g}%"),  # 1.2e-05% creeps, too
         TextColumn(f"{what}, remaining"),
         TimeRemainingColumn(),
+        TextColumn("{task.description}", table_column=Column(no_wrap=True)),
         console=console(error=True),
         transient=True,
     )
-    task = bar.add_task(label, total=1.0)
+    room = bar.console.width - BAR - len(f" 1.2e-05% {what}, remaining -:--:-- ")
+    task = bar.add_task("", total=1.0)
     visible = shown and bar.console.is_terminal and not _quiet  # a log file gets no bar
     begin = time.monotonic()
     started = False
@@ -179,11 +183,12 @@ def progress(
     def update(fraction: float, words: str = "") -> None:
         nonlocal started
         keep_from_now_on()
+        said = f"{words}, {label}" if words else label
+        said = said if len(said) <= room else f"{said[: max(room - 1, 0)]}…"
+        bar.update(task, completed=fraction, description=escape(said))
         if visible and not started and time.monotonic() - begin > PATIENCE:
             started = True  # first: an interrupt may come while it starts
             bar.start()
-        said = f"{label}: {escape(words)}" if words else label
-        bar.update(task, completed=fraction, description=said)
 
     try:
         yield update

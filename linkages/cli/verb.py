@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import typer
 
-from linkages.cli.options import Figures, File, Format, Json, Out, Picture, Set
+from linkages.cli.options import Figures, File, Format, Json, Out, Picture, Set, TablesFrom
 from linkages.options.given import Option, options_in
 from linkages.options.run import RunOptions
 from linkages.spec.conversion import QuantityError
@@ -34,6 +34,7 @@ def _common(
     json: Json = False,
     figures: Figures = True,
     form: Format = Picture.PNG,
+    tables_from: TablesFrom = None,
 ) -> None:
     """Flags that all of these commands have."""
 
@@ -99,6 +100,7 @@ def command_of(
             verb=verb,
             file=given["file"],
             assignments=given["assignments"] or (),
+            tables_from=given["tables_from"],
             out=given.get("out"),
             json=given["json"],
             figures=given.get("figures", False),

@@ -42,12 +42,15 @@ class Subject:
         Its motion, if there is one already.
     options
         Of its motion otherwise, as `linkages.simulate` takes them.
+    notes
+        Sentences on what a format changes, which it adds.
     """
 
     mechanism: Mechanism
     name: str
     given: Solution | None = None
     options: Mapping[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
 
     @cached_property
     def system(self) -> System:

@@ -20,8 +20,10 @@ def mjcf(subject: Subject) -> Mapping[str, str]:
     InputError
         With everything that MuJoCo cannot express.
     """
-    from linkages.exports.trees.mujoco import mjcf_text
+    from linkages.exports.trees.mujoco import massless, mjcf_text
 
+    if note := massless(subject.system):
+        subject.notes.append(note)
     return {f"{subject.name}.xml": mjcf_text(subject.system)}
 
 

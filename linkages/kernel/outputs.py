@@ -18,6 +18,7 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.graph.vectors import Vector
 from linkages.kernel.model import Model
 from linkages.topology.blocks import Block
+from linkages.topology.graph import shared_pins
 
 Floats = NDArray[np.float64]
 
@@ -136,6 +137,11 @@ def labels(model: Model, dim: str) -> tuple[str, ...]:
         return ("ground",)
     if dim == "joint":
         return model.topology.joints
+    if dim == "pin":
+        # a massless link transmits the force on the bar whose clearance it is
+        bars = {one.name: one.bar for one in model.mechanism.clearances}
+        shared = shared_pins(model.mechanism)
+        return tuple(f"{joint}.{bars.get(body, body)}" for joint, body in shared)
     if dim == "drive":
         return model.topology.driven
     if dim == "dyad":

@@ -33,7 +33,7 @@ class Structure:
         on what has been asked for before.
     """
 
-    key: Hashable
+    key: tuple[Hashable, ...]
     topology: Topology
     model: Model
 

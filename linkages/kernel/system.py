@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,14 +63,14 @@ class System:
         self.chosen = tuple(
             name for name in self.mechanism.initial if name not in mechanism.initial
         )
-        self._take(structure_of(self.mechanism))
+        self._take(whole=False)
         try:
             self._assemble(near)
         except InputError as error:
             if not self.topology.redundant:
                 raise
             # which equations are redundant shows in numbers only: solve all of them together
-            self._take(structure_of(self.mechanism, whole=True))
+            self._take(whole=True)
             try:
                 self._assemble(near)
             except SeveralPlacesError:
@@ -78,9 +78,9 @@ class System:
             except InputError:
                 raise explained(self.mechanism, error) from None
 
-    def _take(self, structure: Structure) -> None:
-        self.structure, self.model = structure, structure.model
-        self.topology: Topology = topology_of(structure.topology, self.mechanism)
+    def _take(self, *, whole: bool) -> None:
+        self._whole = whole
+        self._bind(structure_of(self.mechanism, whole))
         self.numbers = definition_vector(self.mechanism, self.model.inputs.parameters)
 
     def _assemble(self, near: Mapping[str, Floats] | None) -> None:
@@ -150,8 +150,26 @@ class System:
             _place=Place(self.model, mechanism, numbers, self.time, state),
         )
 
+    def _bind(self, structure: Structure) -> None:
+        self.structure, self.model = structure, structure.model
+        self.topology: Topology = topology_of(structure.topology, self.mechanism)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without the equations, which its structure has in every process."""
+        own = vars(self).keys() - {"structure", "model", "topology", "_place"}
+        return {name: getattr(self, name) for name in own} | {"given": self._place.given}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """With the equations of its structure."""
+        own = dict(state)
+        given = own.pop("given")
+        vars(self).update(own)
+        self._bind(structure_of(self.mechanism, self._whole))
+        self._place = Place(self.model, self.mechanism, self.numbers, self.time, given)
+
     def _with(self, **changed: object) -> System:
-        found = copy.copy(self)
+        found = object.__new__(System)
+        vars(found).update(vars(self))
         for derived in ("parameters", "margin_scale", "jacobian"):
             vars(found).pop(derived, None)
         # modes belong to a state

@@ -16,7 +16,7 @@ from linkages.errors import InputError, Problem
 
 PLACES = frozenset((
     "store", "cores", "scheduler", "device", "executor", "watch", "results", "out", "json",
-    "figures", "file", "assignments", "others", "status", "browser",
+    "figures", "file", "assignments", "others", "status", "browser", "tables_from",
 ))  # fmt: skip
 """Arguments that never go into a result file, and are never taken from one."""
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 from linkages.options.option import OptionError
 from linkages.options.run import RunKeywords, RunOptions
-from linkages.spec.quantities import Duration, NonNegativeInteger, PositiveInteger
+from linkages.spec.quantities import Duration, Periods, PositiveInteger, SkippedPeriods
 
 Indicator = Literal["exponent", "fli", "gali"]
 
@@ -31,8 +31,8 @@ class ExponentOptions(RunOptions):
         ``periods`` times as long; default: the period of the drives, or simulate.end.
     """
 
-    periods: PositiveInteger = 300
-    skip: NonNegativeInteger = 0
+    periods: Periods = 300
+    skip: SkippedPeriods = 0
     count: PositiveInteger | None = None
     interval: Duration | None = None
 
@@ -53,8 +53,8 @@ class MapOptions(RunOptions):
     """
 
     indicator: Indicator = "exponent"
-    periods: PositiveInteger = 100
-    skip: NonNegativeInteger = 0
+    periods: Periods = 100
+    skip: SkippedPeriods = 0
 
     def __post_init__(self) -> None:
         if self.periods < FEWEST_MAP_PERIODS:
@@ -76,8 +76,8 @@ class VerdictOptions(RunOptions):
         is none.
     """
 
-    periods: PositiveInteger = 300
-    skip: NonNegativeInteger | None = None
+    periods: Periods = 300
+    skip: SkippedPeriods | None = None
 
 
 class ExponentKeywords(RunKeywords, total=False):

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from linkages.options.option import OptionError
 from linkages.options.run import FORM, RunKeywords, RunOptions
 from linkages.spec import dimensions
-from linkages.spec.quantities import Instant, NonNegativeInteger, PositiveInteger, Quantity
+from linkages.spec.quantities import Instant, Periods, Quantity, SkippedPeriods
 
 Direction = Literal["up", "down", "both"]
 Start = Literal["same", "forward", "backward"]
@@ -40,8 +40,8 @@ class SectionOptions(RunOptions):
         Take angles within one turn.
     """
 
-    periods: PositiveInteger = 500
-    skip: NonNegativeInteger = 0
+    periods: Periods = 500
+    skip: SkippedPeriods = 0
     phase: Annotated[float, Quantity(dimensions.NUMBER)] = 0.0
     section: str | None = field(default=None, metadata={FORM: "ELEMENT.QUANTITY=VALUE"})
     direction: Direction = "up"
@@ -87,8 +87,8 @@ class BifurcationOptions(SectionOptions):
         belong to, over 100 periods that begin 10 after the first point.
     """
 
-    periods: PositiveInteger = 200
-    skip: NonNegativeInteger = 100
+    periods: Periods = 200
+    skip: SkippedPeriods = 100
     start: Start = "same"
     exponent: bool = False
 

@@ -31,4 +31,7 @@ OUTPUTS = {
     "joint_reaction": Variable(
         ("joint", "axis"), "N", "joint reaction", None, magnitude=True
     ),
+    "pin_reaction": Variable(
+        ("pin", "axis"), "N", "pin reaction", None, magnitude=True
+    ),
 }  # fmt: skip

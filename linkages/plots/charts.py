@@ -30,7 +30,7 @@ from linkages.plots.motion.free_axes import Free, free_coordinates
 from linkages.plots.motion.told_apart import told_apart
 from linkages.plots.style import panels, styled
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import available
+from linkages.solution.values.requests import REACTION, REACTIONS, available
 from linkages.solution.values.series import data_series, find_series, with_sizes
 
 if TYPE_CHECKING:
@@ -228,8 +228,7 @@ def polar(source: Source, variable: str, name: str | None = None, ax: Axes | Non
     ax
         Where to draw; axes of a new figure if not given.
     """
-    data = _resolved(source, [variable])
-    _require(data, variable)
+    data = _at_joints(source, variable)
     if "axis" not in data[variable].dims:
         raise ValueError(f"{variable} has no direction; expected an output with components x and y")
     known = dict.fromkeys(polar_diagrams.vectors(data, variable))
@@ -427,12 +426,18 @@ def rotation_map(data: xr.Dataset, name: str | None = None, ax: Axes | None = No
 
 @styled
 def _over_time(source: Source, variable: str, ax: Axes | None) -> Axes:
-    data = _resolved(source, [variable])
-    _require(data, variable)
+    data = _at_joints(source, variable)
     heading = str(data.attrs.get("name", ""))
     if ax is None:
         return time_figures.draw_page(data, variable, heading)
     return time_figures.draw(ax, data, variable, heading)
+
+
+def _at_joints(source: Source, variable: str) -> xr.Dataset:
+    """Data of a variable; reactions of joints with those of several bodies there."""
+    data = _resolved(source, REACTIONS if variable == REACTION else [variable])
+    _require(data, variable)
+    return time_figures.at_pins(data, variable=variable)
 
 
 def _resolved(source: Source, variables: Sequence[str]) -> xr.Dataset:

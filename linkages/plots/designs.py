@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from linkages.plots import style
 from linkages.plots.style import GREY, PALETTE, legend_above, panels, styled
@@ -23,7 +24,7 @@ def _labelled(name: str, units: str, inches: float) -> str:
 
 @styled
 def convergence(data: xr.Dataset) -> Figure:
-    """The goal of every run that satisfies the constraints, and the best so far.
+    """The goal of every run, and the best so far; circles are runs that miss a constraint.
 
     Parameters
     ----------
@@ -35,16 +36,24 @@ def convergence(data: xr.Dataset) -> Figure:
     holds = data["history_violation"].to_numpy() == 0.0
     values, best = data["history_value"].to_numpy(), data["history"].to_numpy()
     ax.plot(run[holds], values[holds], ".", color=GREY, markersize=3, label="each run")
+    if not holds.all():
+        look: dict[str, Any] = {"color": GREY, "markersize": 3, "fillstyle": "none"}
+        ax.plot(run[~holds], values[~holds], "o", label="constraints not met", **look)
     ax.step(run, best, where="post", color=PALETTE[0], label="best so far")
-    if holds.any():
-        low, high = np.quantile(values[holds], [0.0, 0.95])  # a few runs may be far away
-        ends = [float(best[np.isfinite(best)][0]), low, high, float(data["value"][1])]
-        room = 0.05 * (max(ends) - min(ends) or 1.0)
-        ax.set_ylim(min(ends) - room, max(ends) + room)
+    known = values[np.isfinite(values)]
+    if len(known):
+        low = np.quantile(known, 0.05, method="lower")  # a few runs may be far away
+        high = np.quantile(known, 0.95, method="higher")
+        ends = [low, high, float(data["value"][1]), *best[np.isfinite(best)][:1]]
+        middle = 0.5 * (max(ends) + min(ends))
+        # ticks of a few digits differ, however little the runs do
+        half = max(0.55 * (max(ends) - min(ends)), 0.005 * abs(middle)) or 1.0
+        ax.set_ylim(middle - half, middle + half)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("run")
     attrs = data["history"].attrs
     ax.set_ylabel(_labelled(str(attrs["long_name"]), str(attrs["units"]), 3.2))
-    ax.legend(**legend_above(str(data.attrs["name"])), ncols=2)
+    ax.legend(**legend_above(str(data.attrs["name"])), ncols=3)
     return figure
 
 

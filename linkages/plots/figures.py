@@ -15,10 +15,10 @@ from linkages.plots.mechanism import drawing, traces
 from linkages.plots.motion import clearance_orbit, phase
 from linkages.plots.motion.polar import POLAR, polar_figure
 from linkages.plots.motion.time_figures import FORCE, drawable, time_figure
-from linkages.plots.style import fitted, style
+from linkages.plots.style import fitted, note_missing_glyphs, style
 from linkages.reading.replacing import replaced
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import available
+from linkages.solution.values.requests import REACTION, REACTIONS, available
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -97,6 +97,8 @@ FIGURE_OUTPUTS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(PICTURES, ()),
     "phase": phase.OUTPUTS,
     FORCE: ("drive_effort",),
+    REACTION: REACTIONS,
+    f"{REACTION}_polar": REACTIONS,
     "clearance_orbit": clearance_orbit.SHOWN,
     "clearance_state": clearance_orbit.SHOWN,
 }
@@ -190,6 +192,7 @@ def write_figure(figure: Figure, path: Path, remark: str = "") -> Path:
     with replaced(path) as temporary, style():
         if remark:
             options["bbox_inches"] = _under(figure, remark)
+        note_missing_glyphs(figure)
         figure.savefig(temporary, format=kind, metadata=_METADATA[kind], **options)
     return path
 

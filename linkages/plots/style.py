@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, wraps
@@ -11,6 +13,10 @@ import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont, fontManager, get_font
+from matplotlib.text import Text
+
+LOGGER = logging.getLogger(__name__)
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -39,6 +45,13 @@ DASHES: tuple[Any, ...] = (
 BLACK, GREY, PALE = "#1A1A1A", "#8A8A8A", "#D9D9D9"
 DRIVEN, FREE, PASSIVE, CLEARANCE = "#D55E00", "#0072B2", "#4D5B66", "#B0006A"
 LOAD = "#7A4B9A"
+
+FALLBACKS = (
+    "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC", "Microsoft YaHei",
+    "PingFang SC", "Hiragino Sans", "Apple SD Gothic Neo", "Malgun Gothic", "WenQuanYi Micro Hei",
+    "Arial Unicode MS",
+)  # fmt: skip
+"""Fonts for characters that DejaVu Sans does not have."""
 
 WIDTH = 6.6
 LEFT, RIGHT, TOP, BOTTOM = 0.78, 0.18, 0.34, 0.5  # margins in inches
@@ -78,13 +91,44 @@ _OWN = {
 def _settings() -> dict[Any, Any]:
     groups = {key.split(".")[0] for key in _OWN} | {"path", "patch", "mathtext", "hatch"}
     defaults = matplotlib.rcParamsDefault.items()
-    return {key: value for key, value in defaults if key.split(".")[0] in groups} | _OWN
+    own = _OWN | {"font.family": ["DejaVu Sans", *(f for f in FALLBACKS if f in _installed())]}
+    return {key: value for key, value in defaults if key.split(".")[0] in groups} | own
+
+
+@cache
+def _installed() -> frozenset[str]:
+    return frozenset(font.name for font in fontManager.ttflist)
+
+
+def note_missing_glyphs(figure: Figure) -> None:
+    """Log, once in a process, which characters of a figure no font of this machine has."""
+    characters = {c for text in figure.findobj(Text) for c in text.get_text() if c.isprintable()}
+    missing = sorted(c for c in characters if not _drawable(c))
+    if missing and not _said:
+        _said.update(missing)
+        LOGGER.warning(
+            "figures show boxes for %s: no font that was found has these characters; expected one "
+            "of: %s",
+            "".join(missing),
+            ", ".join(FALLBACKS),
+        )
+
+
+_said: set[str] = set()
+
+
+@cache
+def _drawable(character: str) -> bool:
+    families = _settings()["font.family"]
+    return any(get_font(findfont(f)).get_char_index(ord(character)) for f in families)
 
 
 @contextmanager
 def style() -> Iterator[None]:
     """Draw and save in the style of the project, whatever the user's own settings are."""
-    with matplotlib.rc_context(_settings()):
+    with matplotlib.rc_context(_settings()), warnings.catch_warnings():
+        # `note_missing_glyphs` says it once
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
         yield
 
 

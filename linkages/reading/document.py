@@ -38,9 +38,11 @@ class Document:
     overridden
         For each path whose value is not the file's, the assignment it comes from.
     folder
-        Where the file stands, and others that it names; None for a text that is no file.
+        Where the file stands; None for a text that is no file. Files of tables are below it.
     changed
         Of a definition that stands in results: `changes` of the one that they were computed from.
+    tables
+        Another folder below which files of tables may be.
     """
 
     source: str
@@ -49,6 +51,7 @@ class Document:
     overridden: Mapping[Path, str] = field(default_factory=dict)
     folder: FilePath | None = field(default=None, compare=False)
     changed: tuple[str, ...] = field(default=(), compare=False)
+    tables: FilePath | None = field(default=None, compare=False)
 
     @property
     def changes(self) -> tuple[str, ...]:

@@ -37,8 +37,10 @@ def replaced(path: Path) -> Iterator[Path]:
         temporary.replace(path)
         if not any(part.startswith(".linkages") for part in path.parent.parts):
             LOGGER.info("wrote %s", path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename in (None, str(temporary)):
+            error.filename = str(path)  # writes do not name their file, as where a disk is full
         raise
 
 

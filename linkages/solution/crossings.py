@@ -10,8 +10,8 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.values.labelled import labelled
-from linkages.solution.values.reactions import joint_reactions
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.reactions import reactions
+from linkages.solution.values.requests import REACTIONS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,8 +32,8 @@ def labelled_events(crossings: Mapping[str, Motion], names: Sequence[str]) -> di
     for event, met in crossings.items():
         motion = Motion(pieces=tuple(accelerated(piece) for piece in met.pieces))
         values = evaluate_variables(motion, plain)
-        if REACTION in names:
-            values[REACTION] = joint_reactions(motion)
+        if not {*REACTIONS}.isdisjoint(names):
+            values |= reactions(motion)
         system = motion.pieces[0].system
         kept = {name: values[name] for name in names if name in values}
         found[event] = labelled(system, motion, kept).assign_attrs(event=event)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 ENDING = ".nc"
 
-MOST_PER_BYTE = 1000
-"""Bytes of data per byte of a file: compression reaches no more."""
+MOST_PER_BYTE = 20
+"""Bytes of data per byte of a file. Ours are not compressed; other programs may do that."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -85,11 +85,19 @@ class Opened:
         Raises
         ------
         InputError
-            If the file is part of the results of another analysis, which has no function here.
+            If the file is part of the results of another analysis, which has no function here, or
+            does not store all that this function needs.
         """
         function = self._function()
         known = signature(function).parameters
-        given: dict[str, Any] = {n: v for n, v in self.arguments.items() if n in known}
+        said = self.arguments.items()
+        given: dict[str, Any] = {n: v for n, v in said if n in known and v is not None}
+        needed = [name for name, each in known.items() if each.default is Parameter.empty][1:]
+        missing = [name for name in needed if name not in (*given, "results")]
+        if missing:
+            message = f"{self.analysis} needs {', '.join(missing)}; the file stores none"
+            problem = Problem(path="origin.arguments", message=message)
+            raise InputError(str(self.file), [problem])
         if "results" in known:  # what it was computed from stands beside them
             given["results"] = self.data
         return function(self.mechanism, **given)
@@ -153,6 +161,7 @@ def open(path: str | Path) -> Opened:  # noqa: A001
         raise TypeError(f"path must be a file or a folder, found {path!r}")
     file = _file(Path(path))
     try:
+        _require_own_data(file)
         with xr.open_dataset(file, engine="h5netcdf", phony_dims="access") as stored:
             _require_size(stored.nbytes, file)
             data = stored.load()
@@ -180,6 +189,21 @@ def open(path: str | Path) -> Opened:  # noqa: A001
         notes=tuple(origin.notes),
         complete=origin.complete == "yes",
     )
+
+
+def _require_own_data(file: Path) -> None:
+    """Refuse HDF5 files that take data from other files, as links, raw storage or virtual sets."""
+    import h5py
+
+    with h5py.File(file, "r") as opened:
+        for name in opened:
+            link = opened.get(name, getlink=True)
+            found = opened[name] if isinstance(link, h5py.HardLink) else None
+            if found is None or (
+                isinstance(found, h5py.Dataset) and (found.external or found.is_virtual)
+            ):
+                message = f"{name!r} is in another file; expected results that linkages wrote"
+                raise InputError(str(file), [Problem(message=message)])
 
 
 def _require_size(size: int, file: Path) -> None:

@@ -16,7 +16,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
-from linkages.reading.wording import TOO_LARGE
+from linkages.reading.wording import TOO_LARGE, listed
 from linkages.solution.crossings import labelled_events
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
@@ -33,13 +33,16 @@ from linkages.solution.values.labelled import labelled
 from linkages.solution.values.requests import (
     DISSIPATION,
     LOSS,
+    PIN,
     REACTION,
+    REACTIONS,
     STATE,
     TOUCHES,
     requested,
 )
 from linkages.solution.values.soundness import sound_part
 from linkages.solution.values.surface import parse_events
+from linkages.topology.graph import shared_pins
 
 LEAST_INERTIA = 1e-14
 """Least eigenvalue of J_ij, scaled to ones on its diagonal, of which some inertia is left."""
@@ -231,10 +234,17 @@ def _add_derived(
         values[TOUCHES] = touches_so_far(motion)
     if settings.losses:
         values |= zip(DISSIPATION, dissipated(motion), strict=True)
-    if REACTION in names:
-        from linkages.solution.values.reactions import joint_reactions
+    if not {*REACTIONS}.isdisjoint(names):
+        from linkages.solution.values.reactions import reactions
 
-        values[REACTION] = joint_reactions(motion)
+        found = reactions(motion)
+        values |= {name: found[name] for name in REACTIONS if name in names}
+        if REACTION in names and PIN in names:
+            shared = dict.fromkeys(joint for joint, _ in shared_pins(system.mechanism))
+            notes.append(
+                f"three bodies or more meet at {listed(shared, 'and')}: pin_reaction has the force "
+                "on each of them, joint_reaction the force of the first one on all others"
+            )
         if system.topology.redundant:
             joints = system.topology.redundant_places
             notes.append(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -58,6 +58,11 @@ class Solution:
     notes: tuple[str, ...] = ()
     events: Mapping[str, xr.Dataset] = field(default_factory=dict)
     asked: Mapping[str, Any] = field(default_factory=dict)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is computed when it is asked for, and without the callback of the run."""
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        return own | {"settings": replace(self.settings, watch=None)}
 
     def __repr__(self) -> str:
         return f"Solution({self.mechanism.name!r}, {self.summary})"

@@ -25,7 +25,7 @@ def choose(rtol: float, *, stiff: bool = False) -> Choice:
     rtol
         Relative tolerance.
     stiff
-        Whether stiff springs, dampers or contacts decide about the steps rather than accuracy.
+        Whether stiff springs, dampers or oil films decide about the steps rather than accuracy.
         This is asked for, never guessed.
     """
     if stiff:

@@ -169,6 +169,8 @@ def request(
         raise ValueError(f"step must be a number of seconds > 0, found {step}")
     if max_steps < 1:
         raise ValueError(f"max_steps must be at least 1, found {max_steps}")
+    if max_steps >= 2**63:
+        raise ValueError(f"max_steps must be less than 2**63, found {max_steps}")
     job = Job(
         flow=flow,
         start=begin,

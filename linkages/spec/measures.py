@@ -7,7 +7,7 @@ of formulas, into the same trees, and never evaluated as code.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -27,14 +27,19 @@ OVER_TIME = {
 }  # fmt: skip
 """What a series is reduced to by one argument."""
 
+INTEGRALS = frozenset({"mean", "rms"})
+"""Those that are integrals over time."""
+
 AT = "at"
 """``at(t, x)`` is the value of a series at a time."""
 
 ERROR = "error"
 """``error(x)`` is a series less what it is in the nominal motion at the same time."""
 
-_ELEMENT = r"(?:'[^']+'|\"[^\"]+\"|[^\W\d]\w*(?:\[\d+\])?)"
-_SERIES = re.compile(rf"{_ELEMENT}(?:\.{_ELEMENT})*\.[^\W\d]\w*(?: [^\W\d]\w*)*")
+_WORD = re.compile(r"[^\W\d]\w*(?:\[\d+\])?")
+_ELEMENT = rf"(?:'[^']+'|\"[^\"]+\"|{_WORD.pattern})"
+_NEXT = r"(?: (?!(?:and|or|not)\b)[^\W\d]\w*)"
+_SERIES = re.compile(rf"(?:{_ELEMENT}\.)+[^\W\d]\w*{_NEXT}*|(?!not\b)[^\W\d]\w*{_NEXT}+(?= *[,)])")
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,12 @@ class Measure:
         """Names of the series that it depends on, each once."""
         nodes = Formula(self.text, self.tree).nodes()
         return tuple(dict.fromkeys(node.word for node in nodes if isinstance(node, Sensed)))
+
+    @property
+    def integrates(self) -> bool:
+        """Whether it has integrals over time in it."""
+        nodes = Formula(self.text, self.tree).nodes()
+        return any(isinstance(node, Call) and node.name in INTEGRALS for node in nodes)
 
     @property
     def compares(self) -> bool:
@@ -95,14 +106,21 @@ def read_measure(text: str) -> Measure:
         if end < len(plain.rstrip()):
             raise NumberError(f"cannot read {shown(plain[end:])}", at=end)
         if is_series(tree):
-            first = next(_sensed(tree), "t")
             raise NumberError(
-                f"it changes with time; expected a number of it, such as max({first})", at=0
+                "a measure is a number; expected outputs within a reduction over time, "
+                "as in max(…) or mean(…)",
+                at=0,
             )
     except NumberError as error:
         place = "" if error.at is None else f" (character {error.at + 1})"
         raise ValueError(f"measure {text!r}: {error.message}{place}{error.hint}") from None
     return Measure(text.strip(), tree)
+
+
+def spelled(series: str) -> str:
+    """The name of a series as a measure contains it: elements that are no words are quoted."""
+    *elements, quantity = series.split(".")
+    return ".".join([*(e if _WORD.fullmatch(e) else f"'{e}'" for e in elements), quantity])
 
 
 def argument(measure: Measure) -> Node:
@@ -185,10 +203,6 @@ class _Measures(FormulaTrees):
         if any(isinstance(n, Call) and n.name == ERROR for n in Formula("", arguments[0]).nodes()):
             raise NumberError("an error of an error is the error itself; expected a series")
         return Call(ERROR, arguments, span=span)
-
-
-def _sensed(node: Node) -> Iterator[str]:
-    return (part.word for part in Formula("", node).nodes() if isinstance(part, Sensed))
 
 
 def _one_series(node: Node) -> str | None:

@@ -98,11 +98,16 @@ class Quantity(FieldType):
         return {"type": ["number", "string"], **LIMITS[self.bound], "pattern": ARITHMETIC}
 
 
+LARGEST_COUNT = 2**53
+"""Beyond it, doubles do not hold every whole number; ten times as many fit into 64 bits."""
+
+
 @dataclass(frozen=True)
 class Count(FieldType):
-    """A whole number from `least` on."""
+    """A whole number from `least` to `most`."""
 
     least: int = 1
+    most: int = LARGEST_COUNT
 
     def read(self, value: Any) -> int:
         """Return the number; ``2001.5`` is refused rather than rounded."""
@@ -113,6 +118,8 @@ class Count(FieldType):
             raise QuantityError(self.expected(), counted) from None
         if number < self.least or number != int(number):
             raise QuantityError(self.expected(), shown(value))
+        if number > self.most:
+            raise QuantityError(f"{self.expected()}, at most {self.most}", shown(value))
         return int(number)
 
     def expected(self) -> str:
@@ -174,6 +181,8 @@ Name = Annotated[str, NameRule()]
 Text = Annotated[str, TextRule()]
 PositiveInteger = Annotated[int, Count()]
 NonNegativeInteger = Annotated[int, Count(0)]
+Periods = Annotated[int, Count(most=10_000_000)]
+SkippedPeriods = Annotated[int, Count(0, most=10_000_000)]
 Number = Annotated[float, Quantity(dimensions.NUMBER)]
 Tolerance = Annotated[float, Quantity(dimensions.NUMBER, Bound.POSITIVE)]
 Length = Annotated[float, Quantity(dimensions.LENGTH)]

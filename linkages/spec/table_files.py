@@ -1,8 +1,9 @@
-"""Tables of laws that stand in CSV files beside the definition file.
+"""Tables of laws that stand in CSV files below the folder of the definition file.
 
 A table ``{file: gas.csv, columns: [time, force], units: [ms, kN]}`` is replaced in the document by
 the times (or places, of a table over another quantity) and values that it names, so that a
-mechanism needs the file only while it is loaded.
+mechanism needs the file only while it is loaded. Messages do not repeat what a file contains: it
+need not be a table.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from linkages.errors import InputError, Problem
 from linkages.reading.decoding import decode
 from linkages.reading.document import MAX_BYTES, Document
 from linkages.reading.paths import Path
-from linkages.reading.wording import listed, nearest, shown
+from linkages.reading.wording import shown
 from linkages.spec.units import UnitError, unit
 
 MAX_ROWS = 10_000
@@ -61,7 +62,7 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
             first = "at" if "over" in table else "times"
             kept = {key: value for key, value in table.items() if key not in _OWN}
             try:
-                times, values = _read(table, document.folder, first)
+                times, values = _read(table, document, first)
             except _RefusedError as reason:
                 problems.append(document.problem((*place, *reason.place), str(reason)))
                 times, values = ["0", "1", "2"], ["0", "0", "0"]
@@ -75,9 +76,7 @@ def with_tables(document: Document) -> tuple[Document, list[Problem]]:
     return replace(document, content=content), problems
 
 
-def _read(
-    table: Mapping[str, Any], folder: FilePath | None, first: str
-) -> tuple[list[Any], list[Any]]:
+def _read(table: Mapping[str, Any], document: Document, first: str) -> tuple[list[Any], list[Any]]:
     """Times (or places) and values in SI; the first of each as text with its unit.
 
     Units are checked where the table is read. `first` is the key of the times.
@@ -85,7 +84,7 @@ def _read(
     doubled = [key for key in (first, "values") if key in table]
     if doubled:
         raise _RefusedError(f"'file' and {doubled[0]!r} are both given; expected one of them")
-    if folder is None:
+    if document.folder is None:
         raise _RefusedError(
             "the definition is no file itself, so there is no folder to look for this one in; "
             f"expected {first!r} and 'values'",
@@ -94,7 +93,7 @@ def _read(
     name = table["file"]
     if not isinstance(name, str):
         raise _RefusedError(f"expected the name of a CSV file, found {shown(name)}", "file")
-    rows = _rows(name, _text(name, folder / name))
+    rows = _rows(name, _text(name, _below(name, document.folder, document.tables)))
     names = [cell.strip() for cell in rows[0][1]]
     header = names if not any(map(_is_number, names)) else None
     places = [
@@ -108,16 +107,34 @@ def _read(
     for (before, after), (line, _) in zip(pairwise(times), lines[1:], strict=True):
         if after <= before:
             what = "times" if first == "times" else "places"
-            found = f"expected increasing {what}, found {after:g} after {before:g}"
-            raise _RefusedError(f"{name}, line {line}: {found}", "file")
+            raise _RefusedError(f"{name}, line {line}: expected increasing {what}", "file")
     units = _pair(table, "units", (None, None))
     return _in_units(times, units[0], 0), _in_units(values, units[1], 1)
+
+
+def _below(name: str, folder: FilePath, tables: FilePath | None) -> FilePath:
+    """The file of that name, with links followed: below one of the two folders, if at all.
+
+    A definition may come from anywhere, and must not read whatever its user can read.
+    """
+    try:
+        path = (folder / name).resolve()
+        allowed = [place.resolve() for place in (folder, tables) if place is not None]
+    except (OSError, ValueError, RuntimeError):  # no name of a file, or links that lead in a circle
+        raise _RefusedError(f"no such file: {name}", "file") from None
+    if not any(path.is_relative_to(place) for place in allowed):
+        raise _RefusedError(
+            f"{name} is outside of the folder of the definition; allow its folder with "
+            "--tables-from, or tables_from in Python",
+            "file",
+        )
+    return path
 
 
 def _text(name: str, path: FilePath) -> str:
     try:
         if not path.is_file():
-            raise _RefusedError(f"no such file: {name} in {path.parent}", "file")
+            raise _RefusedError(f"no such file: {name}", "file")
         with open(path, "rb") as file:
             data = file.read(MAX_BYTES + 1)
     except OSError as error:
@@ -145,7 +162,13 @@ def _rows(name: str, text: str) -> list[Row]:
         raise _RefusedError(message, "file")
     first = lines[0][1]
     separator = next((mark for mark in ";\t" if mark in first), ",")
-    rows = [(number, next(csv.reader([line], delimiter=separator))) for number, line in lines]
+    rows = []
+    for number, line in lines:
+        try:
+            rows.append((number, next(csv.reader([line], delimiter=separator))))
+        except csv.Error:  # the one error of a single line
+            message = f"{name}, line {number}: a cell is longer than {csv.field_size_limit()}"
+            raise _RefusedError(f"{message} characters", "file") from None
     for number, cells in rows:
         if len(cells) != len(rows[0][1]):
             raise _RefusedError(
@@ -181,8 +204,7 @@ def _column(name: str, header: list[str] | None, count: int, key: Any, index: in
     if header is None:
         expected = f"its first line has no names; expected a number from 1 to {count}"
     else:
-        near = nearest(text, header)
-        expected = f"did you mean {near!r}?" if near else f"expected one of: {listed(header)}"
+        expected = f"expected a name in its first line, or a number from 1 to {count}"
     raise _RefusedError(f"{name} has no column {shown(key)}; {expected}", "columns", index)
 
 
@@ -197,7 +219,7 @@ def _number(name: str, line: int, cell: str) -> float:
         if math.isfinite(value):
             return value
     hint = "; decimals are written with a point" if _DECIMAL_COMMA.fullmatch(text) else ""
-    message = f"{name}, line {line}: expected a number, found {shown(text)}{hint}"
+    message = f"{name}, line {line}: expected a number{hint}"
     raise _RefusedError(message, "file")
 
 

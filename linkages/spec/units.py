@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from linkages.reading.private import private_folder
 from linkages.reading.wording import shown, suggestion
 
 _LONGEST = 80
@@ -31,6 +32,30 @@ _USUAL = (
     "turn", "rpm", "spm", "s", "ms", "us", "second", "minute", "min", "hour", "kg", "g", "gram",
     "kilogram", "N", "kN", "newton", "N*m", "lbf",
 )  # fmt: skip
+
+
+_SEVERAL = {
+    "ton": "t: 1000 kg, short_ton: 907.185 kg, long_ton: 1016.05 kg",
+    "force_ton ton_force": "tf: 9806.65 N, short_ton_force: 8896.44 N, long_ton_force: 9964.02 N",
+    "cwt hundredweight": "short_hundredweight: 45.3592 kg, long_hundredweight: 50.8023 kg",
+    "dr dram": "avdp_dram: 1.77185 g, apothecary_dram: 3.88793 g",
+    "hp horsepower": "metric_horsepower: 735.499 W, UK_horsepower: 745.700 W",
+    "cal calorie": "cal_th: 4.184 J, cal_it: 4.1868 J",
+    "BTU Btu british_thermal_unit": "Btu_th: 1054.35 J, Btu_it: 1055.06 J",
+    "thm therm": "US_therm: 105.480 MJ, EC_therm: 105.506 MJ",
+    "grad grade Grad": "gon: turn/400, deg: turn/360",
+    "mil": "thou: 25.4 µm, mrad: 0.001 rad",
+    "gal gallon": "US_liquid_gallon: 3.78541 L, US_dry_gallon: 4.40488 L, UK_gallon: 4.54609 L",
+    "qt quart": "US_liquid_quart: 0.946353 L, US_dry_quart: 1.10122 L, imperial_quart: 1.13652 L",
+    "pt pint": "US_pint: 0.473176 L, US_dry_pint: 0.550610 L, imperial_pint: 0.568261 L",
+    "cp cup": "US_liquid_cup: 0.236588 L, imperial_cup: 0.284131 L",
+    "gi gill": "US_liquid_gill: 0.118294 L, imperial_gill: 0.142065 L",
+    "floz fluid_ounce": "US_fluid_ounce: 29.5735 mL, imperial_fluid_ounce: 28.4131 mL",
+    "fldr fluid_dram fluidram": "US_fluid_dram: 3.69669 mL, imperial_fluid_dram: 3.55163 mL",
+    "barrel bbl": "oil_barrel: 158.987 L, US_dry_barrel: 115.627 L, imperial_barrel: 163.659 L",
+    "bu bushel peck pk tablespoon tbsp teaspoon tsp": "L, mL",
+}
+"""Spellings that have several common meanings → spellings that have one, and what that is."""
 
 
 class UnitError(ValueError):
@@ -150,10 +175,23 @@ def _atom(tokens: list[str]) -> Unit:
     return _named(token)
 
 
+def _refuse_ambiguous(name: str) -> None:
+    """Raise UnitError for one of `_SEVERAL`, also in the plural or with a prefix."""
+    parsed = _registry().parse_unit_name(name)
+    for spellings, meanings in _SEVERAL.items():
+        for spelling in spellings.split():
+            prefixed = name.removesuffix("s").endswith(spelling) and parsed and parsed[0][0]
+            if name in (spelling, f"{spelling}s") or (
+                prefixed and parsed[0][1] == _registry().parse_unit_name(spelling)[0][1]
+            ):
+                raise UnitError(f"{name} has several meanings; expected one of {meanings}")
+
+
 @cache
 def _named(name: str) -> Unit:
     import pint
 
+    _refuse_ambiguous(name)
     try:
         one = _registry().Quantity(1.0, name).to_root_units()
         zero = _registry().Quantity(0.0, name).to_root_units()
@@ -185,8 +223,11 @@ def _registry() -> Any:
     import pint
 
     try:
-        # parsed definitions of units are kept in the user's cache folder: it saves 0.15 s a run
-        registry: Any = pint.UnitRegistry(cache_folder=":auto:")
+        # parsed definitions of units are kept as pickles, which saves 0.15 s a run
+        folder = private_folder("units")
+        if any(path.stat().st_uid != folder.stat().st_uid for path in folder.iterdir()):
+            raise PermissionError(None, f"others put files into {folder}")
+        registry: Any = pint.UnitRegistry(cache_folder=folder)
     except Exception:
         # Another process may be writing there (pint does it in place), or have been stopped
         # meanwhile, and half a pickle raises anything. The definitions themselves need no cache.

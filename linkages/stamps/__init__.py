@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 MAX_BYTES = 256 * 1024**2
 """Largest result file that is read as a whole; of NetCDF files, only attributes are read."""
 
+MAX_PARSED = 32 * 1024**2
+"""Longest JSON text that is parsed: as objects it takes up to forty times as much memory."""
+
 
 @dataclass(frozen=True)
 class Format:
@@ -102,6 +105,8 @@ def stamped(path: Path) -> Origin | None:
     except (ValueError, IndexError, struct.error):
         message = "is damaged; expected results that linkages wrote"
         raise InputError(str(path), [Problem(message=message)]) from None
+    if text is not None and len(text) > MAX_PARSED:
+        raise _too_large(path, MAX_PARSED)
     return None if text is None else origin_in(text, str(path))
 
 
@@ -120,9 +125,14 @@ def origin_in(text: str, source: str) -> Origin | None:
 
 def _content(file: BinaryIO, path: Path) -> bytes:
     """All of a file, unless it is too large."""
-    if path.stat().st_size <= MAX_BYTES:
-        content = file.read(MAX_BYTES + 1)  # it may grow, and some files have no size
-        if len(content) <= MAX_BYTES:
+    most = MAX_PARSED if path.suffix.lower() == ".json" else MAX_BYTES
+    if path.stat().st_size <= most:
+        content = file.read(most + 1)  # it may grow, and some files have no size
+        if len(content) <= most:
             return content
-    message = f"larger than {MAX_BYTES // 1024**2} MiB; expected results that linkages wrote"
-    raise InputError(str(path), [Problem(message=message)])
+    raise _too_large(path, most)
+
+
+def _too_large(path: Path, most: int) -> InputError:
+    message = f"larger than {most // 1024**2} MiB; expected results that linkages wrote"
+    return InputError(str(path), [Problem(message=message)])

@@ -75,7 +75,9 @@ def taken_pdf(content: bytes) -> str | None:
     from pypdf import PdfReader
 
     log = logging.getLogger("pypdf")
-    before, log.disabled = log.disabled, True  # it reports to the user what is reported here
+    before, nowhere = log.propagate, logging.NullHandler()
+    log.addHandler(nowhere)
+    log.propagate = False  # its modules report to the user what is reported here
     try:
         information: Any = PdfReader(BytesIO(content)).metadata or {}
         found = information.get(_PDF)
@@ -83,7 +85,8 @@ def taken_pdf(content: bytes) -> str | None:
     except Exception:  # a damaged document makes it raise whatever comes
         return None
     finally:
-        log.disabled = before
+        log.propagate = before
+        log.removeHandler(nowhere)
 
 
 def _after(text: str, mark: re.Pattern[str], element: str) -> str:

@@ -8,7 +8,7 @@ import re
 LONGEST = 200
 """Characters of the text in a comment; programs take 255 and more in a line."""
 
-_LINE = re.compile(rb" *999\r?\nlinkages-origin (.*?)\r?\n")
+_LINE = re.compile(rb"^ *999\r?\nlinkages-origin (.*?)\r?\n", re.MULTILINE)
 
 
 def put(content: bytes, text: str) -> bytes:

@@ -27,7 +27,7 @@ def taken_gif(content: bytes) -> str | None:
     begin = content.rfind(b"!\xfe" + bytes([len(_MARK)]) + _MARK)
     if begin < 0:
         return None
-    place, found = begin + 3 + len(_MARK), b""
+    place, found = begin + 3 + len(_MARK), bytearray()
     while length := content[place]:
         found += content[place + 1 : place + 1 + length]
         place += 1 + length

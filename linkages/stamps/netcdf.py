@@ -28,8 +28,11 @@ def taken(file: BinaryIO) -> str | None:
     limited = _Limited(file)
     try:
         with h5py.File(limited, "r") as opened:
-            found = {name: value for name, value in opened.attrs.items() if isinstance(value, str)}
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError):  # damaged, or another kind
+            single = [n for n in opened.attrs if opened.attrs.get_id(n).shape == ()]
+            texts = {name: opened.attrs[name] for name in single}
+            found = {name: text for name, text in texts.items() if isinstance(text, str)}
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError):
+        # damaged, or another kind
         if limited.left < 0:
             raise ValueError("attributes that are too large") from None
         return None

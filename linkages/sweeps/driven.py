@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from linkages.kernel.graph.scalars import Scalar, reachable
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
+from linkages.solution.measuring.branches import brackets, watched
+from linkages.solution.measuring.followed import Samples, evenly, looks, parted
 from linkages.solution.moving.limits import GRID_ANGLE, suspicious
 from linkages.solution.moving.turns import turned_by
 from linkages.solution.values.series import TIME, Series
@@ -113,6 +116,8 @@ class DrivenMotions:
         Name → series that measures name.
     sampled
         Name → the series at the samples, shape (motions, samples).
+    highest
+        Speed of a drive, in rad/s, shape (motions,).
     """
 
     def __init__(
@@ -122,10 +127,12 @@ class DrivenMotions:
         time: Floats,
         series: Mapping[str, Series],
         sampled: Mapping[str, Floats],
+        highest: Floats,
     ) -> None:
         self._system, self._parameters = system, _Parameters(parameters)
         self._series, self._sampled = series, sampled
         self.count, self.time = parameters.shape[1], time
+        self._highest = highest
 
     def sampled(self, series: str) -> Floats:
         """A series at the samples, shape (motions, samples)."""
@@ -149,6 +156,26 @@ class DrivenMotions:
             begin, end = (self._sampled[name][which, at] for at in (interval, interval + 1))
             found[name] += _whole(begin + (places - interval) * (end - begin) - found[name])
         return [found[name] for name in series]
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions, shape (times,) each."""
+        return self.between(series, which, Samples(self.time, self.time).at(times))
+
+    @cached_property
+    def intervals(self) -> tuple[Whole, Floats, Floats]:
+        """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
+        found = [evenly(self.time, highest) for highest in self._highest.tolist()]
+        conditions = watched(self._system.model, _Wanted(self._system, self._series).nodes)
+        for motion, (begin, end) in enumerate(found) if conditions else ():
+            own = self._parameters.of(slice(motion, motion + 1))
+
+            def look(times: Floats, own: list[Floats] = own) -> Floats:
+                return _evaluated(self._system, conditions, own, times)
+
+            found[motion] = parted(begin, end, brackets(looks(begin, end), look))
+        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in found])
+        begin, end = (np.concatenate(edges) for edges in zip(*found, strict=True))
+        return which, begin, end
 
 
 class _Parameters:
@@ -205,7 +232,8 @@ def undisturbed(
     samples = np.linspace(0.0, run.end, run.samples)
     sound = np.zeros(count, dtype=bool)
     rows = {name: np.empty((count, run.samples)) for name in series}
-    times = _looked_at(system, parameters, run, samples)
+    highest = _fastest(system, parameters, run.end)
+    times = _looked_at(float(highest.max(initial=0.0)), run, samples)
     sampled = np.searchsorted(abs(times), abs(samples))
     radicands = [reach.radicand for reach in model.reaches]
     margins, rates, finite = model.margins, model.margin_rates, _checked(system)
@@ -229,7 +257,7 @@ def undisturbed(
         for name, row in series_rows.items():
             rows[name][part] = row if times is samples else row[:, sampled]
     kept = rows if sound.all() else {name: row[sound] for name, row in rows.items()}
-    return sound, DrivenMotions(system, parameters[:, sound], samples, series, kept)
+    return sound, DrivenMotions(system, parameters[:, sound], samples, series, kept, highest[sound])
 
 
 def _goes_on(
@@ -265,11 +293,9 @@ def _whole(angles: Floats) -> Floats:
     return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
 
 
-def _looked_at(
-    system: System, parameters: Floats, run: SimulationOptions, samples: Floats
-) -> Floats:
+def _looked_at(highest: float, run: SimulationOptions, samples: Floats) -> Floats:
     """The samples, and times between them so that no drive turns far; none if they are too many."""
-    turned = abs(run.end) * _fastest(system, parameters, run.end) / GRID_ANGLE
+    turned = abs(run.end) * highest / GRID_ANGLE
     if not turned <= min(run.most_steps, _MOST_LOOKS):
         return samples[:0]
     if turned <= len(samples):
@@ -297,13 +323,13 @@ def _evaluated(
     return found
 
 
-def _fastest(system: System, parameters: Floats, end: float) -> float:
-    """Highest speed of a drive of any motion."""
+def _fastest(system: System, parameters: Floats, end: float) -> Floats:
+    """Highest speed of a drive, shape (motions,)."""
     nodes = [system.model.known_rates[name] for name in system.topology.driven]
     inputs = {node.arguments[0] for node in reachable(nodes) if node.operation == "input"}
     times = np.linspace(0.0, end, 20001) if "t" in inputs else np.zeros(1)
-    largest, rows = 0.0, _Parameters(parameters[:, :, None])
+    largest, rows = np.zeros(parameters.shape[1]), _Parameters(parameters[:, :, None])
     for part in _blocks(parameters.shape[1], len(times)):
         values = np.abs(_evaluated(system, nodes, rows.of(part), times[None]))
-        largest = max(largest, float(values.max(initial=0.0)))
+        largest[part] = values.max(axis=(0, 2), initial=0.0)
     return largest

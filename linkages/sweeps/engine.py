@@ -76,7 +76,7 @@ def computed(
     executor = executor or Threads()
     size = chunk_size(question, executor) if store is None else store.chunk
     spans = [(at, min(at + size, question.count)) for at in range(0, question.count, size)]
-    parts: dict[Span, Arrays] = {} if store is None else dict(store.read(spans))
+    parts: dict[Span, Arrays] = {} if store is None else dict(store.read(spans, question.fields))
     left = [span for span in spans if span not in parts]
     ledger = Ledger(question.count, watch)
     for span, part in parts.items():

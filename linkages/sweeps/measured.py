@@ -18,10 +18,14 @@ from linkages.kernel.varying import Along, Varying
 from linkages.options.run import SimulationOptions
 from linkages.solution.measuring.followed import (
     Followed,
+    Resolved,
+    can_be_repeated,
+    close_times,
     denser,
     evaluable,
     factor_of,
     resolved_motion,
+    unrecorded,
 )
 from linkages.solution.measuring.measure import (
     measure_unit,
@@ -32,7 +36,7 @@ from linkages.solution.measuring.measure import (
 from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.measuring.together import Together, goes_together
 from linkages.solution.moving.elsewhere import cpu_only
-from linkages.solution.moving.many import march_many
+from linkages.solution.moving.many import march_many, side_by_side
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
@@ -218,21 +222,22 @@ class MeasureQuestion(Question):
         values = {name: reduced(each, source, reference) for name, each in self.measures.items()}
         for row, cost in enumerate(costs):
             numbers = {name: float(each.values[row]) for name, each in values.items()}
-            missing = [name for name, number in numbers.items() if number != number]
-            reasons = [
-                f"measure {self.measures[name].text!r} "
-                + ("divides by zero" if values[name].divided[row] else "has no finite value")
-                for name in missing
-            ]
-            code = Code.UNDEFINED if reasons else Code.COMPUTED
-            sound = {name: number for name, number in numbers.items() if name not in missing}
-            yield Answer(sound, code, "; ".join(reasons), None, cost)
+            reasons = {name: each.reason(row) for name, each in values.items()}
+            missing = [reason for reason in reasons.values() if reason]
+            code = Code.UNDEFINED if missing else Code.COMPUTED
+            sound = {name: number for name, number in numbers.items() if not reasons[name]}
+            yield Answer(sound, code, "; ".join(missing), None, cost)
 
     @cached_property
     def _whole(self) -> list[str]:
         """Outputs that need more than the motion at one time."""
         needed = needed_outputs(self.first, self.measures.values())
         return [name for name in needed if not evaluable(Series(name, name, {}))]
+
+    @cached_property
+    def _integrated(self) -> bool:
+        """Whether measures are integrals over time."""
+        return any(each.integrates for each in self.measures.values())
 
     @cached_property
     def _run(self) -> SimulationOptions:
@@ -294,7 +299,7 @@ class MeasureQuestion(Question):
                     moved[place] = system, motion
                 else:  # which follows from its steps alone
                     waiting.setdefault(wanted, {})[place] = system
-            found |= self._of_moved(moved)
+            found |= self._of_moved(self._closely(moved, times))
         return found
 
     def _doubtful(self, systems: Mapping[int, System]) -> list[int]:
@@ -308,19 +313,47 @@ class MeasureQuestion(Question):
             found += [place for place, good in zip(places, sound, strict=True) if not good]
         return found
 
-    def _of_moved(self, moved: Mapping[int, tuple[System, Motion]]) -> dict[int, Answer]:
+    def _closely(
+        self, moved: Mapping[int, tuple[System, Motion]], time: Floats
+    ) -> dict[int, tuple[System, Resolved]]:
+        """Motions with samples beside changes of mode, where what is measured needs these."""
+        found = {place: (one, Resolved(motion, time)) for place, (one, motion) in moved.items()}
+        if not self._integrated:
+            return found
+        own = {
+            place: close_times(motion, time)
+            for place, (_, motion) in moved.items()
+            if motion.failure is None and can_be_repeated(motion)
+        }
+        own = {place: times for place, times in own.items() if len(times) > len(time)}
+        going = [
+            March(moved[place][0], self._run, counting=self._counting).advancing(times)
+            for place, times in own.items()
+        ]
+        with np.errstate(over="ignore", invalid="ignore"):
+            motions = side_by_side(going, self._watch())
+        for place, motion in zip(own, motions, strict=True):
+            assert isinstance(motion, Motion)  # as it was before
+            found[place] = moved[place][0], Resolved(motion, time)
+        return found
+
+    def _of_moved(self, moved: Mapping[int, tuple[System, Resolved]]) -> dict[int, Answer]:
         """Answers of motions with the same samples, as many together as can be."""
-        alike: dict[Hashable, dict[int, tuple[System, Motion]]] = {}
+        alike: dict[Hashable, dict[int, tuple[System, Resolved]]] = {}
         found: dict[int, Answer] = {}
-        for place, (system, motion) in moved.items():
-            if motion.failure is None and goes_together(motion, self._series):
+        for place, (system, resolved) in moved.items():
+            motion = resolved.motion
+            known = not (self._integrated and unrecorded(motion))
+            if motion.failure is None and known and goes_together(motion, self._series):
                 key = system.structure.key, system.topology.coordinates
-                alike.setdefault(key, {})[place] = system, motion
+                alike.setdefault(key, {})[place] = system, resolved
             else:
-                found[place] = self._answer(system, motion, None)
+                found[place] = self._answer(system, resolved, None)
         for group in alike.values():
-            systems, motions = zip(*group.values(), strict=True)
-            source = Together(systems, motions, self._series)
+            systems = [system for system, _ in group.values()]
+            motions = [resolved.motion for _, resolved in group.values()]
+            time = next(iter(group.values()))[1].time
+            source = Together(systems, motions, self._series, time)
             costs = [evaluations(motion) for motion in motions]
             found |= zip(group, self._measured(source, costs), strict=True)
         return found
@@ -339,16 +372,16 @@ class MeasureQuestion(Question):
         system = System(self.nominal or self.varying.mechanism)
         for each in self.measures.values():
             measured_series(system, each)
-        motion, data = self._moved(system)
+        (motion, time), data = self._moved(system)
         if motion.failure is not None:
             raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-        return Followed(system, motion, self._series, data)
+        return Followed(system, motion, self._series, data, time)
 
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
         return self._answer(system, *self._moved(system))
 
-    def _moved(self, system: System) -> tuple[Motion, xr.Dataset | None]:
+    def _moved(self, system: System) -> tuple[Resolved, xr.Dataset | None]:
         """The motion of one mechanism by itself, and outputs that need more than one time."""
         mechanism, watch = system.mechanism, self._watch()
         if self._whole:
@@ -362,16 +395,17 @@ class MeasureQuestion(Question):
             with np.errstate(over="ignore", invalid="ignore"):
                 motion, data = compute_motion(system, settings), None
         if motion.failure is None:
-            motion = resolved_motion(system, motion, settings)
-        return motion, data
+            return resolved_motion(system, motion, settings, self._integrated), data
+        return Resolved(motion, motion.time), data
 
-    def _answer(self, system: System, motion: Motion, data: xr.Dataset | None) -> Answer:
+    def _answer(self, system: System, moved: Resolved, data: xr.Dataset | None) -> Answer:
+        motion, time = moved
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, self._series, data)
+        source = Followed(system, motion, self._series, data, time)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:

@@ -8,7 +8,7 @@ A store is a folder::
     result.nc           the dataset, when all chunks are there
 
 A file appears whole under its name or not at all, and is never changed. Chunks that are not whole
-are computed again.
+are computed again. A folder may come from anywhere: what is read of it is validated, with limits.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from __future__ import annotations
 import errno
 import io
 import json
+import math
 import os
 import struct
 import zlib
@@ -24,14 +25,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
+from pydantic import Field as Limited
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError, InputError, Problem
 from linkages.reading.wording import shown
-from linkages.sweeps.answers import Arrays, Code, Question
+from linkages.sweeps.answers import OWN, Arrays, Code, Field, Question
+from linkages.sweeps.axes import MOST_POINTS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,7 +51,39 @@ PART = ".part"
 _NO_SPACE = (errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC))
 _MOST_CHUNKS, _LARGEST = 512, 64
 
+MAX_MANIFEST, MAX_HEADER, MAX_TEXTS = 32 * 1024**2, 1024**2, 256 * 1024**2
+"""Bytes of a manifest, of the header of a chunk, and of all texts of one kind in a chunk."""
+
+_BLOCK = 1024**2
+
 Span = tuple[int, int]
+
+_Name = Annotated[str, Limited(max_length=10_000)]
+_Text = Annotated[str, Limited(max_length=MAX_MANIFEST)]
+_Length = Annotated[int, Limited(ge=0, le=2**48)]
+_Shape = Annotated[list[_Length], Limited(min_length=1, max_length=8)]
+_Dtype = Annotated[str, Limited(pattern=r"^[<>=|]?([fi][1248]|U[1-9][0-9]{0,8})$")]
+
+
+class _Manifest(BaseModel):
+    """What is read of a manifest; what else it contains is compared with what is asked."""
+
+    model_config = ConfigDict(strict=True)
+
+    version: Annotated[str, Limited(max_length=1000)]
+    definition: _Text
+    question: dict[_Name, JsonValue]
+    count: Annotated[int, Limited(ge=0, le=MOST_POINTS)]
+    chunk: Annotated[int, Limited(ge=1, le=MOST_POINTS)]
+
+
+class _Header(BaseModel):
+    """What a chunk contains: name, type and shape of each array, in the order of their bytes."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    span: Annotated[list[_Length], Limited(min_length=2, max_length=2)]
+    arrays: Annotated[list[tuple[_Name, _Dtype, _Shape]], Limited(max_length=10_000)]
 
 
 class SweepStore:
@@ -55,12 +92,29 @@ class SweepStore:
     def __init__(self, folder: Path, chunk: int, count: int) -> None:
         self.folder, self.chunk, self.count = folder, chunk, count
 
-    def read(self, spans: Iterable[Span]) -> Iterator[tuple[Span, Arrays]]:
-        """Chunks that are there and whole."""
+    def read(
+        self, spans: Iterable[Span], fields: Mapping[str, Field]
+    ) -> Iterator[tuple[Span, Arrays]]:
+        """`OWN` and other fields of the chunks that are there and whole.
+
+        Raises
+        ------
+        InputError
+            If a whole chunk is none of this store: it has another span, or other arrays.
+        """
+        wanted = OWN | dict(fields)
         for span in spans:
-            found = _read_chunk(self._path(span), span)
+            try:
+                found = _read_chunk(self._path(span), span, wanted)
+            except ValueError as error:
+                raise self.damaged(span, str(error)) from None
             if found is not None:
                 yield span, found
+
+    def damaged(self, span: Span, what: str) -> InputError:
+        """A chunk that this package did not write in this place."""
+        message = f"{what}; remove this file to compute its points again"
+        return _refused(self._path(span), message)
 
     def write(self, span: Span, part: Arrays) -> None:
         """Keep a chunk.
@@ -88,8 +142,8 @@ class SweepStore:
             if error.errno not in _NO_SPACE:
                 raise
             done = status(self.folder)["done"]
-            each = len(content) / self.chunk
-            more = max(1.0, (self.count - done) * each)
+            parts = (self.count - done) / self.chunk if path.name != RESULT else 1.0
+            more = len(content) * max(1.0, parts)
             raise ComputationError(
                 f"{self.folder}: no space left to write {path.name}; {done} of {self.count} points "
                 f"are stored, about {more:.3g} bytes more are needed. Make room: the same command "
@@ -148,11 +202,8 @@ def _begun(place: Path, mechanism: Mechanism, question: Question, wanted: int | 
     }
     path = place / MANIFEST
     if path.exists():
-        try:
-            there = json.loads(path.read_text(encoding="utf-8"))
-            chunk = int(there.pop("chunk"))
-        except (ValueError, KeyError) as error:
-            raise _refused(place, f"{MANIFEST} cannot be read: {error}") from None
+        _, there = _read_manifest(place)
+        chunk = int(there.pop("chunk"))
         different = _difference(there, own)
         if different:
             raise _refused(
@@ -199,21 +250,18 @@ def status(folder: str | Path) -> dict[str, Any]:
         If it is no store.
     """
     place = Path(folder)
-    try:
-        manifest = json.loads((place / MANIFEST).read_text(encoding="utf-8"))
-        count, chunk = int(manifest["count"]), int(manifest["chunk"])
-    except (OSError, ValueError, KeyError, TypeError):
-        raise _refused(place, f"expected the store of a sweep, with a {MANIFEST}") from None
-    spans = [(at, min(at + chunk, count)) for at in range(0, count, chunk)]
+    manifest, _ = _read_manifest(place)
+    count, chunk = manifest.count, manifest.chunk
+    spans = ((at, min(at + chunk, count)) for at in range(0, count, chunk))
     outcomes = np.zeros(len(Code), dtype=int)
     reasons: Counter[str] = Counter()
-    for _, part in SweepStore(place, chunk, count).read(spans):
+    for _, part in SweepStore(place, chunk, count).read(spans, {}):
         outcomes += np.bincount(part["outcome"], minlength=len(Code))
         reasons.update(part["reason"][part["reason"] != ""].tolist())
     done = int(outcomes.sum())
     return {
         "store": str(place),
-        "version": manifest.get("version"),
+        "version": manifest.version,
         "points": count,
         "done": done,
         "left": count - done,
@@ -258,28 +306,112 @@ def _packed(span: Span, part: Arrays) -> bytes:
     return content + struct.pack("<I", zlib.crc32(content))
 
 
-def _read_chunk(path: Path, span: Span) -> Arrays | None:
-    """A chunk; None if it is not there, or not whole."""
+def _read_manifest(place: Path) -> tuple[_Manifest, dict[str, Any]]:
+    """What a manifest says, and all of it.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is not as this package writes it.
+    """
+    path = place / MANIFEST
     try:
-        content = path.read_bytes()
+        if not path.is_file():
+            raise _refused(place, f"expected the store of a sweep, with a {MANIFEST}")
+        with path.open("rb") as file:
+            content = file.read(MAX_MANIFEST + 1)
+    except OSError as error:
+        raise _refused(path, f"cannot be read: {error.strerror or error}") from None
+    if len(content) > MAX_MANIFEST:
+        raise _refused(path, f"larger than {MAX_MANIFEST // 1024**2} MiB; the file is damaged")
+    try:
+        return _Manifest.model_validate_json(content), json.loads(content)
+    except ValidationError as error:
+        places = dict.fromkeys(str(each["loc"][0]) for each in error.errors() if each["loc"])
+        what = f"{', '.join(places)}: not as expected" if places else "expected a JSON object"
+        raise _refused(path, f"{what}; the file is damaged, or linkages did not write it") from None
+
+
+def _read_chunk(path: Path, span: Span, fields: Mapping[str, Field]) -> Arrays | None:
+    """Arrays of a chunk; None if it is not there, or not whole.
+
+    Raises
+    ------
+    ValueError
+        If it is whole, but another one, or without these fields.
+    """
+    try:
+        if not path.is_file():
+            return None
+        with path.open("rb") as file:
+            body = _whole(file)
+            return None if body is None else _arrays(file, body, span, fields)
     except OSError:
         return None
-    if not content.startswith(MAGIC) or len(content) < len(MAGIC) + 12:
+
+
+def _whole(file: BinaryIO) -> int | None:
+    """Bytes between the magic and the CRC of a chunk, where the file then is; None if damaged."""
+    length = os.fstat(file.fileno()).st_size - len(MAGIC) - 4
+    if length < 8 or file.read(len(MAGIC)) != MAGIC:
         return None
-    if zlib.crc32(content[:-4]) != struct.unpack("<I", content[-4:])[0]:
+    found, left = zlib.crc32(MAGIC), length
+    while left:
+        block = file.read(min(_BLOCK, left))
+        if not block:
+            return None
+        found, left = zlib.crc32(block, found), left - len(block)
+    if file.read(4) != struct.pack("<I", found):
         return None
-    start = len(MAGIC) + 8
-    (size,) = struct.unpack("<Q", content[len(MAGIC) : start])
-    header = json.loads(content[start : start + size])
-    if tuple(header["span"]) != span:
-        return None
+    file.seek(len(MAGIC))
+    return length
+
+
+def _arrays(file: BinaryIO, body: int, span: Span, fields: Mapping[str, Field]) -> Arrays:
+    """Fields of a whole chunk, checked before anything is allocated."""
+    (size,) = struct.unpack("<Q", file.read(8))
+    if size > min(MAX_HEADER, body - 8):
+        raise ValueError("has a header that is too long")
+    try:
+        header = _Header.model_validate_json(file.read(size))
+    except ValidationError:
+        raise ValueError("has a header that linkages did not write") from None
+    if tuple(header.span) != span:
+        other = " to ".join(map(str, header.span))
+        raise ValueError(f"has points {other}, expected {span[0]} to {span[1]}")
+    kinds = {name: (np.dtype(dtype), tuple(shape)) for name, dtype, shape in header.arrays}
+    sizes = {name: math.prod(shape) * dtype.itemsize for name, (dtype, shape) in kinds.items()}
+    if len(kinds) < len(header.arrays) or sum(sizes.values()) != body - 8 - size:
+        raise ValueError("has a header that does not fit its data")
+    for name, field in fields.items():
+        wanted = np.dtype(field.dtype)
+        dtype, shape = kinds.get(name, (None, ()))
+        if (
+            dtype is None
+            or (dtype.kind, shape) != (wanted.kind, (span[1] - span[0], *field.shape))
+            or (dtype.itemsize != wanted.itemsize if dtype.kind != "U" else sizes[name] > MAX_TEXTS)
+        ):
+            raise ValueError(f"{shown(name)} is missing, or of another type or shape")
     found: Arrays = {}
-    at = start + size
-    for name, dtype, shape in header["arrays"]:
-        length = int(np.prod(shape)) * np.dtype(dtype).itemsize
-        found[name] = np.frombuffer(content[at : at + length], dtype=dtype).reshape(shape).copy()
-        at += length
+    for name, (dtype, shape) in kinds.items():
+        if name in fields:
+            array: NDArray[Any] = np.ndarray(shape, dtype, bytearray(file.read(sizes[name])))
+            if dtype.kind == "U" and not _are_texts(array.view(f"{dtype.str[0]}u4")):
+                raise ValueError(f"{shown(name)} has characters that no text has")
+            found[name] = array
+        else:
+            file.seek(sizes[name], os.SEEK_CUR)
+    outcome = found["outcome"]
+    if ((outcome < 0) | (outcome >= len(Code))).any():
+        raise ValueError("'outcome' has a code that there is not")
     return found
+
+
+def _are_texts(codes: NDArray[np.uint32]) -> bool:
+    """Whether code points are characters, and none of them controls a terminal."""
+    control = (codes < 0x20) & ~np.isin(codes, (0, 9, 10)) | (codes > 0x7E) & (codes < 0xA0)
+    none = (codes > 0x10FFFF) | (codes >= 0xD800) & (codes < 0xE000)
+    return not (control | none).any()
 
 
 def _remove_leftovers(place: Path) -> None:

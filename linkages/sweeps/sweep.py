@@ -11,6 +11,7 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
+from linkages.solution.measuring.measure import example_measure
 from linkages.solution.options import options_of
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import CODES, reasons
@@ -107,7 +108,7 @@ def sweep(
         raise ValueError("cores, scheduler and executor say where to compute; expected one of them")
     if executor is None:
         executor = Threads(cores) if scheduler is None else Cluster(scheduler)
-    measures = _measures(measure)
+    measures = _measures(mechanism, measure)
     given = {name: value for name, value in options.items() if value is not None}
     question = MeasureQuestion(Varying(mechanism), points, measures, given, time_per_point, nominal)
     question.prepare()
@@ -121,14 +122,17 @@ def sweep(
         return dataset_of(found, "sweep", "points", place, made)
 
 
-def _measures(given: str | Sequence[str] | Mapping[str, str]) -> dict[str, Measure]:
+def _measures(
+    mechanism: Mechanism, given: str | Sequence[str] | Mapping[str, str]
+) -> dict[str, Measure]:
     """Name → measure; one without a name is called as it is written."""
     if isinstance(given, str):
         given = [given]
     if not isinstance(given, Mapping):
         given = {text.strip().replace("/", "÷"): text for text in given}
     if not given:
-        raise ValueError("nothing is measured; expected a measure such as max(abs(crank.effort))")
+        example = example_measure(mechanism)
+        raise ValueError(f"nothing is measured; expected a measure such as {example!r}")
     return {name: read_measure(text) for name, text in given.items()}
 
 

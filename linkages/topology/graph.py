@@ -17,6 +17,12 @@ def bodies_at(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     return {joint: tuple(names) for joint, names in meeting.items()}
 
 
+def shared_pins(mechanism: Mechanism) -> tuple[tuple[str, str], ...]:
+    """Joint and body, for each of the three bodies or more that meet at some joints."""
+    meeting = bodies_at(mechanism).items()
+    return tuple((joint, body) for joint, names in meeting if len(names) > 2 for body in names)
+
+
 def single_joints(mechanism: Mechanism) -> dict[str, str]:
     """Joint that one body has only → that body; a ground joint that none uses is not one.
 

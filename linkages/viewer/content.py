@@ -19,6 +19,7 @@ from linkages.plots.prefixes import scale_for
 from linkages.plots.style import PALETTE
 from linkages.solution.options import options_of
 from linkages.solution.origin import origin_of
+from linkages.solution.remarks.stops import COULD_PASS
 from linkages.solution.values.series import system_series
 from linkages.viewer.described import described
 from linkages.viewer.drawn import drawn
@@ -63,7 +64,7 @@ def written(
         "motion": recorded(data, system, packed),
         **drawn(data.isel(time=chosen(data)), mechanism),
         "notes": [*notes, *([f"The motion stopped {failure}"] if failure is not None else [])],
-        "stopped": None if failure is None else str(failure),
+        "stopped": None if failure is None else _without_options(str(failure)),
         "how": _how(origin),
         "origin": origin,
         "scales": _scales(data),
@@ -79,7 +80,10 @@ def written(
     }  # fmt: skip
     given = {name: value for name, value in options.items() if name == "change_points"}
     passing = options_of(SimulationOptions, mechanism, given)
-    models = {"model": javascript_module(system, passing), "ideal": ideal_module(system, passing)}
+    models = {
+        "model": _without_options(javascript_module(system, passing)),
+        "ideal": _without_options(ideal_module(system, passing)),
+    }
     return page({**content, "numbers": packed.text()}, models)
 
 
@@ -111,6 +115,11 @@ def _paler(colour: str) -> str:
     share = 0.85 if colour == "#000000" else 0.35
     parts = [int(colour[at : at + 2], 16) for at in (1, 3, 5)]
     return "#" + "".join(f"{round(part + share * (255 - part)):02X}" for part in parts)
+
+
+def _without_options(text: str) -> str:
+    """Reasons of stops without what only the file's author can change."""
+    return text.replace(f" ({COULD_PASS})", "")
 
 
 def _summary(system: System) -> str:

@@ -12,7 +12,7 @@ from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
 from linkages.solution.resolved import samples_per_swing
 from linkages.solution.solution import Solution, labelled
-from linkages.solution.values.requests import REACTION, STATE, available, requested
+from linkages.solution.values.requests import REACTIONS, STATE, available, requested
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 BESIDE = (
     "joint_position", "bar_angle", "slider_position", "clearance_force", "clearance_angle",
-    "clearance_offset", "clearance_state", "joint_reaction", "load_force", "load_torque",
-    "spring_force", "torsional_spring_torque", "transmission_angle", "kinetic_energy",
-    "potential_energy", "shaking_force", "shaking_moment",
+    "clearance_offset", "clearance_state", "joint_reaction", "pin_reaction", "load_force",
+    "load_torque", "spring_force", "torsional_spring_torque", "transmission_angle",
+    "kinetic_energy", "potential_energy", "shaking_force", "shaking_moment",
 )  # fmt: skip
 """Outputs that a page has besides the usual ones: what it draws, and what people ask for."""
 
@@ -31,7 +31,7 @@ PER_SWING = 10
 """Frames with which a swing can be followed."""
 
 FEWEST, MOST = 600, 3000
-NUMBERS = 140_000
+NUMBERS = 156_000
 """All numbers of a page together, about: it stays at a few hundred kilobytes."""
 
 ASIDE = 0.03
@@ -53,7 +53,7 @@ def dense(solution: Solution) -> xr.Dataset:
     """Data of a solution with all that a page shows, at samples that show every swing."""
     given = [str(name) for name in solution.data.data_vars]
     names = wanted(solution.system, given)
-    known = {*given, REACTION, STATE}
+    known = {*given, *REACTIONS, STATE}
     shown = [name for name in names if name in known or not VARIABLES[name].whole]
     close = solution.closely
     found = labelled(solution.system, close.motion, {name: close.values(name) for name in shown})

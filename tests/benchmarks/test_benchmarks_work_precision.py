@@ -287,10 +287,28 @@ def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
     assert content["reference_uncertainty"] < 1e-12
     costs = content["costs"]
     # times are those of this machine with whatever else it does
-    assert costs["compile_seconds"] > 0
+    assert costs["compile_seconds"] > 0  # processor time
     assert costs["simulation_seconds"] > 0
     # a process with NumPy takes more than 10 MB
     assert costs["peak_bytes"] is None or costs["peak_bytes"] > 1e7
+
+
+def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_path):
+    """Processor time, whatever else the machine does: two runs need not differ by it."""
+    from linkages.benchmark import report
+
+    runs = []
+    once = report._run
+    monkeypatch.setattr(report, "_run", lambda *given: runs.append(once(*given)) or runs[-1])
+    file = tmp_path / "pendulum.yaml"
+    file.write_text(
+        "joints: {O: [0, 0]}\nbars: {rod: {joints: [O, P], length: 1, mass: 1}}\n"
+        "free: {rod: {angle: 1}}\nsimulate: {end: 0.01, samples: 2}\n"
+    )
+    costs = report.measure_costs(str(file), ())
+    cold, warm = runs
+    assert costs.compile_seconds == cold["compiling"] > 0
+    assert warm["compiling"] == 0
 
 
 def test_bench_prints_a_table(bench, tmp_path, monkeypatch):

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.chaos.sections.common_period import common_period
 from linkages.chaos.sections.contact import contact_of
-from linkages.chaos.sections.contact_log import PER_PERIOD, contact_kept, contact_sentences
+from linkages.chaos.sections.contact_log import (
+    PER_PERIOD,
+    RESOLVED,
+    contact_kept,
+    contact_sentences,
+)
 from linkages.chaos.sweeps.maps import chaos_map
 from linkages.components.mechanisms.definition import from_document
 from linkages.reading.document import parse
@@ -86,7 +92,11 @@ def test_contact_is_that_of_a_simulation(name, speed, expected):
     assert found == pytest.approx(share, abs=0 if speed == SLOW else 0.055)
     assert least == pytest.approx(force, rel=0.02 if speed == SLOW else 0.2)
     period = 2 * np.pi / speed
-    assert data["contact_lost"].attrs["interval"] == pytest.approx(period / PER_PERIOD, rel=0.02)
+    closer = np.log2(period / PER_PERIOD / data["contact_lost"].attrs["interval"])
+    assert closer == pytest.approx(round(closer), abs=0.03)
+    assert closer > -0.03
+    if name in ("bifurcation", "chaos_map"):
+        assert round(closer) == 0
 
 
 def test_a_motion_is_the_same_with_and_without_looks(monkeypatch):
@@ -124,3 +134,29 @@ def test_mechanisms_without_clearances_have_no_contact():
     assert not ideal.initial
     data = linkages.poincare(pendulum, periods=2, section="rod.speed=0")
     assert "contact_lost" not in data
+
+
+@pytest.mark.parametrize("name", ["poincare", "lyapunov"])
+def test_every_oscillation_of_a_clearance_is_looked_at(name):
+    """The journal of the nine-bar swings 222 times in a period, too fast for 128 looks."""
+    mechanism = linkages.load("ninebar")
+    period = common_period(mechanism)
+    if name == "poincare":
+        data = linkages.poincare(mechanism, periods=3)
+    else:
+        data = linkages.lyapunov(mechanism, periods=10, count=1)
+    lasting = period * (2 if name == "poincare" else 10)
+    (expected,) = contact_of(linkages.simulate(mechanism, end=lasting, samples=101))
+    assert data.least_force[0] == pytest.approx(expected.smallest, rel=1e-3)
+    assert data.steps_per_look[0] <= RESOLVED
+    at = float(data.least_force_time[0])
+    end = linkages.simulate(mechanism, end=at, samples=2, outputs=["clearance_force"])
+    assert data.least_force[0] == pytest.approx(float(end.data.clearance_force[-1, 0]), rel=1e-6)
+    assert contact_kept(data).startswith("journal and bearing stay in contact: least force 26.")
+
+
+def test_looks_that_miss_oscillations_prove_nothing():
+    speed = {"clearances.r1.speed": [0.0, 0.1]}
+    data = linkages.bifurcation(linkages.load("ninebar"), speed, periods=3, skip=0)
+    assert (data.contact_lost == 0).all()
+    assert "so contact may be lost in between" in contact_kept(data)

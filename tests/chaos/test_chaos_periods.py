@@ -66,3 +66,8 @@ def test_arguments():
         find_period(np.zeros(6), longest=3)
     with pytest.raises(ValueError, match="tolerance"):
         find_period(np.zeros(6), tolerance=0.0)
+
+
+def test_differences_that_overflow_are_no_repetition():
+    points = np.array([[1e308], [-1e308], [1.2e308]] * 2 + [[-1.5e308], [1e308], [-1e308]])
+    assert find_period(points, tolerance=1e-4).count is None

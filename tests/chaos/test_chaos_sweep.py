@@ -190,5 +190,8 @@ def test_values_side_by_side_are_sections_alone():
     assert not data.outcome.any()
     for column, speed in enumerate(speeds):
         alone = linkages.poincare(mechanism.with_values({"clearances.r1.speed": speed}), **given)
-        for name in ("clearance_angle", "clearance_speed", "least_force"):
+        for name in ("clearance_angle", "clearance_speed"):
             assert (data[name][0, column].to_numpy() == alone[name].to_numpy()).all()
+        # a single section looks at forces more often
+        least = float(data.least_force[0, column, 0])
+        assert float(alone.least_force[0]) <= least + 1e-9 * abs(least)

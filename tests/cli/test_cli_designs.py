@@ -51,7 +51,7 @@ def test_optimise_as_json_of_a_global_search_within_some_runs(cli):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        ((*CRANK, "--minimise", "max(abs(crank.efort))"), 2, "did you mean 'effort'?"),
+        ((*CRANK, "--minimise", "max(abs(crank.efort))"), 2, "did you mean 'crank.effort'?"),
         ((*CRANK,), 2, "expected one of minimise and maximise, found none"),
         (("--vary", "bars.crank.length=10mm", *LONGEST), 2, "expected a range such as"),
         (("--vary", "bars.crank.lenth=10:60mm", *LONGEST), 2, "bars.crank.lenth"),

@@ -45,4 +45,5 @@ def test_an_unknown_format_is_refused_before_anything_is_done(cli, verb):
     assert result.code == 2
     text = " ".join(re.sub("\x1b\\[[0-9;]*m|│", "", result.err).split())
     assert "'bmp' is not one of 'png', 'svg', 'pdf'" in text
+    assert "Value error" not in text
     assert result.files == set()

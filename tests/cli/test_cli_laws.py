@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+import linkages
+
 PUMP = """\
 joints: {O: [0, 0]}
 bars: {crank: {joints: [O, A], length: 0.5, mass: 10}, rod: {joints: [A, B], length: 2, mass: 5}}
@@ -61,3 +63,18 @@ def test_a_load_in_a_phase_diagram(cli, pump, tmp_path):
     out = tmp_path / "phase"
     cli("phase", pump, "--x", "p.position", "--y", "loads[0].force", "--out", str(out))
     assert list(out.glob("*.png"))
+
+
+def test_tables_outside_of_the_folder_of_the_definition(tmp_path, cli):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (tmp_path / "outer.csv").write_text("secret,x\n0,1\n1,2\n2,1\n", encoding="utf-8")
+    text = linkages.load("pendulum").to_yaml() + (
+        "loads: [{bar: rod, torque: {table: {file: ../outer.csv}}}]\n"
+    )
+    (inner / "x.yaml").write_text(text, encoding="utf-8")
+    refused = cli("check", str(inner / "x.yaml"))
+    assert refused.code == 2
+    assert "--tables-from" in refused.err
+    assert "secret" not in refused.err
+    assert cli("check", str(inner / "x.yaml"), "--tables-from", str(tmp_path)).code == 0

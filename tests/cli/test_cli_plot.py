@@ -101,10 +101,10 @@ def test_each_plot_has_files_of_its_own(cli, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("plot",), "expected what to draw, e.g. --y crank.angle"),
-        (("plot", "--y", "rocker.angel"), "did you mean 'angle'"),
+        (("plot",), "expected what to draw, such as --y crank.angle"),
+        (("plot", "--y", "rocker.angel"), "did you mean 'rocker.angle'"),
         (("plot", "--y", "bar_angle"), "expected one of its series: crank.angle, coupler.angle"),
-        (("plot", "--y", "rocker.rotation"), "did you mean 'angle'"),
+        (("plot", "--y", "rocker.rotation"), "did you mean 'rocker.angle'"),
         (("plot", "--y", "rocker.angle", "--difference"), "a difference needs two motions"),
         (
             ("plot", "--y", "crank.angle", "--against", "rocker.angle", "--difference",

@@ -54,10 +54,10 @@ def test_units_are_those_of_numbers_with_a_tolerance_as_well(cli):
 @pytest.mark.parametrize(
     ("of", "to", "message"),
     [
-        ("max(crank.efort)", "bars.*", "did you mean 'effort'"),
+        ("max(crank.efort)", "bars.*", "did you mean 'crank.effort'"),
         (EFFORT, "bars.rd.length", "did you mean 'bars.rod.length'"),
         (EFFORT, "wheels.*", "fits this pattern"),
-        ("crank.effort", "bars.*", "it changes with time; expected a number of it"),
+        ("crank.effort", "bars.*", "expected outputs within a reduction over time"),
         (EFFORT, "bars.rod.joints", "found no number there"),
     ],
 )

@@ -65,9 +65,9 @@ def test_grids_lists_lockstep_and_draws(cli):
     ("arguments", "message"),
     [
         ((*EFFORT,), "nothing is varied"),
-        ((*ROD,), "nothing is measured"),
+        ((*ROD,), "nothing is measured; expected 'max(crank.angle)'"),
         ((*EFFORT, "--vary", "bars.rodd.length=1:2:3"), "did you mean 'rod'"),
-        (("--measure", "max(crank.efort)", *ROD), "did you mean 'effort'"),
+        (("--measure", "max(crank.efort)", *ROD), "did you mean 'crank.effort'"),
         ((*EFFORT, "--vary", "bars.rod.length=1:2:1"), "at least two values"),
         ((*EFFORT, "--vary", "bars.rod.length=1:2:1000000000"), "would take at least"),
         ((*EFFORT, *ROD, "--draws", "5"), "nothing is drawn"),

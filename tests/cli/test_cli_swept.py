@@ -1,9 +1,13 @@
 """What verbs say of points that failed, and of clearances that lose contact."""
 
+import io
 import json
+import re
 
 import pytest
+from rich.console import Console
 
+from linkages.cli import terminal
 from linkages.cli.swept import counted
 
 ENGINE = """\
@@ -46,7 +50,17 @@ def test_lost_contact_is_said(engine, verb):
     assert (lost.code, kept.code) == (0, 0), lost.err + kept.err
     assert "note: The force in gap has the wrong sign" in lost.out
     assert "wrong sign" not in kept.out
-    assert "journal and bearing stay in contact: looked at every 0.00156 s" in kept.out
+    if verb in ("poincare", "lyapunov"):  # they follow its oscillations
+        words = [
+            "stay in contact: least force 156.8 N in gap at t = 0.",
+            ", looked at every 0.000391",
+        ]
+    else:
+        words = [
+            "looked at every 0.00156 s after what is skipped, least force ",
+            " N in gap; the mo",
+        ]
+    assert all(each in kept.out for each in words)
 
 
 @pytest.mark.parametrize("verb", VERBS)
@@ -84,3 +98,20 @@ def test_a_budget_of_steps(engine):
     assert result.code == 1
     assert "no value could be computed: The allowed number of steps was used up" in result.err
     assert "2 values: The allowed number of steps was used up" in result.out
+
+
+def test_a_bar_and_the_time_left_fit_into_80_columns(monkeypatch):
+    screen = io.StringIO()
+    wide = Console(file=screen, force_terminal=True, width=80, color_system=None)
+    monkeypatch.setattr(terminal, "PATIENCE", -1.0)
+    monkeypatch.setattr(terminal, "console", lambda **_: wide)
+    label = "diagram of Slider-crank with a journal [ball] in a clearance"
+    with terminal.progress(label, shown=True, what="of values") as update:
+        update(0.5, "3 of 136, 2.2 per second")
+    shown = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", screen.getvalue())
+    lines = {line.strip() for line in re.split(r"[\r\n]", shown) if "of values" in line}
+    assert lines
+    for line in lines:
+        assert re.match(r"━+ +50% of values, remaining [\d:-]+ 3 of 136, 2.2 per second", line)
+        assert len(line) <= 80
+        assert line.endswith("…")

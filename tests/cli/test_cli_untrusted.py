@@ -265,3 +265,66 @@ def test_what_is_stamped_is_validated_when_it_is_read(tmp_path):
     path.write_text("<svg></svg>", encoding="utf-8")
     stamp(path, {"definition": PENDULUM, "changes": '["x"]', "anything": "else"})
     assert linkages.load(path).name
+
+
+@pytest.mark.parametrize(
+    ("analysis", "arguments", "expected"),
+    [
+        ("simulate", {"samples": 10**12}, "samples must be at least 2 and at most 10000000"),
+        ("poincare", {"periods": 10**12}, "periods must be a whole number > 0, at most 10000000"),
+        ("lyapunov", {"skip": 10**30}, "skip must be a whole number >= 0, at most 10000000"),
+        ("bifurcation", {"vary": ["gravity[1]=-9:-8:2"], "periods": 10**12}, "at most 10000000"),
+        ("map", {"x": ["gravity[1]=-9:-8:9999"], "y": ["bars.rod.mass=1:2:9999"]}, "at most 1e"),
+        ("sweep", {"measure": [], "vary": ["gravity[1]=-9:-8:9999999999"]}, "at most 1e"),
+        ("tolerance", {"of": ["max(kinetic_energy)"], "draws": 10**12}, "at most 1e"),
+        ("entropy", {"periods": 10**12}, "periods must be a whole number > 0, at most 10000000"),
+        (
+            "optimise",
+            {"vary": ["bars.rod.mass=1:2"], "minimise": "max(kinetic_energy)", "starts": 10**12},
+            "starts must be from 1 to 100000",
+        ),
+        ("fit", {"vary": ["bars.rod.mass=1:2"]}, "expected the measurements of a fit; 'series'"),
+        ("sensitivity", {"of": None}, "sensitivity needs of, to; the file stores none"),
+    ],
+)  # fmt: skip
+def test_a_file_cannot_ask_for_more_than_a_call_can(analysis, arguments, expected, forged):
+    opened = linkages.open(forged(analysis=analysis, arguments=json.dumps(arguments)))
+    with pytest.raises((ValueError, linkages.InputError), match=expected):
+        opened.compute()
+
+
+@pytest.mark.parametrize("how", ["raw", "virtual", "external", "soft"])
+def test_results_take_no_data_from_other_files(how, tmp_path):
+    secret = tmp_path / "secret"
+    secret.write_bytes(b"private!" * 10)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = np.ones(10)
+    path = tmp_path / "x.nc"
+    with h5py.File(path, "w") as file:
+        file.attrs["definition"], file.attrs["options"] = PENDULUM, "{}"
+        if how == "raw":
+            file.create_dataset("x", shape=(10,), dtype="f8", external=[(str(secret), 0, 80)])
+        elif how == "virtual":
+            layout = h5py.VirtualLayout(shape=(10,), dtype="f8")
+            layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "x", shape=(10,))
+            file.create_virtual_dataset("x", layout)
+        else:
+            other = str(tmp_path / "other.h5")
+            file["x"] = h5py.ExternalLink(other, "x") if how == "external" else h5py.SoftLink("/y")
+    with pytest.raises(linkages.InputError, match="'x' is in another file"):
+        linkages.open(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("x.dxf", b" " * 1_000_000),
+        ("x.gif", b"GIF89a!\xfe\x09linkages:" + (b"\xff" + b"x" * 255) * 20_000),
+        ("x.svg", _svg("[" + "[]," * 11_200_000).encode()),
+        ("x.json", b"[" + b"[]," * 11_200_000),
+    ],
+    ids=["dxf", "gif", "svg", "json"],
+)
+def test_work_and_memory_grow_with_the_size_of_a_file(name, content, tmp_path, cli):
+    (tmp_path / name).write_bytes(content)
+    assert cli("check", str(tmp_path / name)).code == 2

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import re
 
 import numpy as np
@@ -573,11 +574,35 @@ def test_simulate_shows_measures(cli):
     assert "Measures" in cli("simulate", "slider-crank.yaml", "--no-figures", *measures).out
 
 
-def test_simulate_refuses_measures_before_it_computes(cli):
-    found = cli("simulate", "slider-crank.yaml", "--measure", "max(crank.efort)")
+@pytest.mark.parametrize(
+    ("measure", "message"),
+    [
+        ("max(crank.efort)", "did you mean 'crank.effort'"),
+        ("max(error(piston.position))", "there is no other motion to compare with"),
+    ],
+)
+def test_simulate_refuses_measures_before_it_computes(cli, measure, message):
+    found = cli("simulate", "slider-crank.yaml", "--measure", measure)
     assert found.code == 2
-    assert "did you mean 'effort'" in found.err
+    assert message in found.err
     assert not found.files
+
+
+def test_a_measure_outside_of_the_motion_leaves_the_results(cli):
+    late = ["--measure", "at(2*final(t), crank.angle)"]
+    half = ["--measure", "at(final(t)/2, crank.angle)"]
+    found = cli("simulate", "slider-crank.yaml", "--no-figures", "--json", *late, *half)
+    assert found.code == 0
+    missed, angle = json.loads(found.out)["measures"]
+    assert missed["value"] is None
+    assert "t = 0.16 s is outside of the motion, from 0 s to 0.08 s" in missed["reason"]
+    assert angle["value"] == pytest.approx(2 * math.pi, rel=1e-12)
+
+
+def test_list_without_a_name_draws_nothing(cli):
+    result = cli("list", "--dimensions")
+    assert result.code == 2
+    assert "expected the NAME of a mechanism to draw" in result.err
 
 
 def test_list_draws_dimensions_if_they_are_asked_for(cli, tmp_path):

@@ -238,12 +238,21 @@ friction: [{joint: O, coefficient: 0.1, radius: 10 mm, slip_speed: 0.1}]
         ("{joint: A, bar: rod, size: 0.1 mm}", "clearance 'gap' opens 'A'; expected 'friction'"),
         (
             "{joint: B, bar: rod, size: 0.1 mm, contact: restitution, restitution: 0.8}",
-            "impacts of 'gap' have impulses",
+            "impacts of 'gap' have impulses, which friction under a reaction does not follow; "
+            "expected a 'contact' with a stiffness, such as 'kelvin-voigt' there",
         ),
     ],
 )
 def test_clearances_that_leave_no_reaction(clearance, found):
     assert found in complaints(f"{ENGINE}{SLIPS['A']}clearances: {{gap: {clearance}}}\n")[0]
+
+
+def test_beside_a_stop():
+    """The remedy that the message names is accepted."""
+    stop = "stops: [{slider: piston, upper: 0.5 m, restitution: 0.5}]\n"
+    (found,) = complaints(ENGINE + SLIPS["A"] + stop)
+    assert "expected 'stiffness' (and 'damping') in place of 'restitution' there" in found
+    linkages.loads(ENGINE + SLIPS["A"] + stop.replace("restitution: 0.5", "stiffness: 1e6"))
 
 
 @pytest.mark.parametrize("contact", ["", ", contact: hertz, stiffness: 2e9"])

@@ -1,6 +1,8 @@
 """Mechanisms as text and as files: what is written is read as an equal mechanism."""
 
+import errno
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -133,3 +135,16 @@ def test_a_mechanism_shows_what_it_consists_of():
 def test_states_that_make_no_sense_are_named(state, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         linkages.load("pendulum").with_state(state)
+
+
+def test_a_full_disk_names_the_file(tmp_path, monkeypatch):
+    """The system names no file where a write fails."""
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        linkages.load("pendulum").save(tmp_path / "kept.yaml")
+    assert caught.value.filename == str(tmp_path / "kept.yaml")
+    assert list(tmp_path.iterdir()) == []

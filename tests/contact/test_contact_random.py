@@ -78,3 +78,19 @@ def test_seeds_draw_everything():
     for word in ("friction", "carries: pin", "carries: hole", "gravity", "torque", "force"):
         assert word in texts
     assert sum(f"contact: {law}\n" in texts for law in ("exact", "hertz", "kelvin-voigt")) == 3
+
+
+@pytest.mark.parametrize("seed", [1, 4, 6, 7])
+@pytest.mark.parametrize("samples", [3, 101])
+def test_means_of_rates_are_what_they_change(seed, samples):
+    """A touch lasts a few microseconds, in which the acceleration is largest."""
+    mechanism = linkages.loads(definition(seed))
+    end = ENDS[kind(seed)]
+    solution = linkages.simulate(mechanism, end=end, samples=samples)
+    name = [name for name, bar in mechanism.bodies.items() if bar.rotates][-1]
+    for rate, place in (("speed", "angle"), ("acceleration", "speed")):
+        change = linkages.measure(solution, f"final({name}.{place}) - at(0 s, {name}.{place})")
+        mean = linkages.measure(solution, f"mean({name}.{rate})")
+        largest = linkages.measure(solution, f"max(abs({name}.{rate}))")
+        # accelerations of states that are interpolated within steps at the default tolerance
+        assert abs(mean - change / end) <= 1e-9 * largest

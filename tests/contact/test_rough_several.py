@@ -313,3 +313,29 @@ def test_stiff_corners_that_rub_tend_to_rigid_ones():
     )
     assert stiff / stiffer == pytest.approx(100**0.4, rel=0.06)
     assert stiff < 2e-5
+
+
+THROWN = """
+joints: {{O: [0, 0]}}
+sliders: {{block: {{joint: B, through: O, mass: 0.5, inertia: 2e-4}}}}
+clearances:
+  gap: {{slider: block, size: 1 mm, length: 100 mm, height: 20 mm, contact: restitution,
+        restitution: {restitution}, friction: {friction}, impact: moreau, rate: -0.3, speed: 3,
+        angle: 0.3 deg}}
+free: {{block: {{position: 0, speed: 0.5}}}}
+simulate: {{end: 0.02, samples: 2001}}
+"""
+
+
+@pytest.mark.parametrize(("restitution", "friction"), [(1.0, 0.5), (0.5, 0.3), (1.0, 0.0)])
+def test_impacts_that_bounce_less_lest_energy_grow_are_counted(restitution, friction):
+    """They are those that lose nothing, though there is friction."""
+    text = THROWN.format(restitution=restitution, friction=friction)
+    solution = linkages.simulate(linkages.loads(text), outputs=["impact_loss", "touches"])
+    totals = (solution.data[name].to_numpy().sum(axis=1) for name in ("touches", "impact_loss"))
+    touches, loss = totals
+    lost = np.diff(loss)[np.diff(touches) > 0]
+    kept = int((np.abs(lost) < 1e-12).sum()) if friction else 0
+    counted = [int(n.split()[0]) for n in solution.notes if "with all of it energy would" in n]
+    assert counted == ([kept] if kept else [])
+    assert (kept > 0) == (restitution == 1.0 and friction > 0)

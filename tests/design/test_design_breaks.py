@@ -10,8 +10,11 @@ from design_differences import compared, richardson
 import linkages
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.sensitivity import differentiated
+from linkages.design.sensitivity.breaks import APART, Break, _each_once, breaks
 from linkages.design.sensitivity.differentiated import Differentiated
+from linkages.design.sensitivity.numbers import effects, numbers_of
 from linkages.errors import ComputationError, InputError
+from linkages.kernel.system import System
 
 PATHS = ["drives.arm.law.begin", "drives.arm.law.duration", "bars.rod.length", "free.rod.angle"]
 
@@ -200,3 +203,49 @@ def test_laws_of_state_jump_in_driven_motions_at_times_that_move(name, bar, limi
         scale = np.abs(exact[:, number]) + 1e-3  # of efforts of about 10 N m
         # round-off, and iterations that end at 1e-12
         assert (np.abs(exact[:, number] - difference) <= 1e-8 * scale + 10 * error).all()
+
+
+def test_a_break_is_the_first_time_on_its_other_side():
+    mechanism = _driven('"where(t < start, 0, (t - start)*(t - start)*10)"')
+    system = System(mechanism)
+    numbers = effects(system, numbers_of(mechanism, ["parameters.start"]))
+    law = system.model.positions.laws["arm"]
+    (found,) = breaks(system, [law.acceleration], numbers, 0.8)
+    assert found.time == 0.23
+    assert found.before < found.time < found.behind
+    np.testing.assert_allclose(found.moved, [1.0], rtol=1e-12)
+
+
+def _apart(roundings: int, *moved: list[float]) -> list[Break]:
+    """Breaks a number of roundings of their time apart, with what they move by."""
+    step = float(np.spacing(0.8))
+    times = [0.3 + k * roundings * step for k in range(len(moved))]
+    return [
+        Break(time, time - APART * step, time + APART * step, np.array(rates))
+        for time, rates in zip(times, moved, strict=True)
+    ]
+
+
+def test_breaks_that_overlap_and_move_alike_are_one():
+    """Motions are led from one side of a break to the other, and must not be led back."""
+    assert len(_each_once(_apart(2 * APART - 2, [1.0, 0.0], [1.0, 0.0]))) == 1
+    assert len(_each_once(_apart(2 * APART - 2, [1.0, 0.0], [1.0, 0.5]))) == 2
+    assert len(_each_once(_apart(2 * APART + 2, [1.0, 0.0], [1.0, 0.0]))) == 2
+
+
+def test_jumps_at_one_time_that_numbers_part_have_no_derivative():
+    mechanism = linkages.loads("""
+joints: {O: [0, 0]}
+parameters: {one: 0.3, other: 0.3}
+bars: {arm: {joints: [O, A], length: 0.2, mass: 1}}
+drives: {arm: {angle: 0, speed: 1}}
+loads:
+  - {bar: arm, torque: "where(t < one, 1, 2)"}
+  - {bar: arm, torque: "where(t < other, 3, 7)"}
+""")
+    paths, run = ["parameters.one", "parameters.other"], {"end": 0.8, "samples": 81}
+    found = Differentiated(mechanism, ["mean(arm.effort)"], paths, run=run)
+    with pytest.raises(ComputationError, match="no finite derivative"):
+        found.at(found.values)
+    evaluated = found.at(np.array([0.3, 0.4]))
+    np.testing.assert_allclose(evaluated.derivatives, [[1 / 0.8, 4 / 0.8]], rtol=1e-9)

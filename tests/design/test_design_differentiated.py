@@ -152,3 +152,70 @@ def test_means_of_what_bends_or_jumps_by_itself_do_not_depend_on_samples(samples
         # Gauss's rule with five places between samples that are 12° apart
         missed = np.abs(exact[:, number] - difference)
         assert (missed <= 1e-8 * np.abs(difference) + 10 * error).all()
+
+
+@pytest.mark.parametrize("samples", [5, 60])
+@pytest.mark.parametrize("name", ["slider-crank", "class-three"])
+def test_means_and_their_derivatives_do_not_depend_on_samples(name, samples):
+    """Drives determine the motion. Differences are of measures of the motion by itself."""
+    mechanism = linkages.load(name, set={"simulate.end": "0.05 s" if name[0] == "s" else "1 s"})
+    path, series = {
+        "slider-crank": ("bars.rod.length", "piston.velocity"),
+        "class-three": ("bars.leg2.length", "plate.speed"),
+    }[name]
+    measures = [f"rms({series})", f"mean(abs({series}))"]
+    found = Differentiated(mechanism, measures, [path], run={"samples": samples})
+    evaluated = found.at(found.values)
+
+    def alone(numbers):
+        solution = linkages.simulate(mechanism.with_values({path: float(numbers[0])}))
+        return np.array([linkages.measure(solution, each) for each in measures])
+
+    assert evaluated.values == pytest.approx(alone(found.values), rel=1e-9)
+    slopes, error = richardson(alone, found.values, 0, 2e-3 * found.values[0])
+    # kinks move with the number: differences are as good as these are located, some 1e-10
+    assert evaluated.derivatives[:, 0] == pytest.approx(slopes, rel=1e-7, abs=float(error.max()))
+
+
+@pytest.mark.parametrize("samples", [5, 26])
+def test_a_load_that_jumps_with_the_position_has_exact_derivatives(samples):
+    """The mean torque is the work of the cut over a turn, F·2h/2π."""
+    mechanism = linkages.loads("""
+        parameters: {cut: 2 kN, half: 150 mm}
+        joints: {O: [0, 0]}
+        bars:
+          crank: {joints: [O, A], length: 200 mm, mass: 1}
+          rod: {joints: [A, B], length: 700 mm, mass: 1}
+        sliders: {ram: {joint: B, through: O, mass: 3}}
+        assembly: {B: [900 mm, 0]}
+        drives: {crank: {angle: 10 deg, speed: 60 rpm}}
+        loads:
+          - slider: ram
+            force: where(ram.velocity < 0 m/s and abs(ram.position - 0.7 m) < half, cut, 0 N)
+    """)
+    paths = ["parameters.cut", "parameters.half"]
+    run = {"end": 1.0, "samples": samples}
+    found = Differentiated(mechanism, ["mean(crank.effort)"], paths, run=run)
+    evaluated = found.at(found.values)
+    assert evaluated.values == pytest.approx([300 / np.pi], rel=1e-8)
+    assert evaluated.derivatives[0] == pytest.approx([0.15 / np.pi, 2000 / np.pi], rel=1e-7)
+
+
+def test_a_value_at_a_time_that_follows_from_the_motion_moves_with_it():
+    """y(t*) changes by ∂y/∂p + y' ∂t*/∂p."""
+    mechanism = linkages.load("slider-crank")
+    measures = [
+        "at(time_of_max(piston.velocity), crank.angle)",
+        "at(final(t)/3, piston.position)",
+    ]
+    paths = ["bars.rod.length", "drives.crank.speed"]
+    found = Differentiated(mechanism, measures, paths)
+    evaluated = found.at(found.values)
+
+    def values(numbers):
+        return found.at(numbers, derivatives=False).values
+
+    for column, size in enumerate(found.values):
+        slopes, error = richardson(values, found.values, column, 1e-3 * size)
+        allowed = 1e-9 * abs(evaluated.values / size) + 10 * error
+        assert (abs(evaluated.derivatives[:, column] - slopes) <= allowed).all()

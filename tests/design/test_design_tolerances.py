@@ -58,6 +58,18 @@ def test_samples_of_a_linear_measure_are_normal(found):
     assert own["sample"].to_numpy() == pytest.approx(own["linear_sample"].to_numpy(), abs=1e-11)
 
 
+def test_the_linear_analysis_does_not_depend_on_random_copies(engine):
+    """Mean and deviation are those of the zone: 2·(40.01 ± 0.03) mm, limits of 3 sigma."""
+    shifted = engine.with_values({"bars.crank.length": "40 +0.04/-0.02 mm"})
+    own = linkages.tolerance(shifted, STROKE, draws=100, seed=5, samples=101).sel(measure=STROKE)
+    assert float(own["linear_mean"]) == pytest.approx(0.08002, rel=1e-12)
+    assert float(own["linear_spread"]) == pytest.approx(2 * 0.03e-3 / 3, rel=1e-11)
+    assert float(own["linear_spread"]) == float(own["linear_deviation"])
+    # the copies have a mean and a deviation of their own, and are compared copy by copy
+    assert abs(float(own["deviation"]) / float(own["linear_spread"]) - 1) > 1e-3
+    assert "agree within their errors" in own.attrs["remarks"]
+
+
 def test_the_yield_is_that_of_normal_numbers(found):
     half = 0.02e-3 / (2 * 0.02e-3 / 3)  # limits in standard deviations
     one = 0.5 * (1 + erf(half / sqrt(2)))
@@ -179,7 +191,7 @@ def test_draws_do_not_depend_on_cores_or_stores(engine, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"of": "stroke(pistol.position)"}, "did you mean 'piston'?"),
+        ({"of": "stroke(pistol.position)"}, "did you mean 'piston.position'?"),
         ({"of": []}, "nothing is asked for"),
         ({"limits": "stroke(piston.position)"}, "expected limits such as"),
         ({"limits": "stroke(piston.position) < 3 kg"}, "the measure is in m"),

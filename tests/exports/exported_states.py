@@ -13,8 +13,8 @@ from linkages.exports.kernels.exported import exported
 from linkages.kernel.numbers.parameters import NEAREST
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
-from linkages.solution.values.reactions import Statics
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.reactions import Statics, row_of
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import system_series
 
 ROOT = Path(__file__).parents[2]
@@ -178,7 +178,7 @@ def cases(name):
     """States about the initial one, whose loops close."""
     of, random = system(name), np.random.default_rng(5)
     series = [system_series(of)[q.name] for q in kernel(name).quantities]
-    nodes = [one.node(of.model) for one in series if one.variable != REACTION]
+    nodes = [one.node(of.model) for one in series if one.variable not in REACTIONS]
     accelerations = of.model.integrated_accelerations(of.model.changes)
     moved = of.layout.moved
     half = len(of.layout.coordinates)
@@ -198,7 +198,7 @@ def cases(name):
         reactions = Statics(of.model, of.topology, 1, at).reactions().ravel()
         outputs = np.array(
             [
-                reactions[one.index(of.model)] if one.variable == REACTION else next(plain)
+                reactions[row_of(one, of.model)] if one.variable in REACTIONS else next(plain)
                 for one in series
             ]
         )

@@ -262,3 +262,16 @@ def test_symbols_stand_where_their_joints_are(name):
 
 def test_formats_are_found_by_name():
     assert {"svg", "dxf"} <= set(exports())
+
+
+@pytest.mark.parametrize("hole", [None, 0.01])
+@pytest.mark.parametrize("form", ["svg", "dxf"])
+def test_a_mechanism_beyond_the_range_of_millimetres_is_refused(form, hole, tmp_path):
+    text = """
+joints: {O: [1e308, 0]}
+bars: {rod: {joints: [O, P], length: 1, mass: 1}}
+free: {rod: {angle: 1}}
+simulate: {end: 0.1, samples: 3}
+"""
+    with pytest.raises(InputError, match="too large to draw in millimetres"):
+        linkages.export(linkages.loads(text), form, tmp_path, hole=hole)

@@ -1,9 +1,10 @@
-"""JavaScript in a browser, against the compiled kernel and NumPy."""
+"""JavaScript in QuickJS and a browser, against the compiled kernel and NumPy."""
 
 import json
 
 import numpy as np
 import pytest
+import quickjs
 from browser import Browser, needs_browser
 from exported_states import (
     CHANGES,
@@ -25,23 +26,15 @@ import linkages
 from linkages.exports.kernels.javascript import javascript_module
 from linkages.kernel.system import System
 
-pytestmark = needs_browser
 
+def run(text, expression):
+    """The value of an expression after the text of a module; numbers that are not finite are None.
 
-@pytest.fixture(scope="module")
-def page(tmp_path_factory):
-    file = tmp_path_factory.mktemp("page") / "empty.html"
-    file.write_text("<!doctype html><title>empty</title>", encoding="utf-8")
-    with Browser() as browser:
-        found = browser.page()
-        found.open(file)
-        yield found
-
-
-def run(page, text, expression):
-    """The value of an expression after the text of modules."""
-    plain = text.replace("export ", "")
-    return page.evaluate(f"(() => {{ {plain}\nreturn ({expression}); }})()")
+    The engine is an interpreter: a motion takes it dozens of times as long as a browser.
+    """
+    context = quickjs.Context()
+    context.module(f"{text}\nglobalThis.evaluate = () => JSON.stringify({expression});")
+    return json.loads(context.eval("evaluate()"))
 
 
 EVALUATED = """
@@ -60,11 +53,11 @@ cases.map(({ time, state }) => {
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_rates_and_outputs_are_those_of_numpy(name, page):
+def test_rates_and_outputs_are_those_of_numpy(name):
     given = [{"time": case.time, "state": case.state.tolist()} for case in cases(name)]
     text = javascript_module(system(name)) + f"\nconst cases = {json.dumps(given)};"
     groups = [quantity.variable for quantity in kernel(name).quantities]
-    for found, case in zip(run(page, text, EVALUATED), cases(name), strict=True):
+    for found, case in zip(run(text, EVALUATED), cases(name), strict=True):
         assert found["status"] == [0, 0, 0]
         half = len(case.rates) // 2
         assert_near(found["own"], case.state)
@@ -73,21 +66,41 @@ def test_rates_and_outputs_are_those_of_numpy(name, page):
         assert_near(found["outputs"], case.outputs, groups)
 
 
-def test_two_seconds_of_the_nine_bar_are_those_of_simulate(page):
-    """Tolerances of 1e-12 and below are far beneath 1e-9 of every output's size."""
-    own = system("ninebar")
-    times = np.linspace(0.0, 2.0, 41)
+def nine_bar(end, samples):
+    """Its module with times, what `linkages.simulate` finds then, and places of that in outputs."""
+    own, times = system("ninebar"), np.linspace(0.0, end, samples)
     data = linkages.simulate(own.mechanism, times=times, rtol=1e-12, outputs=FOLLOWED).data
-    expected = np.hstack([data[name].values.reshape(41, -1) for name in FOLLOWED])
+    expected = np.hstack([data[name].values.reshape(samples, -1) for name in FOLLOWED])
     quantities = kernel("ninebar").quantities
     rows = [k for name in FOLLOWED for k, q in enumerate(quantities) if q.variable == name]
-    text = javascript_module(own)
-    text += f"\nconst times = {json.dumps(times.tolist())};"
-    ended = run(page, text, MOVED)
+    text = javascript_module(own) + f"\nconst times = {json.dumps(times.tolist())};"
+    return text, expected, rows
+
+
+def assert_moved(ended, expected, rows):
+    """Tolerances of 1e-12 and below are far beneath 1e-9 of every output's size."""
     assert ended["status"] == 0
     found = np.array(ended["values"], dtype=float)[:, rows]  # none where one is infinite
     assert found.shape == expected.shape
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_the_nine_bar_moves_as_in_simulate():
+    text, expected, rows = nine_bar(0.05, 21)
+    assert_moved(run(text, MOVED), expected, rows)
+
+
+@needs_browser
+def test_two_seconds_of_the_nine_bar_in_a_browser(tmp_path):
+    text, expected, rows = nine_bar(2.0, 41)
+    file = tmp_path / "empty.html"
+    file.write_text("<!doctype html><title>empty</title>", encoding="utf-8")
+    with Browser() as browser:
+        page = browser.page()
+        page.open(file)
+        plain = text.replace("export ", "")
+        ended = page.evaluate(f"(() => {{ {plain}\nreturn ({MOVED}); }})()")
+    assert_moved(ended, expected, rows)
 
 
 FOLLOWED = ("joint_position", "slider_position", "clearance_angle")
@@ -115,12 +128,12 @@ numbers.map((given) => {
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_numbers_of_the_file_lead_to_its_parameters_and_state(name, page):
+def test_numbers_of_the_file_lead_to_its_parameters_and_state(name):
     """A component carried out with nodes is what the changed file says, one number at a time."""
     given = [numbers for numbers, *_ in changes(name)]
     text = javascript_module(system(name)) + f"\nconst numbers = {json.dumps(given)};"
     rows = compared_parameters(name)
-    for found, (_, parameters, state) in zip(run(page, text, FED), changes(name), strict=True):
+    for found, (_, parameters, state) in zip(run(text, FED), changes(name), strict=True):
         assert found["status"] == 0
         np.testing.assert_allclose(
             np.array(found["parameters"], dtype=float)[rows],
@@ -132,33 +145,33 @@ def test_numbers_of_the_file_lead_to_its_parameters_and_state(name, page):
 
 
 @pytest.mark.parametrize("tolerances", ["{}", "{rtol: 1e-7, atol: 0}", "{rtol: 1e-7, atol: null}"])
-def test_what_stays_zero_has_no_error(tolerances, page):
+def test_what_stays_zero_has_no_error(tolerances):
     """A bar at rest in its balance: no tolerance is asked of zeros."""
     text = "joints: {O: [0, 0]}\nbars: {b: {joints: [O, P], length: 1, mass: 1}}\n"
     of = System(linkages.loads(text + "free: {b: {angle: 0, speed: 0}}"))
     still = f"model.integrate(model.parameters, model.state, [0, 1], {tolerances}, () => 0)"
-    ended = run(page, javascript_module(of), still)
+    ended = run(javascript_module(of), still)
     assert (ended["status"], ended["time"]) == (0, 1)
 
 
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
-def test_contacts_and_friction_are_those_of_simulate(name, page):
+def test_contacts_and_friction_are_those_of_simulate(name):
     """Touches, impacts, sticking, change points: all are located far below 1e-9."""
     times, expected = switched(name)
     rows = followed_rows(name)
     text = javascript_module(system(name))
-    ended = run(page, text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
+    ended = run(text + f"\nconst times = {json.dumps(times.tolist())};", MOVED)
     assert ended["status"] == 0
     found = np.array(ended["values"], dtype=float)[:, rows]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 
-def test_change_points_end_driven_motions(page):
+def test_change_points_end_driven_motions():
     of = System(linkages.loads(PARALLELOGRAM))
     times = "[0, 0.4 / 3, 0.8 / 3, 0.4]"
     followed = f"model.integrate(model.parameters, model.state, {times}, {{}}, () => 0)"
     said = f"[{followed}].map((e) => [e.time, model.statuses[e.status]])[0]"
-    time, text = run(page, javascript_module(of), said)
+    time, text = run(javascript_module(of), said)
     assert time == pytest.approx(CHANGES, abs=1e-5)
     assert "singular" in text
     assert "joint B" in text

@@ -1,13 +1,17 @@
+import hashlib
 import os
 import stat
 import subprocess
 import sys
+import warnings
 
 import pytest
 from linkage_models import FOLDER
 
 from linkages.kernel.code import cache
 from linkages.kernel.code.cache import ENVIRONMENT_VARIABLE, cache_folder, kept
+from linkages.kernel.code.machine import MachineCode
+from linkages.reading.private import is_own
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
 
@@ -44,11 +48,77 @@ def test_the_named_folder_itself_is_left_as_it_is(tmp_path):
     assert mode(tmp_path) == 0o755
 
 
-def test_an_open_folder_is_closed(folder):
-    folder.mkdir(mode=0o777)
-    folder.chmod(0o777)
+@pytest.mark.parametrize("rights", [0o777, 0o770, 0o1777])
+def test_an_open_folder_is_not_used_and_not_repaired(folder, rights):
+    """Others may have put code there already: a right seal is no proof."""
+    kept("a key", ".o", made(b"code of somebody else")[0])
+    cache_folder.cache_clear()
+    folder.chmod(rights)
+    with pytest.warns(UserWarning, match="others can write to .*kernels.*chmod go-w .*kernels"):
+        assert cache_folder() is None
+    assert mode(folder) == rights
+    assert kept("a key", ".o", made()[0]) == (b"machine code", False)
+
+
+def test_a_folder_that_others_can_exchange_is_not_used(folder):
+    folder.parent.chmod(0o777)
+    with pytest.warns(UserWarning, match="others can write to .*; if you trust what is there"):
+        assert cache_folder() is None
+    folder.parent.chmod(0o1777)  # as /tmp
+    cache_folder.cache_clear()
     assert cache_folder() == folder
-    assert mode(folder) == 0o700
+
+
+def test_a_folder_behind_a_link_is_used_under_its_own_name(folder, monkeypatch):
+    """A link may be exchanged later: what was checked is used."""
+    (folder.parent / "link").symlink_to(folder.parent)
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(folder.parent / "link"))
+    assert cache_folder() == folder
+
+
+@pytest.mark.parametrize("change", ["owner", "rights"])
+def test_files_of_others_are_not_loaded(folder, change):
+    kept("a key", ".o", made(b"code of somebody else")[0])
+    (file,) = folder.glob("*.o")
+    if change == "rights":
+        file.chmod(0o666)
+    elif os.getuid() == 0:
+        os.chown(file, 12345, 12345)
+    else:
+        pytest.skip("only root can give a file away")
+    assert kept("a key", ".o", made()[0]) == (b"machine code", False)
+    assert kept("a key", ".o", made()[0]) == (b"machine code", True)  # it took its place
+    assert is_own(file.stat())
+
+
+def test_systems_without_owners(folder, monkeypatch):
+    """On Windows access-control lists protect the user's profile."""
+    monkeypatch.delattr(os, "geteuid")
+    folder.mkdir(mode=0o777)
+    assert cache_folder() == folder
+    assert kept("a key", ".o", made()[0]) == (b"machine code", False)
+    assert kept("a key", ".o", made()[0]) == (b"machine code", True)
+
+
+def test_a_full_disk_costs_time_and_no_more(folder, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    assert cache_folder() == folder
+    monkeypatch.setattr(cache.Path, "replace", full)
+    assert kept("a key", ".o", made()[0]) == (b"machine code", False)
+    assert not [*folder.iterdir()]
+
+
+@pytest.mark.parametrize("content", [b"", b"no lines", b"f i64\n\nno object file"])
+def test_a_sealed_file_that_is_no_machine_code_is_made_anew(folder, content):
+    text = "define i64 @f(i64 %x) {\n  ret i64 %x\n}\n"
+    MachineCode(text)
+    (file,) = folder.glob("*.o")
+    before = file.read_bytes()
+    file.write_bytes(hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+    assert MachineCode(text).function("f")(7) == 7
+    assert file.read_bytes() == before
 
 
 def test_the_users_cache_by_default(folder, tmp_path, monkeypatch):
@@ -117,11 +187,11 @@ def test_what_cannot_be_made_is_not_kept(folder):
 
 def test_a_place_that_is_no_folder(folder):
     folder.write_text("a file")
-    with pytest.warns(UserWarning, match="cannot keep compiled kernels in .*kernels") as caught:
-        instead = cache_folder()
+    with pytest.warns(UserWarning, match="compiled kernels are not kept .*kernels") as caught:
+        assert cache_folder() is None
     assert ENVIRONMENT_VARIABLE in str(caught[0].message)
-    assert instead != folder
-    assert mode(instead) == 0o700
+    shown = warnings.formatwarning("", UserWarning, caught[0].filename, caught[0].lineno)
+    assert shown == "linkages:0: UserWarning: \n"  # no line of the package
     assert kept("a key", ".o", made()[0]) == (b"machine code", False)  # and warns once
     assert folder.read_text() == "a file"
 
@@ -131,9 +201,8 @@ def test_a_folder_of_somebody_else(folder):
     """Whoever owns the folder could make us import what he likes."""
     folder.mkdir()
     os.chown(folder, 12345, 12345)
-    with pytest.warns(UserWarning, match="it belongs to another user"):
-        instead = cache_folder()
-    assert instead != folder
+    with pytest.warns(UserWarning, match="kernels belongs to another user"):
+        assert cache_folder() is None
     assert not [*folder.iterdir()]
 
 
@@ -141,8 +210,8 @@ def test_a_folder_of_somebody_else(folder):
 def test_a_folder_that_cannot_be_made(folder):
     folder.parent.chmod(0o500)
     try:
-        with pytest.warns(UserWarning, match="cannot keep compiled kernels"):
-            assert cache_folder() != folder
+        with pytest.warns(UserWarning, match="compiled kernels are not kept"):
+            assert cache_folder() is None
     finally:
         folder.parent.chmod(0o700)
 
@@ -156,7 +225,7 @@ def test_a_folder_that_the_system_refuses(monkeypatch):
 
     monkeypatch.setattr(cache.Path, "mkdir", refuse)
     with pytest.warns(UserWarning, match=r"\(Permission denied\)"):
-        assert cache_folder().is_dir()
+        assert cache_folder() is None
 
 
 SCRIPT = """
@@ -191,3 +260,46 @@ def test_processes_share_an_empty_cache(folder):
     last = subprocess.run(command, capture_output=True, text=True, check=True)
     assert last.stdout == results[0]
     assert "was known" in last.stderr
+
+
+KEYS = """
+import sys
+from linkages.kernel.closure import dyads
+dyads.LEAST_MARGIN *= float(sys.argv[1])
+from linkages.kernel.code import machine
+def recorded(key, *_, **__):
+    print(machine.digest_of(key))
+    raise ZeroDivisionError
+machine.kept = recorded
+from linkages.solvers.loops import adaptive_steps, fixed_steps
+from linkages.solvers.methods import dop853
+from linkages.solvers.printed.shape import Shape
+from linkages.solvers.printed.step import compiled_step
+from linkages.solvers.steps.loaded import Loaded
+tableau = dop853.tableau()
+shape = Shape(
+    n=4, blocks=1, first_carried=4, carried=0, counted=0, width=20, rotates=(False,) * 4
+)
+for use in (
+    lambda: compiled_step(tableau, shape),
+    lambda: Loaded(adaptive_steps.__name__, "conclude_step").address,
+    lambda: Loaded(fixed_steps.__name__, "fixed_steps").address,
+):
+    try:
+        use()
+    except ZeroDivisionError:
+        pass
+"""
+
+
+def test_a_constant_of_another_folder_changes_the_keys_of_steps_and_loops():
+    """Machine code of an earlier release is not used with the limits of this one."""
+    one, same, other = (
+        subprocess.run(
+            [sys.executable, "-c", KEYS, factor], capture_output=True, text=True, check=True
+        ).stdout.split()
+        for factor in ("1", "1", "2")
+    )
+    assert one == same
+    assert len(one) == 3
+    assert not set(one) & set(other)

@@ -139,3 +139,13 @@ def test_bits_do_not_depend_on_the_instruction_set(monkeypatch):
             ]
         )
     np.testing.assert_array_equal(*found)
+
+
+def test_a_long_compilation_is_announced_once(monkeypatch, caplog):
+    """Not where the result is known."""
+    text = program(system("pendulum")).assembly + "\n; another text, which is not kept yet\n"
+    monkeypatch.setattr(machine, "LONG_TEXT", len(text) - 1)
+    for _ in range(2):
+        machine.MachineCode(text)
+    (said,) = caplog.messages
+    assert "characters of equations, which can take minutes" in said

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from absolute_bodies import GROUND, Layout
-from absolute_measures import Measure, along_axis, angles, coordinate, gap
+from absolute_measures import Measure, along_axis, angles, coordinate, gap, related
 from time_functions import jet
 
 from linkages.components.contributed.functions import Function, Number, constant
@@ -59,8 +59,7 @@ def constraints(mechanism: Mechanism, layout: Layout) -> list[Constraint]:
             found.append(Constraint("axis", name, along_axis(layout, name, math.pi / 2)))
             found.append(Constraint("turn", name, turn, Number(guide.angle)))
     for relation in mechanism.relations:
-        parts = [(body, -ratio.value) for body, ratio in relation.parts]
-        measure = angles(layout, [(relation.body, 1.0), *parts])
+        measure = related(layout, relation)
         found.append(Constraint("relation", relation.body, measure, Number(relation.offset)))
     for name, prescribed in mechanism.prescribed.items():
         found.append(Constraint("drive", name, coordinate(layout, name), prescribed.law))

@@ -11,10 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 from absolute_bodies import Layout, State, pair, turned
 from absolute_constraints import Constraint, constraints
+from absolute_covered import NotCoveredError, require_covered
 from absolute_forces import inertia, loads, weight
 from absolute_measures import along_axis, coordinate
 
+from linkages.components.contributed.measures import Bearing
+from linkages.components.contributed.terms import axis_label
 from linkages.components.mechanisms.mechanism import Mechanism
+
+MOST_REACTIONS = 200
+"""Iterations of forces that press frictions."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,7 @@ class AbsoluteModel:
     """Equations of a mechanism in absolute coordinates."""
 
     def __init__(self, mechanism: Mechanism) -> None:
+        require_covered(mechanism)
         self.mechanism = mechanism
         self.layout = Layout(mechanism)
         self.constraints = constraints(mechanism, self.layout)
@@ -37,6 +44,11 @@ class AbsoluteModel:
         equations = sum(c.size for c in self.constraints) + len(self.free)
         self.redundant = equations > self.layout.size
         """Whether constraints repeat each other; reactions are then not determined."""
+        self.pressed = [load for load in mechanism.loads if load.bearing is not None]
+        if self.redundant and self.pressed:
+            raise NotCoveredError(
+                self.pressed[0].path, "friction by reactions that are not determined"
+            )
 
     def configuration(
         self, places: Mapping[str, np.ndarray], angles: Mapping[str, float]
@@ -93,13 +105,41 @@ class AbsoluteModel:
         return np.concatenate([self.jacobian(state), *(m(state).jacobian for m in self.free)])
 
     def solve(self, state: State) -> Solved:
-        """Accelerations and multipliers."""
+        """Accelerations and multipliers.
+
+        Frictions that follow reactions are iterated: their coefficients make that a contraction
+        unless the mechanism may lock.
+        """
+        forces = dict.fromkeys((load.bearing for load in self.pressed), 0.0)
+        for _ in range(MOST_REACTIONS):
+            solved = self._solved(state, forces)
+            found = {bearing: self._pressing(bearing, solved) for bearing in forces}
+            off = [abs(found[bearing] - force) for bearing, force in forces.items()]
+            forces = found
+            if max(off, default=0.0) <= 1e-15 * max(forces.values(), default=0.0):
+                return solved
+        raise NotCoveredError(self.pressed[0].path, "friction by reactions that may lock")
+
+    def _pressing(self, bearing: Bearing, solved: Solved) -> float:
+        """The force on a body at a joint, or across the axis that it slides along."""
+        across = bearing.point == axis_label(bearing.body)
+        for constraint, effort in solved.efforts:
+            if across and (constraint.kind, constraint.label) == ("axis", bearing.body):
+                return abs(effort[0])
+            own = constraint.kind, constraint.label, constraint.second
+            if own == ("pin", bearing.point, bearing.body):
+                return float(np.hypot(*effort))
+        raise NotCoveredError(
+            (bearing.body, bearing.point), "a reaction of the first body at a joint"
+        )
+
+    def _solved(self, state: State, pressing: Mapping[Bearing, float]) -> Solved:
         matrix, bias = inertia(self.mechanism, state)
         phi = self.jacobian(state)
         gamma = np.concatenate(
             [c.prescribed(state.time)[2] - c.measure(state).bias for c in self.constraints]
         )
-        forces = weight(self.mechanism, state) + loads(self.mechanism, state)
+        forces = weight(self.mechanism, state) + loads(self.mechanism, state, pressing)
         zero = np.zeros((len(phi), len(phi)))
         system = np.block([[matrix, phi.T], [phi, zero]])
         solution = refined_solve(system, np.concatenate([forces - bias, gamma]), self.redundant)

@@ -1,12 +1,17 @@
 """Masses, weights and loads in absolute coordinates."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from absolute_bodies import Layout, Point, State, pair
+from absolute_covered import NotCoveredError
 from absolute_measures import along_axis, angles, gap
 from time_functions import jet
 
-from linkages.components.contributed.functions import Measured
+from linkages.components.contributed.functions import PRESSED, Measured
 from linkages.components.contributed.measures import (
+    Bearing,
     BodyAxis,
     Coordinate,
     Distance,
@@ -56,14 +61,24 @@ def weight(mechanism: Mechanism, state: State) -> np.ndarray:
     return total
 
 
-def generalised(load: Load, state: State) -> np.ndarray:
-    """Generalised force of one load."""
+def generalised(
+    load: Load, state: State, pressing: Mapping[Bearing, float] = MappingProxyType({})
+) -> np.ndarray:
+    """Generalised force of one load; `pressing` has the forces that press frictions."""
 
     def sensed(found: Measured) -> float:
+        if found == PRESSED:
+            return pressing[load.bearing]
+        if found.order > 1:
+            raise NotCoveredError(load.path, f"a law of {found}")
         value, row = _along(load.measure if found.measure is None else found.measure, state)
         return float(row @ state.rates) if found.order else value
 
-    return jet(load.law, state.time, sensed)[0] * _along(load.measure, state)[1]
+    try:
+        size = jet(load.law, state.time, sensed)[0]
+    except ValueError as error:
+        raise NotCoveredError(load.path, str(error)) from error
+    return size * _along(load.measure, state)[1]
 
 
 def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
@@ -91,7 +106,9 @@ def _along(measure: Measure, state: State) -> tuple[float, np.ndarray]:
     raise TypeError(f"no such measure: {measure}")
 
 
-def loads(mechanism: Mechanism, state: State) -> np.ndarray:
+def loads(
+    mechanism: Mechanism, state: State, pressing: Mapping[Bearing, float] = MappingProxyType({})
+) -> np.ndarray:
     """Generalised force of all loads."""
-    parts = [generalised(load, state) for load in mechanism.loads]
+    parts = [generalised(load, state, pressing) for load in mechanism.loads]
     return np.sum(parts, axis=0) if parts else np.zeros(state.layout.size)

@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 from absolute_bodies import Layout, Point, State, pair
+from time_functions import table_jet
+
+from linkages.components.contributed.terms import Relation
 
 
 class Measured(NamedTuple):
@@ -79,3 +82,23 @@ def coordinate(layout: Layout, body: str) -> Measure:
     if layout.bodies[body].rotates:
         return angles(layout, [(body, 1.0)])
     return along_axis(layout, body)
+
+
+def related(layout: Layout, relation: Relation) -> Measure:
+    """The coordinate of a body less what follows from others: q − f(Σ ratio·q_other)."""
+    own = coordinate(layout, relation.body)
+    parts = [(coordinate(layout, body), ratio.value) for body, ratio in relation.parts]
+
+    def measure(state: State) -> Measured:
+        found = [(one(state), ratio) for one, ratio in parts]
+        value, jacobian, bias = (
+            sum(ratio * one[place] for one, ratio in found) for place in range(3)
+        )
+        if relation.profile is not None:
+            lift, slope, bend = table_jet(relation.profile, value[0])
+            rate = jacobian @ state.rates
+            value, jacobian, bias = lift, slope * jacobian, slope * bias + bend * rate**2
+        first = own(state)
+        return Measured(first.value - value, first.jacobian - jacobian, first.bias - bias)
+
+    return measure

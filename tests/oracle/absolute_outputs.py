@@ -26,6 +26,7 @@ def outputs(model: AbsoluteModel, solved: Solved) -> dict[str, dict[str, np.ndar
         for suffix, value in zip(("position", "velocity", "acceleration"), series, strict=True):
             found.setdefault(f"joint_{suffix}", {})[joint] = value
     found["joint_reaction"] = reactions(model, solved)
+    found["pin_reaction"] = pin_reactions(model, solved)
     found["drive_effort"] = {c.label: e[0] for c, e in solved.efforts if c.kind == "drive"}
     found["clearance_force"] = clearance_forces(model, solved)
     return {name: values for name, values in found.items() if values}
@@ -38,6 +39,24 @@ def reactions(model: AbsoluteModel, solved: Solved) -> dict[str, np.ndarray]:
         if constraint.kind == "pin":
             total[constraint.label] = total[constraint.label] + force
     return total
+
+
+def pin_reactions(model: AbsoluteModel, solved: Solved) -> dict[str, np.ndarray]:
+    """Force of the others on each of three bodies or more that share a pin."""
+    total: dict[str, dict[str, np.ndarray]] = {}
+    for constraint, force in solved.efforts:
+        if constraint.kind == "pin":
+            pin = total.setdefault(constraint.label, {})
+            first = model.layout.points[constraint.label][0].body or GROUND
+            for body, change in ((first, -force), (constraint.second, force)):
+                pin[body] = pin.get(body, np.zeros(2)) + change
+    bars = {one.name: one.bar for one in model.mechanism.clearances}
+    return {
+        f"{joint}.{bars.get(body, body)}": force
+        for joint, pin in total.items()
+        for body, force in pin.items()
+        if len(pin) > 2
+    }
 
 
 def clearance_forces(model: AbsoluteModel, solved: Solved) -> dict[str, np.ndarray]:
@@ -70,4 +89,4 @@ def ground_force(model: AbsoluteModel, solved: Solved) -> np.ndarray:
     return total
 
 
-__all__ = ["GROUND", "clearance_forces", "ground_force", "outputs", "reactions"]
+__all__ = ["GROUND", "clearance_forces", "ground_force", "outputs", "pin_reactions", "reactions"]

@@ -14,7 +14,7 @@ KINDS = ("bar", "slider", "clearance", "joint")
 SUFFIXES = ("angle", "speed", "position", "velocity", "acceleration")
 COMPARED = (
     *(f"{kind}_{suffix}" for kind in KINDS for suffix in SUFFIXES),
-    "joint_reaction", "drive_effort", "clearance_force",
+    "joint_reaction", "pin_reaction", "drive_effort", "clearance_force",
 )  # fmt: skip
 Values = dict[str, dict[str, np.ndarray]]
 

@@ -25,6 +25,12 @@ def _tangent(x: float) -> Jet:
     return math.tan(x), 1 / math.cos(x) ** 2, 2 * math.tan(x) / math.cos(x) ** 2
 
 
+def _sign(x: float) -> Jet:
+    if x == 0:  # friction holds there
+        raise ValueError("sign of zero")
+    return math.copysign(1.0, x), 0.0, 0.0
+
+
 def _hyperbolic_tangent(x: float) -> Jet:
     slope = 1 / math.cosh(x) ** 2
     return math.tanh(x), slope, -2 * math.tanh(x) * slope
@@ -54,7 +60,7 @@ ELEMENTARY = {
     "sqrt": lambda x: (math.sqrt(x), 0.5 / math.sqrt(x), -0.25 / x**1.5),
     "tanh": _hyperbolic_tangent,
     "abs": lambda x: (abs(x), math.copysign(1.0, x), 0.0),
-    "sign": lambda x: (math.copysign(1.0, x), 0.0, 0.0),
+    "sign": _sign,
     "atan": lambda x: (math.atan(x), 1 / (1 + x * x), -2 * x / (1 + x * x) ** 2),
 }
 """Name → x ↦ (g, g′, g″)."""
@@ -77,7 +83,7 @@ def jet(function: Function, time: float, measured: Sense = _nothing) -> Jet:
         return measured(function), 0.0, 0.0
     if isinstance(function, Table):
         over = jet(function.over, time, measured)
-        return _chain(_table(function, over[0]), over)
+        return _chain(table_jet(function, over[0]), over)
     return _operation(function, time, measured)
 
 
@@ -120,7 +126,8 @@ def _chain(outer: Jet, inner: Jet) -> Jet:
     return outer[0], outer[1] * inner[1], outer[2] * inner[1] ** 2 + outer[1] * inner[2]
 
 
-def _table(table: Table, time: float) -> Jet:
+def table_jet(table: Table, time: float) -> Jet:
+    """Value of a table at a place, and its first two derivatives."""
     times, values = np.array(table.places), np.array(table.values)
     inside = time
     if not table.periodic:

@@ -271,6 +271,15 @@ def test_names_move_and_a_cursor_stands_at_the_time():
         )
 
 
+@pytest.mark.parametrize("dpi", [60, 73, 96])
+def test_a_bare_picture_has_the_whole_frame_of_an_inset(dpi):
+    solution = press()
+    stage = Stage(solution.data, solution.mechanism, film_of(0.1), dpi=dpi, bare=True)
+    red = stage.picture(0)[..., 0]
+    assert (red[:, -1] == 255).all()
+    assert (red[:, -6:] < 128).mean(axis=0).max() > 0.9  # the line at the right
+
+
 def test_a_webp_shows_exactly_what_was_drawn(tmp_path):
     solution = press()
     film = animate(solution, tmp_path / "a.webp", fps=30, slow=20, dpi=60)

@@ -103,7 +103,7 @@ def test_any_output_against_any_other():
     own = charts.pair(press_data(), "ram.velocity", "r1.angle")
     assert own.get_xlabel() == given.get_xlabel() == "velocity of ram [m/s]"
     np.testing.assert_array_equal(own.lines[0].get_xydata(), given.lines[0].get_xydata())
-    with pytest.raises(ValueError, match="unknown element 'rum'; did you mean 'ram'"):
+    with pytest.raises(ValueError, match=r"unknown element 'rum'; did you mean 'ram\.velocity'"):
         charts.pair(Solved(), "rum.velocity", "r1.angle")
 
 

@@ -129,7 +129,9 @@ def test_what_cannot_be_compared_is_said(cranks):
     with pytest.raises(ValueError, match="rocker has no 'displacement'"):
         charts.plot(cranks, "rocker.displacement")
     crank = linkages.simulate(linkages.load("slider-crank"), end=0.01)
-    with pytest.raises(ValueError, match="piston has no 'displacement'; did you mean 'position'"):
+    with pytest.raises(
+        ValueError, match=r"piston has no 'displacement'; did you mean 'piston\.position'"
+    ):
         charts.plot(crank, "piston.displacement")
 
 

@@ -1,13 +1,16 @@
 import os
 import subprocess
 import sys
+from functools import cache
 
 import matplotlib
+import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.figure import Figure
 from plot_data import press, press_data
 
-from linkages.plots import save_figures, write_figure
+from linkages.plots import designs, save_figures, style, write_figure
 from linkages.plots.figures import OF_ALL
 
 
@@ -81,3 +84,47 @@ def test_pyplot_is_never_imported():
     path = os.pathsep.join(sys.path)
     environment = {**os.environ, "PYTHONPATH": path}
     subprocess.run([sys.executable, "-c", program], check=True, env=environment)
+
+
+@pytest.mark.parametrize("values", [[0.08, 0.0725, 0.0724, 0.0724], [0.0724693331] * 4])
+def test_the_convergence_of_a_search_shows_every_run(values):
+    """Whole numbers of runs, labels within the figure, and runs that miss a constraint."""
+    values = np.array(values) + 1e-12 * np.arange(4)
+    best = np.where(np.arange(4) < 2, np.nan, values)
+    violation = np.array([1e-2, 1e-5, 0.0, 0.0])
+    about = {"units": "m", "long_name": "stroke(piston.position)"}
+    data = xr.Dataset(
+        {"history": ("run", best, about), "history_value": ("run", values),
+         "history_violation": ("run", violation), "value": ("state", values[[0, -1]])},
+        attrs={"name": "Slider-crank"},
+    )  # fmt: skip
+    figure = designs.convergence(data)
+    figure.draw_without_rendering()
+    (ax,) = figure.axes
+    missed = next(line for line in ax.lines if line.get_label() == "constraints not met")
+    assert missed.get_xdata().tolist() == [1, 2]
+    low, high = ax.get_ylim()
+    assert all(low < value < high for value in values)
+    assert high - low > 0.009 * abs(values).max()
+    assert [text.get_text() for text in ax.get_xticklabels()][1:-1] == ["1", "2", "3", "4"]
+    assert ax.get_ylabel() == "stroke(piston.position) [m]"
+    whole = figure.bbox
+    for text in (ax.yaxis.label, ax.xaxis.label, *ax.get_yticklabels()):
+        box = text.get_window_extent()
+        assert whole.x0 <= box.x0
+        assert box.x1 <= whole.x1
+        assert box.y0 >= whole.y0
+
+
+def test_characters_without_a_glyph_are_said_once(tmp_path, monkeypatch, caplog):
+    """Warnings are errors here; fonts beside that of Matplotlib are taken away."""
+    monkeypatch.setattr(style, "FALLBACKS", ())
+    monkeypatch.setattr(style, "_said", set())
+    for cached in (style._settings, style._drawable):
+        monkeypatch.setattr(style, cached.__name__, cache(cached.__wrapped__))
+    figure = Figure()
+    figure.add_subplot().set_title("曲柄 crank 한글")
+    for name in ("a.png", "b.svg", "c.pdf"):
+        write_figure(figure, tmp_path / name)
+    (said,) = caplog.messages
+    assert "figures show boxes for 曲柄글한: no font that was found has these" in said

@@ -28,6 +28,7 @@ def pendulum():
         ({"atol": None, "end": "1"}, TypeError, r"end must be a number, found '1'"),
         ({"step": "x"}, TypeError, r"step must be a number, found 'x'"),
         ({"max_steps": 100.5}, ValueError, r"max_steps must be a whole number > 0, found 100\.5"),
+        ({"max_steps": 10**20}, ValueError, r"max_steps must be a whole number > 0, at most 9007"),
     ],
     ids=str,
 )
@@ -35,6 +36,13 @@ def test_an_argument_is_named(pendulum, arguments, kind, words):
     with pytest.raises(kind, match=words) as caught:
         linkages.simulate(pendulum, **arguments)
     assert not isinstance(caught.value, InputError)
+
+
+def test_more_steps_than_can_be_counted():
+    with pytest.raises(
+        InputError, match=r"simulate\.max_steps: expected a whole number > 0, at most"
+    ):
+        linkages.load("pendulum", set={"simulate.max_steps": 1e30})
 
 
 def test_what_the_file_says_is_an_error_of_the_file():

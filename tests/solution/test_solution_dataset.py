@@ -1,6 +1,8 @@
 """what a solution holds, how large it is, and how it is saved."""
 
+import copy
 import json
+import pickle
 import tracemalloc
 
 import numpy as np
@@ -31,6 +33,7 @@ UNITS = {
     "joint_velocity": ("m/s", ("joint", "axis")),
     "joint_acceleration": ("m/s^2", ("joint", "axis")),
     "joint_reaction": ("N", ("joint", "axis")),
+    "pin_reaction": ("N", ("pin", "axis")),
     "transmission_angle": ("rad", ("dyad",)),
     "mechanical_advantage": ("1", ("drive", "bar")),
     "slider_mechanical_advantage": ("1/m", ("drive", "slider")),
@@ -41,9 +44,9 @@ UNITS = {
     "energy_residual": ("J", ()),
     "closure_residual": ("m", ()),
 }
-ON_REQUEST = {"joint_reaction", "kinetic_energy", "potential_energy", "drive_power", "load_power",
-              "energy_residual", "transmission_angle", "mechanical_advantage",
-              "slider_mechanical_advantage"}  # fmt: skip
+ON_REQUEST = {"joint_reaction", "pin_reaction", "kinetic_energy", "potential_energy",
+              "drive_power", "load_power", "energy_residual", "transmission_angle",
+              "mechanical_advantage", "slider_mechanical_advantage"}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +74,17 @@ def test_contract_of_dimensions_and_units(everything):
         "slider": ["slider9"],
         "clearance": ["r1"],
         "joint": ["O", "D", "A", "B", "C.r1", "C", "E", "F"],
+        "pin": [
+            "O.ground",
+            "O.crank1",
+            "O.rocker6",
+            "B.link2",
+            "B.link3",
+            "B.link7",
+            "E.rocker6",
+            "E.link7",
+            "E.link8",
+        ],
         "axis": ["x", "y"],
         "dyad": ["B", "E", "slider9"],
         "drive": ["crank1", "crank4"],
@@ -87,7 +101,7 @@ def test_default_outputs_are_kinematics_and_efforts(press):
     ("outputs", "present"),
     [
         (["drive_effort"], ["drive_effort"]),
-        (["joint_reaction", "bar_angle"], ["joint_reaction", "bar_angle"]),
+        (["joint_reaction", "bar_angle"], ["joint_reaction", "pin_reaction", "bar_angle"]),
         ("slider_position", ["slider_position"]),
         (["slider_velocity_error"], ["slider_velocity_error"]),
         (["energy_residual"], ["energy_residual"]),
@@ -150,6 +164,8 @@ def test_maxima(everything):
         if row["variable"].endswith("residual"):
             continue  # noise
         series = everything.data[row["variable"]]
+        if row["element"] in everything.data.pin:  # the largest of several bodies at a joint
+            series = everything.data["pin_reaction"]
         if row["element"]:
             series = series.sel({series.dims[1]: row["element"]})
         values = np.abs(series.to_numpy())
@@ -252,3 +268,18 @@ def test_watch_sees_progress(press):
     assert seen
     assert all(0 <= fraction <= 1 for fraction in seen)
     assert seen[-1] == 1.0
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
+@pytest.mark.parametrize(("name", "end"), [("ninebar", 0.01), ("four-bar", 1.0)])
+def test_a_copy_of_a_solution_is_equal(copied, name, end):
+    solution = linkages.simulate(
+        linkages.load(name), end=end, samples=5, outputs="all", watch=lambda _: None
+    )
+    first = solution.maxima
+    again = copied(solution)
+    assert again.data.identical(solution.data)
+    assert again.maxima == first
+    assert again.system.topology == solution.system.topology
+    measure = "max(kinetic_energy)"
+    assert linkages.measure(again, measure) == linkages.measure(solution, measure)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import linkages
+from linkages.solution.measuring.summits import summits
 from linkages.solution.values.peaks import largest
 
 
@@ -106,3 +107,29 @@ def test_joint_reactions_have_magnitudes():
     for row in rows:
         largest = float(sizes.sel(joint=row["element"]).max())  # of the samples
         assert largest <= row["value"] == pytest.approx(largest, rel=2e-3)
+
+
+def test_a_plateau_has_local_maxima_from_end_to_end():
+    """A small change of the mechanism may raise either end of it."""
+
+    def clipped(places):
+        return np.minimum(np.cos(0.2 * (places - 10.3)), 0.9)
+
+    found = summits(clipped(np.arange(21.0)), clipped)
+    assert (found.value == 0.9).all()
+    # arccos(0.9)/0.2 = 2.26 samples on each side of 10.3: samples 9 to 12
+    assert found.place[0] <= 9.0
+    assert found.place[-1] >= 11.0
+
+
+def test_local_maxima_beside_higher_ones_and_poles():
+    """Each is located between its neighbours; samples without a value are none."""
+    values = np.array([0.0, 1.0, 0.5, 2.0, 0.0, 1.5, np.inf, 1.0, 1.2, 0.3, np.nan, 0.1])
+
+    def between(places):
+        with np.errstate(invalid="ignore"):
+            return np.interp(places, np.arange(len(values)), values)
+
+    found = summits(values, between)
+    assert found.place.tolist() == [1.0, 3.0, 8.0]
+    assert found.value.tolist() == [1.0, 2.0, 1.2]

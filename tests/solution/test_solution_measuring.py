@@ -114,11 +114,10 @@ def test_reactions_and_errors_are_measured_too(crank):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("max(crank.efort)", "did you mean 'effort'"),
-        ("max(crnk.effort)", "did you mean 'crank'"),
+        ("max(crank.efort)", "did you mean 'crank.effort'"),
+        ("max(crnk.effort)", "did you mean 'crank.effort'"),
         ("max(knetic_energy)", "did you mean 'kinetic_energy'"),
         ("max(crank.effort) + 1 mm", "do not go together"),
-        ("at(1 s, crank.effort)", "outside of the motion, from 0 s to 0.1 s"),
     ],
 )
 def test_messages(crank, text, message):
@@ -127,10 +126,54 @@ def test_messages(crank, text, message):
     assert message in str(caught.value)
 
 
+def test_names_of_an_output_are_listed_once():
+    press = linkages.simulate(linkages.load("toggle-press"), end=0.01, samples=3)
+    with pytest.raises(ValueError, match="one of its series") as found:
+        linkages.measure(press, "min(transmission_angle)")
+    assert str(found.value).count("ram.transmission") == 1
+
+
 @pytest.mark.parametrize("text", ["1/(max(t) - final(t))", "max(1/(crank.angle - 0.3))"])
 def test_division_by_zero(crank, text):
     with pytest.raises(linkages.ComputationError, match="divides by zero"):
         linkages.measure(crank, text)
+
+
+def test_times_that_follow_from_the_motion(crank):
+    found = linkages.measure(crank, "at(time_of_max(piston.velocity), crank.angle)")
+    time = linkages.measure(crank, "time_of_max(piston.velocity)")
+    assert found == pytest.approx(0.3 + 100 * time, rel=1e-12)
+    found = linkages.measure(crank, "at(final(t)/2, piston.position)")
+    assert found == pytest.approx(position(0.3 + 5), rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["at(1 s, crank.effort)", "at(10*final(t), crank.effort)"])
+def test_a_time_outside_of_the_motion_costs_that_measure_alone(crank, text):
+    reason = f"measure {text!r}: t = 1 s is outside of the motion, from 0 s to 0.1 s"
+    with pytest.raises(linkages.ComputationError) as caught:
+        linkages.measure(crank, text)
+    assert str(caught.value) == reason
+    vary, other = {"bars.rod.length": [0.14, 0.15]}, "final(piston.position)"
+    data = linkages.sweep(crank.mechanism, vary, [text, other])
+    assert np.isnan(data[text]).all()
+    assert np.isfinite(data[other]).all()
+    assert data["reason"].to_numpy().tolist() == [reason] * 2
+
+
+def test_each_motion_of_a_sweep_has_its_own_times(crank):
+    """Driven motions are evaluated at once, free ones are integrated side by side."""
+    free = linkages.loads(OSCILLATOR % 21)
+    for mechanism, path, values, text in (
+        (crank.mechanism, "bars.rod.length", [0.14, 0.15, 0.2], "piston.velocity"),
+        (free, "springs[0].stiffness", [8.0, 20.0, 50.0], "bar.speed"),
+    ):
+        place = "piston.position" if text[0] == "p" else "bar.angle"
+        measure = f"at(time_of_max({text}), {place})"
+        data = linkages.sweep(mechanism, {path: values}, measure)
+        assert data[measure].to_numpy().tolist() == [
+            linkages.measure(linkages.simulate(mechanism.with_values({path: value})), measure)
+            for value in values
+        ]
 
 
 def test_what_was_not_computed_must_be_asked_for():
@@ -200,3 +243,81 @@ def test_internal_states_are_followed_between_samples():
     found = [linkages.measure(solution, f"at({t} s, motors.hoist.current.state)") for t in times]
     # cubic polynomials between samples that are four times as close as the steps
     assert found == pytest.approx([3 * np.exp(-5 * t) for t in times], rel=1e-6)
+
+
+LOADED = """
+joints: {O: [0, 0], W: [0.3, 0]}
+bars:
+  crank: {joints: [O, A], length: 0.1}
+  "rod 1": {joints: [A, B], length: 0.3, mass: 1}
+  rocker: {joints: [W, B], length: 0.25}
+loads: [{joint: A, force: [0, 3 N]}]
+drives: {crank: {angle: 0, speed: 1}}
+assembly: {B: [0.3, 0.25]}
+simulate: {end: 0.1, samples: 3}
+"""
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return linkages.simulate(linkages.loads(LOADED), outputs="all")
+
+
+@pytest.mark.parametrize(
+    ("name", "same"),
+    [
+        ("ground.x_shaking_force", "ground.x shaking force"),
+        ("crank.rocker.mechanical_advantage", "crank.rocker.mechanical advantage"),
+        ("transmission angle", "B.transmission_angle"),
+        ("transmission_angle", "B.transmission angle"),
+        ("'rod 1'.speed", '"rod 1".speed'),
+    ],
+)
+def test_spaces_in_names_may_be_underscores(loaded, name, same):
+    assert linkages.measure(loaded, f"max({name})") == linkages.measure(loaded, f"max({same})")
+
+
+@pytest.mark.parametrize(
+    ("name", "suggested"),
+    [
+        ("loads[0].y", ["loads[0].y.force"]),
+        ("loads[0].y force", ["loads[0].y.force"]),
+        ("rocker.mechanical_advantage", ["crank.rocker.mechanical advantage"]),
+        ("ground.shaking_force", ["ground.x shaking force", "ground.y shaking force"]),
+        ("rocker.reaction", ["O.x reaction"]),
+        ("crank.torque", ["crank.effort"]),
+        ("crank", ["crank.angle", "crank.speed", "crank.acceleration", "crank.effort"]),
+        ("'rod 2'.angle", ["'rod 1'.angle"]),
+        ("bar_speed", ["crank.speed", "'rod 1'.speed", "rocker.speed"]),
+        ("knetic energy", ["kinetic_energy"]),
+        ("crank.effrt", ["crank.effort"]),
+        ("bars.rocker.length", ["crank.angle"]),
+    ],
+)
+def test_suggested_names_are_measures(loaded, name, suggested):
+    with pytest.raises(ValueError, match="measure") as caught:
+        linkages.measure(loaded, f"max({name})")
+    for each in suggested:
+        assert each in str(caught.value).partition(": ")[2]
+        assert np.isfinite(linkages.measure(loaded, f"max({each})"))
+
+
+def test_a_number_of_the_definition_is_no_measure(loaded):
+    with pytest.raises(ValueError, match=r"'bars\.rocker\.length' is a value of the definition"):
+        linkages.measure(loaded, "max(bars.rocker.length)")
+
+
+def test_words_of_conditions_end_names(loaded):
+    text = "max(where(crank.speed < rocker.speed and crank.angle < 9, 1, 2))"
+    assert linkages.measure(loaded, text) in (1, 2)
+
+
+def test_magnitudes_whose_squares_overflow():
+    text = """
+joints: {O: [0, 0]}
+bars: {rod: {joints: [O, P], length: 1e200, mass: 1}}
+drives: {rod: {angle: 0, speed: 1}}
+simulate: {end: 1, samples: 5}
+"""
+    rows = linkages.simulate(linkages.loads(text), outputs=["joint_velocity"]).maxima
+    assert {row["element"]: row["value"] for row in rows}["P"] == pytest.approx(1e200, rel=1e-12)

@@ -5,6 +5,7 @@ import pytest
 from solution_mechanisms import FOUR_BAR, derivative, mechanism
 
 import linkages
+from linkages.plots import charts
 
 SPACING = 2e-3
 
@@ -180,3 +181,107 @@ drives: {rod: {angle: -90 deg, speed: 0}, other: {angle: 0, speed: 0}}
         assert data.joint_reaction.sel(joint="S").to_numpy() == pytest.approx(
             np.array([[40, 0], [40, 0]]), abs=1e-12
         )
+
+
+BUCKET = """
+gravity: [0, -9.81]
+joints: {H: [0, 0], I: [-350 mm, 60 mm], C: [-1500 mm, 350 mm]}
+bars:
+  idler:  {joints: [I, K], length: 400 mm, mass: 12}
+  bucket: {points: {H: [0, 0], L: [-100 mm, 330 mm], T: [1100 mm, 0]}, mass: 350,
+           center: [450 mm, 150 mm], inertia: 60}
+  link:   {joints: [K, L], length: 380 mm, mass: 14}
+  barrel: {joints: [C, E], length: 700 mm, mass: 25}
+sliders:
+  ram: {joint: K, on: barrel, mass: 18}
+masses: {K: 5}
+loads:
+  - {joint: T, on: bucket, force: [0, -30 kN]}
+  - {joint: K, force: [2 kN, 1 kN]}
+drives: {ram: {law: {rise: modified-sine, from: 1.10, to: 1.55, duration: 4 s}}}
+assembly: {K: [-400 mm, 450 mm], L: [-50 mm, 340 mm]}
+simulate: {end: 4, samples: 41}
+"""
+
+
+def test_every_body_at_a_shared_pin_has_its_force():
+    """Equilibrium of each body by itself, from forces at its other end and accelerations.
+
+    The load and the mass at K belong to the idler, the first body there: its own end has neither.
+    """
+    solution = linkages.simulate(
+        linkages.loads(BUCKET), outputs=["joint_acceleration", "joint_reaction"]
+    )
+    data, g = solution.data, -9.81j
+    moved = {j: components(data, "joint_acceleration", j) for j in "ICKLE"}
+    at = {joint: components(data, "joint_reaction", joint) for joint in "IKCL"}
+    pins = {str(n): data.pin_reaction.sel(pin=n).to_numpy() @ [1, 1j] for n in data.pin.values}
+    assert [*pins] == ["K.idler", "K.link", "K.ram"]
+    held = (2 + 1j) * 1e3 - 5 * (moved["K"] - g)  # of load and mass at K
+    idler = 12 * (0.5 * (moved["I"] + moved["K"]) - g) - at["I"] - held
+    link = 14 * (0.5 * (moved["L"] + moved["K"]) - g) - at["L"]
+    cylinder = 25 * (0.5 * (moved["C"] + moved["E"]) - g) + 18 * (moved["K"] - g) - at["C"]
+    size = np.abs(cylinder).max()
+    for name, force in (("K.idler", idler), ("K.link", link), ("K.ram", cylinder)):
+        assert np.abs(pins[name] - force).max() < 1e-11 * size, name
+    assert np.abs(sum(pins.values())).max() < 1e-13 * size
+    assert np.array_equal(-pins["K.idler"], at["K"])
+    assert any("three bodies or more meet at K: pin_reaction has" in n for n in solution.notes)
+
+
+def test_the_largest_force_at_a_shared_pin_is_that_of_a_named_body():
+    """The table has 490 kN on the eye of the cylinder, and not 321 kN on the idler."""
+    bucket = linkages.loads(BUCKET)
+    solution = linkages.simulate(bucket, outputs=["joint_reaction"])
+    rows = {(row["variable"], row["element"]): row["value"] for row in solution.maxima}
+    assert ("joint_reaction", "K") not in rows
+    assert rows["joint_reaction", "K.ram"] == rows["pin_reaction", "K.ram"]
+    names = ("K.idler", "K.link", "K.ram")
+    assert rows["joint_reaction", "K.ram"] == max(rows["pin_reaction", name] for name in names)
+    texts = [text.get_text() for text in charts.joint_reaction(solution).get_legend().get_texts()]
+    assert [text for text in texts if text.startswith("K")] == [
+        text for text in texts if text.startswith("K.ram: peak 4")
+    ]
+    measure = "max(sqrt(K.ram.x_reaction**2 + K.ram.y_reaction**2))"
+    size = linkages.measure(solution, measure)
+    assert size == pytest.approx(rows["pin_reaction", "K.ram"], rel=1e-9)
+    swept = linkages.sweep(bucket, {"masses.K": [5.0, 6.0]}, measure)[measure]
+    assert float(swept[0]) == pytest.approx(size, rel=1e-12)
+
+
+def test_a_fixed_pivot_of_two_links_has_their_forces_and_that_on_the_ground():
+    data = linkages.simulate(linkages.load("jansen"), samples=5, outputs=["joint_reaction"]).data
+    pins = {str(n): data.pin_reaction.sel(pin=n).to_numpy() for n in data.pin.values}
+    assert {"Z.ground", "Z.upper", "Z.c"} <= {*pins}
+    total = data.joint_reaction.sel(joint="Z").to_numpy()
+    assert np.array_equal(-pins["Z.ground"], total)
+    assert pins["Z.upper"] + pins["Z.c"] == pytest.approx(total, rel=1e-12)
+
+
+def test_a_clearance_at_a_shared_pin_has_the_name_of_its_bar():
+    """Two rods on one crank pin, one of them with a clearance: it carries the force of its link."""
+    data = linkages.simulate(
+        linkages.loads(
+            """
+            joints: {O: [0, 0]}
+            bars:
+              crank: {points: {O: [0, 0], A: [40 mm, 0]}, mass: 2, inertia: 2e-3}
+              rod1: {joints: [A, B], length: 150 mm, mass: 0.4, center: 45 mm, inertia: 1.2e-3}
+              rod2: {joints: [A, C], length: 150 mm, mass: 0.4, center: 45 mm, inertia: 1.2e-3}
+            sliders:
+              p1: {joint: B, through: O, angle: 135 deg, mass: 0.5}
+              p2: {joint: C, through: O, angle: 45 deg, mass: 0.5}
+            clearances: {play: {joint: A, bar: rod2, size: 0.05 mm}}
+            drives: {crank: {angle: 0, speed: 3000 rpm}}
+            assembly: {B: [-130 mm, 130 mm], C: [130 mm, 130 mm]}
+            simulate: {end: 1 ms, samples: 11}
+            """
+        ),
+        outputs=["joint_reaction", "clearance_force"],
+    ).data
+    assert list(data.pin.values) == ["A.crank", "A.rod1", "A.rod2"]
+    size = np.abs(data.clearance_force.to_numpy()[:, 0])
+    on_rod = np.hypot(*data.pin_reaction.sel(pin="A.rod2").to_numpy().T)
+    through = np.hypot(*data.joint_reaction.sel(joint="A.play").to_numpy().T)
+    assert on_rod == pytest.approx(size, rel=1e-9)
+    assert on_rod == pytest.approx(through, rel=1e-9)

@@ -55,8 +55,8 @@ def test_series_as_nodes_of_a_model(solution):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("r1.angel", "r1 has no 'angel'; did you mean 'angle'"),
-        ("slidr9.velocity", "unknown element 'slidr9'; did you mean 'slider9'"),
+        ("r1.angel", "r1 has no 'angel'; did you mean 'r1.angle'"),
+        ("slidr9.velocity", "unknown element 'slidr9'; did you mean 'slider9.velocity'"),
         ("qqq", "unknown output 'qqq'; expected a name such as crank1.angle"),
         ("nothing.angle", "expected one of: .*slider9"),
         ("r1.mass", "r1 has no 'mass'; expected angle, speed, acceleration or force"),

@@ -36,6 +36,7 @@ from linkages.solvers import (
         ({"state": [1.0]}, "1 coordinates and as many speeds"),
         ({"state": [1.0, np.inf]}, "state must be finite"),
         ({"max_steps": 0}, "max_steps must be at least 1"),
+        ({"max_steps": 2**63}, "max_steps must be less than 2"),
     ],
 )
 def test_arguments_that_make_no_sense(change, message):

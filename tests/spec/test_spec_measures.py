@@ -33,7 +33,7 @@ UNITS = {"crank.effort": "N m", "B.x position": "m", "crank.angle": "rad", "load
 )
 def test_unit_follows_from_those_of_series(text, unit):
     if unit is None:
-        with pytest.raises(ValueError, match="changes with time"):
+        with pytest.raises(ValueError, match="within a reduction over time"):
             read_measure(text)
         return
     assert read_measure(text).units(UNITS.__getitem__) == unit
@@ -52,7 +52,7 @@ def test_unit_follows_from_those_of_series(text, unit):
 )
 def test_quantities_must_go_together(text, message):
     if message is None:
-        with pytest.raises(ValueError, match="changes with time"):
+        with pytest.raises(ValueError, match="within a reduction over time"):
             read_measure(text)
         return
     with pytest.raises(NumberError) as caught:
@@ -63,7 +63,7 @@ def test_quantities_must_go_together(text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("load", "changes with time; expected a number of it, such as max(load)"),
+        ("load", "a measure is a number; expected outputs within a reduction over time"),
         ("max(max(load))", "'max' expects what changes with time"),
         ("at(t, load)", "'at' expects a time first"),
         ("at(load)", "'at' takes 2 arguments, found 1"),

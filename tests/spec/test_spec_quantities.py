@@ -1,4 +1,5 @@
 import math
+import os
 import re
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from linkages.reading.private import ENVIRONMENT_VARIABLE
 from linkages.spec import dimensions as d
 from linkages.spec import quantities as q
 from linkages.spec import units
@@ -58,6 +60,42 @@ from linkages.spec.quantities import QuantityError, parse_quantity
 def test_values_in_si(value, dimension, expected):
     # One rounding for the number and one for the unit.
     assert parse_quantity(value, dimension) == pytest.approx(expected, rel=4e-16, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension", "remedy"),
+    [
+        ("12 ton", d.MASS, "t: 1000 kg, short_ton: 907.185 kg, long_ton: 1016.05 kg"),
+        ("12 tons", d.MASS, "t: 1000 kg"),
+        ("3 kton", d.MASS, "t: 1000 kg"),
+        ("2 ton_force", d.FORCE, "tf: 9806.65 N"),
+        ("1 cwt", d.MASS, "long_hundredweight: 50.8023 kg"),
+        ("1 kcal", d.TORQUE, "cal_th: 4.184 J"),
+        ("30 grad", d.ANGLE, "gon: turn/400, deg: turn/360"),
+        ("30 Grad", d.ANGLE, "deg: turn/360"),  # a gigaradian otherwise
+        ("3 mil", d.ANGLE, "thou: 25.4 µm, mrad: 0.001 rad"),
+        ("3 mils", d.LENGTH, "thou: 25.4 µm"),
+    ],
+)
+def test_units_with_several_meanings_are_refused(value, dimension, remedy):
+    """Twelve tons are 10886, 12000 or 12193 kg."""
+    found = refusal(value, dimension)
+    assert "has several meanings; expected one of " in found
+    assert remedy in found
+
+
+@pytest.mark.parametrize("meanings", units._SEVERAL.values())
+def test_remedies_for_units_with_several_meanings_are_units_of_that_size(meanings):
+    for remedy in meanings.split(", "):
+        name, _, size = remedy.partition(": ")
+        if size and "/" not in size:
+            number, of = size.split()
+            assert units.unit(name).exponents == units.unit(of).exponents
+            assert units.unit(name).scale == pytest.approx(
+                units.unit(of).convert(float(number)), rel=5e-6
+            )
+        else:
+            assert units.unit(name)
 
 
 @given(st.integers(-(10**6), 10**6))
@@ -251,15 +289,25 @@ def test_plain_numbers_do_not_import_pint():
 @pytest.mark.parametrize("rest", [0.0, 0.5, 0.99], ids=str)
 def test_units_that_another_process_is_writing(rest, tmp_path, monkeypatch):
     """Pint writes its cache in place: who reads meanwhile, or after a crash, finds a part of it."""
-    monkeypatch.setattr("platformdirs.user_cache_path", lambda *_, **__: tmp_path)
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
     fresh = units._registry.__wrapped__
     assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
-    kept = [*tmp_path.glob("*.pickle")]
+    kept = [*(tmp_path / "units").glob("*.pickle")]
     assert kept
     for path in kept:
         content = path.read_bytes()
         path.write_bytes(content[: int(rest * len(content))])
     assert fresh().Quantity(1, "inch").to("metre").magnitude == 0.0254
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_units_that_others_may_have_written_are_not_read(tmp_path, monkeypatch):
+    """They are pickles, which can run anything."""
+    monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
+    (tmp_path / "units").mkdir()
+    (tmp_path / "units").chmod(0o777)
+    assert units._registry.__wrapped__().Quantity(1, "inch").to("metre").magnitude == 0.0254
+    assert not [*(tmp_path / "units").iterdir()]
 
 
 @pytest.mark.parametrize(

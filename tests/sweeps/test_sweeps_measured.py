@@ -93,6 +93,51 @@ def test_dependent_angles_count_whole_turns_in_sweeps(measure):
     assert serves(System(mechanism), measured_series(System(mechanism), read_measure(measure)))
 
 
+TABLE_DRIVE = """
+joints: {O: [0, 0]}
+bars:
+  crank: {joints: [O, A], length: 40 mm, mass: 1}
+  rod: {joints: [A, B], length: 140 mm, mass: 1}
+sliders: {piston: {joint: B, through: O, mass: 1}}
+drives: {crank: {law: {table: {times: [0, 0.5, 1], values: [0 deg, 60 deg, 0 deg], OPTIONS}}}}
+assembly: {B: [0.18, 0]}
+simulate: {end: 1, samples: 41}
+"""
+
+
+@pytest.mark.parametrize("options", ["periodic: true", "interpolation: pchip"])
+@pytest.mark.parametrize(
+    ("path", "values"),
+    [
+        (ROD, ["140 mm", "150 mm", "140 mm"]),
+        ("drives.crank.law.table.values[1]", ["50 deg", "60 deg", "50 deg"]),
+        ("drives.crank.law.table.times[1]", ["0.4 s", "0.5 s", "0.6 s"]),
+    ],
+)
+def test_sweeps_of_driven_tables_equal_single_runs(path, values, options):
+    """Each copy has the numbers of its own table, also at extremes between samples."""
+    mechanism = linkages.loads(TABLE_DRIVE.replace("OPTIONS", options))
+    measures = [EFFORT, "max(abs(piston.velocity))", "at(0.333, piston.position)"]
+    data = linkages.sweep(mechanism, {path: values}, measures)
+    for measure in measures:
+        wanted = [single(mechanism, path, value, measure) for value in values]
+        assert data[measure].to_numpy().tolist() == wanted
+    first = read_measure(EFFORT)
+    assert serves(System(mechanism), measured_series(System(mechanism), first))
+
+
+def test_tolerances_and_global_searches_take_tables_on_drives():
+    mechanism = linkages.loads(TABLE_DRIVE.replace("OPTIONS", "periodic: true"))
+    varied = mechanism.with_values({ROD: "140 ± 0.1 mm"})
+    found = linkages.tolerance(varied, "at(0.5, piston.position)", draws=100)
+    assert float(found["computed"][0]) == 100
+    best = linkages.optimise(
+        mechanism, {"drives.crank.law.table.values[1]": ("50 deg", "70 deg")},
+        minimise="abs(at(0.5, crank.angle) - 1.1 rad)", search="global", seed=1, runs=60,
+    )  # fmt: skip
+    assert float(best.data["number"][1, 0]) == pytest.approx(1.1, abs=0.01)
+
+
 def test_results_do_not_depend_on_cores_chunks_or_order(monkeypatch):
     from linkages.sweeps import measured
 
@@ -196,7 +241,7 @@ def test_progress_counts_failures():
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"measure": "max(crank.efort)"}, "did you mean 'effort'"),
+        ({"measure": "max(crank.efort)"}, "did you mean 'crank.effort'"),
         ({"measure": []}, "nothing is measured"),
         ({"sequence": "halton"}, "sequence must be"),
         ({"time_per_point": 0.0}, "time_per_point must be"),

@@ -1,11 +1,14 @@
 """Stores: what is there is whole, goes on after anything, and is never mixed."""
 
 import errno
+import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -188,6 +191,20 @@ def test_a_full_disk_leaves_what_is_there_intact(tmp_path, monkeypatch):
     monkeypatch.setattr(stores, "put", full)
     with pytest.raises(ComputationError, match=r"no space left .* 20 of 60 points are stored"):
         sweep(tmp_path, executor=Threads(1))
+    room[0] = 99
+    whole_file = []
+
+    def full_at_the_end(path, content):
+        if path.name == RESULT:
+            whole_file.append(len(content))
+            raise OSError(errno.ENOSPC, "No space left on device")
+        put(path, content)
+
+    other = tmp_path.with_name(f"{tmp_path.name}-other")
+    monkeypatch.setattr(stores, "put", full_at_the_end)
+    with pytest.raises(ComputationError, match="60 of 60 points") as caught:
+        sweep(other, executor=Threads(1))
+    assert f"about {whole_file[0]:.3g} bytes more" in str(caught.value)
     monkeypatch.setattr(stores, "put", put)
     assert status(tmp_path)["done"] == 20
     assert sweep(tmp_path).identical(whole)
@@ -397,3 +414,102 @@ def test_ctrl_c_behind_the_last_point_keeps_all_of_them(tmp_path, monkeypatch):
     assert kept.attrs["interrupted"] == 1
     assert kept.equals(plain)
     assert status(tmp_path)["finished"]
+
+
+def header(content):
+    """The header of a chunk, and where its data begin."""
+    at = len(stores.MAGIC)
+    (size,) = struct.unpack("<Q", content[at : at + 8])
+    return json.loads(content[at + 8 : at + 8 + size]), at + 8 + size
+
+
+def sealed(found, data):
+    """A chunk with any header, whole."""
+    text = found if isinstance(found, bytes) else json.dumps(found).encode()
+    content = stores.MAGIC + struct.pack("<Q", len(text)) + text + data
+    return content + struct.pack("<I", zlib.crc32(content))
+
+
+def with_array(found, name, dtype, shape):
+    found["arrays"] = [[n, dtype, shape] if n == name else [n, d, s] for n, d, s in found["arrays"]]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (lambda h: {**h, "span": [4, 8]}, "has points 4 to 8, expected 0 to 4"),
+        (lambda h: {**h, "span": [0]}, "has a header that linkages did not write"),
+        (lambda h: {**h, "more": 1}, "has a header that linkages did not write"),
+        (lambda _: b"{", "has a header that linkages did not write"),
+        (lambda _: b"[" * 100_000, "has a header that linkages did not write"),
+        (lambda h: with_array(h, "outcome", "O", [4]), "has a header that linkages did not write"),
+        (lambda h: with_array(h, "outcome", "|i1", [10**14]), "does not fit its data"),
+        (lambda h: with_array(h, "outcome", "|i1", [-4]), "has a header that linkages did not"),
+        (lambda h: with_array(h, "outcome", "|i1", [2, 2]), "'outcome' is missing, or of another"),
+        (lambda h: with_array(h, "stop_time", "<i8", [4]), "'stop_time' is missing, or of another"),
+        (lambda h: {**h, "arrays": [*h["arrays"], *h["arrays"]]}, "does not fit its data"),
+    ],
+)
+@pytest.mark.usefixtures("small")
+def test_a_chunk_of_another_store_is_refused_and_named(change, expected, tmp_path):
+    whole = sweep(tmp_path)
+    first = tmp_path / CHUNKS / "000000000"
+    found, at = header(first.read_bytes())
+    first.write_bytes(sealed(change(found), first.read_bytes()[at:-4]))
+    for read in (status, sweep):
+        with pytest.raises(InputError, match=f"000000000: 1 problem\n  .*{expected}"):
+            read(tmp_path)
+    first.unlink()
+    assert sweep(tmp_path).identical(whole)
+
+
+@pytest.mark.usefixtures("small")
+@pytest.mark.parametrize(("at", "code"), [("outcome", 99), ("outcome", -1), ("reason", 27)])
+def test_data_of_a_chunk_are_checked(at, code, tmp_path):
+    sweep(tmp_path)
+    first = tmp_path / CHUNKS / "000000000"
+    part = dict(stores.SweepStore(tmp_path, 4, 60).read([(0, 4)], {}))[0, 4]
+    part[at] = np.full(4, code, dtype="i1") if at == "outcome" else np.full(4, chr(code))
+    first.write_bytes(stores._packed((0, 4), part))
+    with pytest.raises(InputError, match=f"'{at}' has .*remove this file"):
+        status(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"chunk": 0}, {"count": 10**11, "chunk": 1}, {"count": -1}, {"count": "5"}, {"chunk": 2.5},
+        {"count": True}, {"version": 5}, {"question": []}, {"definition": None}, [], "[" * 100_000,
+        "", '{"count": 1', b"\xff",
+    ],
+    ids=lambda change: str(change)[:20],
+)  # fmt: skip
+def test_a_damaged_manifest_is_one_clear_problem(change, tmp_path):
+    (tmp_path / CHUNKS).mkdir()
+    good = {"format": 1, "version": "linkages 1", "definition": "", "question": {}}
+    good |= {"count": 10, "chunk": 2}
+    if isinstance(change, dict):
+        change = json.dumps(good | change)
+    content = change if isinstance(change, bytes | str) else json.dumps(change)
+    (tmp_path / MANIFEST).write_bytes(content.encode() if isinstance(content, str) else content)
+    for read in (status, sweep):
+        with pytest.raises(InputError, match=rf"{MANIFEST}: 1 problem\n  .*the file is damaged"):
+            read(tmp_path)
+
+
+def test_a_manifest_of_gigabytes_is_not_read(tmp_path):
+    with (tmp_path / MANIFEST).open("wb") as file:
+        file.truncate(6 * 1024**3)
+    with pytest.raises(InputError, match="larger than 32 MiB"):
+        status(tmp_path)
+
+
+def test_an_end_of_a_continuation_is_checked(tmp_path):
+    continued(tmp_path, "forward")
+    path = sorted((tmp_path / CHUNKS).iterdir())[0]
+    found, at = header(path.read_bytes())
+    state, other = ("".join(f"{c}\0\0\0" for c in word).encode() for word in ("state", "xxxxx"))
+    path.write_bytes(sealed(found, path.read_bytes()[at:-4].replace(state, other)))
+    with pytest.raises(InputError, match="'end' is none of a motion; remove this file"):
+        continued(tmp_path, "forward")

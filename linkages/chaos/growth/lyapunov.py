@@ -89,7 +89,7 @@ def lyapunov(
     """
     asked = options_of(ExponentOptions, mechanism, options)
     system = System(mechanism)
-    looked = check_interval(system)
+    looked = check_interval(system, run=asked)
     log = None if looked is None else ContactLog(looked)
 
     def labelled(exponents: Exponents) -> xr.Dataset:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from linkages.kernel.outputs import links
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from linkages.solution.solution import Solution
 
 Floats = NDArray[np.float64]
@@ -34,6 +36,11 @@ class LinkForce:
         First time of that in seconds, linearly interpolated; None if there is none.
     smallest, largest
         Extreme forces in newtons, tension positive.
+    least_time
+        When the smallest was found, in seconds.
+    steps
+        Steps of the integration between two looks, on average. Methods take many steps per
+        oscillation: with too many, oscillations between two looks are not seen.
     """
 
     clearance: str
@@ -41,6 +48,8 @@ class LinkForce:
     first_loss: float | None
     smallest: float
     largest: float
+    least_time: float
+    steps: float = 0.0
 
     @property
     def sentence(self) -> str:
@@ -68,7 +77,8 @@ def contact_check(clearance: str, time: ArrayLike, force: ArrayLike) -> LinkForc
     spans = lost_spans(t, f)
     share = sum(end - begin for begin, end in spans) / float(t[-1] - t[0])
     first = spans[0][0] if spans else None
-    return LinkForce(clearance, share, first, float(f.min()), float(f.max()))
+    least = float(t[np.argmin(f)])
+    return LinkForce(clearance, share, first, float(f.min()), float(f.max()), least)
 
 
 def lost_spans(time: Floats, force: Floats) -> list[tuple[float, float]]:
@@ -86,12 +96,19 @@ def _zero(time: Floats, force: Floats, index: int) -> float:
     return float(time[index] + share * (time[index + 1] - time[index]))
 
 
-def contact_of(solution: Solution) -> tuple[LinkForce, ...]:
-    """The check of every massless link whose force a solution has, wherever its samples are."""
+def force_of(solution: Solution) -> xr.DataArray | None:
+    """Clearance forces that a solution has, (time, clearance), wherever its samples are."""
     if "clearance_force" not in solution.data or solution.data.sizes["time"] < 2:
+        return None
+    return solution.dense(["clearance_force"])["clearance_force"]
+
+
+def contact_of(solution: Solution, force: xr.DataArray | None = None) -> tuple[LinkForce, ...]:
+    """The check of every massless link; `force` is that of `force_of` if it is known."""
+    force = force_of(solution) if force is None else force
+    if force is None:
         return ()
-    data = solution.dense(["clearance_force"])
-    time, force = data["time"].to_numpy(), data["clearance_force"]
+    time = force["time"].to_numpy()
     return tuple(
         contact_check(name, time, force.sel(clearance=name).to_numpy())
         for name in links(solution.system.model)

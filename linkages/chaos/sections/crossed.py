@@ -11,6 +11,7 @@ from linkages.chaos.sections.contact import LinkForce
 from linkages.chaos.sections.contact_log import ContactLog, check_interval
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
+from linkages.options.run import RunOptions
 from linkages.options.sections import SectionOptions
 from linkages.solution.moving.guards import Guard
 from linkages.solution.moving.march import March
@@ -80,11 +81,16 @@ class Crossing:
         return Met(motion, self.log.contacts, self.log.interval)
 
 
-def crossing(system: System, options: SectionOptions, end: float) -> Crossing:
-    """How a motion is followed until enough crossings are found, or a time in seconds is over."""
+def crossing(
+    system: System, options: SectionOptions, end: float, run: RunOptions | None = None
+) -> Crossing:
+    """How a motion is followed until enough crossings are found, or a time in seconds is over.
+
+    With options of a `run`, forces are looked at as `check_interval` says.
+    """
     assert options.section is not None
     surface, skip = parse_section(system, options.section), options.skip
-    interval = check_interval(system, end)
+    interval = check_interval(system, end, run)
     log = None if interval is None else ContactLog(interval)
     looks = 1 if log is None else log.looks(end - system.time)
     return Crossing(
@@ -104,5 +110,5 @@ def crossed(
     watch: Watch | None = None,
 ) -> Met:
     """Integrate until enough crossings of a section are found, or a time in seconds is over."""
-    plan = crossing(system, options, end)
+    plan = crossing(system, options, end, options)
     return plan.met(plan.march.advance(plan.times, guards=[plan.guard], watch=watch))

@@ -26,7 +26,7 @@ from linkages.options.sections import SectionKeywords, SectionOptions
 from linkages.options.signature import takes
 from linkages.solution.moving.motion import Motion, Watch
 from linkages.solution.options import options_of
-from linkages.solution.values.surface import DIRECTIONS, SECTION, parse_section
+from linkages.solution.values.surface import DIRECTIONS, example_section, parse_section
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -169,17 +169,18 @@ def require_section(system: System, options: SectionOptions) -> None:
     """
     require_free(system)
     if options.section is None:
-        stroboscopic_period(system.mechanism)
+        stroboscopic_period(system)
     else:
         parse_section(system, options.section).guard(DIRECTIONS[options.direction])
 
 
-def stroboscopic_period(mechanism: Mechanism) -> float:
+def stroboscopic_period(system: System) -> float:
     """The common period, or an error that says what to do without one."""
     try:
-        return common_period(mechanism)
+        return common_period(system.mechanism)
     except NoPeriodError as error:
-        message = f"{error}; take a geometric section instead, such as {SECTION!r}"
+        example = example_section(system)
+        message = f"{error}; take a geometric section instead, such as {example!r}"
         raise NoPeriodError(message) from None
 
 

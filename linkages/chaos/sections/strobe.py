@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkages.chaos.sections.common_period import common_period
 from linkages.chaos.sections.contact import LinkForce
-from linkages.chaos.sections.contact_log import MOST_TIMES, PER_PERIOD, contacts_in
+from linkages.chaos.sections.contact_log import MOST_TIMES, PER_PERIOD, contacts_in, looks_in
 from linkages.chaos.sections.free_states import free_values
 from linkages.kernel.outputs import links
 from linkages.kernel.system import System
@@ -56,7 +58,11 @@ class Strobe:
     @property
     def contacts(self) -> tuple[LinkForce, ...]:
         """Forces in clearances from the first point to the last."""
-        return contacts_in(self.motion, self.checked)
+        if len(self.checked) < 2:
+            return ()
+        lasted = self.motion.time[-1] - self.system.time
+        rate = self.motion.cost.get("steps", 0) / lasted
+        return contacts_in(self.motion, rate, self.checked)
 
     @property
     def failure(self) -> str | None:
@@ -108,14 +114,22 @@ class Strobing:
         )
 
 
-def strobing(system: System, options: SectionOptions, further: tuple[float, ...] = ()) -> Strobing:
-    """The times of a stroboscopic section; arguments as `strobe` has them."""
+def strobing(
+    system: System,
+    options: SectionOptions,
+    further: tuple[float, ...] = (),
+    looks: Callable[[float], int] = lambda _: PER_PERIOD,
+) -> Strobing:
+    """The times of a stroboscopic section; arguments as `strobe` has them.
+
+    `looks` is how often forces are looked at in a period in seconds.
+    """
     period = common_period(system.mechanism)
     periods, first = options.periods, options.phase + options.skip
     parts, lasting = 1, 0
     if links(system.model):
         lasting = max(1, periods - 1)  # contact is looked at over a period at least
-        parts = max(1, min(PER_PERIOD, MOST_TIMES // lasting))
+        parts = max(1, min(looks(period), MOST_TIMES // lasting))
     wanted = period * (first + np.arange(periods, dtype=np.float64))
     checked = period * (first + np.arange(lasting * parts + 1) / parts)
     times = np.unique(np.concatenate([wanted, checked, further]))
@@ -139,6 +153,6 @@ def strobe(
     further
         Times in seconds at which the motion is wanted as well.
     """
-    plan = strobing(system, options, further)
+    plan = strobing(system, options, further, partial(looks_in, system, options))
     settings = Settings(times=plan.times, run=options, watch=watch)
     return plan.taken(compute_motion(system, settings))

@@ -90,7 +90,12 @@ def differences(
     points: Floats, others: Floats, angles: NDArray[np.bool_], tolerance: Floats
 ) -> Floats:
     """Largest difference of any entry of points, in tolerances, shape (n,); of angles modulo 2π."""
-    return np.asarray(np.max(np.abs(apart(points, others, angles)) / tolerance, axis=1))
+    # what overflows is further apart than any tolerance: infinite, or nan where that is, too
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        found = apart(points, others, angles)
+        away = found != 0.0  # what is equal is within a tolerance of zero as well
+        found = np.divide(np.abs(found), tolerance, out=np.zeros_like(found), where=away)
+    return np.asarray(np.max(np.where(np.isnan(found), np.inf, found), axis=1))
 
 
 def apart(points: Floats, others: Floats, angles: NDArray[np.bool_]) -> Floats:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from linkages.chaos.sweeps.continuation import ContinuationEnd
 from linkages.errors import ComputationError
@@ -90,11 +91,14 @@ def continued(
         ends[row] = _read(str(part[END][place])) or ends[row]
 
     done = 0
-    for span, part in () if store is None else store.read(spans):
+    for span, part in () if store is None else store.read(spans, fields):
         if span != spans[done]:
             break  # whatever is behind a gap is computed again
-        for row in range(starts):
-            enter(part, row, order[done], row)
+        try:
+            for row in range(starts):
+                enter(part, row, order[done], row)
+        except ValidationError:
+            raise store.damaged(span, "'end' is none of a motion") from None  # type: ignore[union-attr]
         ledger.add(span, part, new=False)
         done += 1
     try:
@@ -129,8 +133,19 @@ def _written(end: ContinuationEnd | None) -> str:
 def _read(text: str) -> ContinuationEnd | None:
     if not text:
         return None
-    found: dict[str, Any] = json.loads(text)
-    found["state"] = {name: tuple(pair) for name, pair in found["state"].items()}
+    found = dict(_End.model_validate_json(text))
     found["places"] = {point: np.array(place) for point, place in found["places"].items()}
-    found["turns"] = {int(place): turned for place, turned in found["turns"].items()}
     return ContinuationEnd(**found)
+
+
+class _End(BaseModel):
+    """A `ContinuationEnd` as text."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    state: dict[str, tuple[float, float]]
+    places: dict[str, tuple[float, float]]
+    internal: dict[str, float]
+    carried: dict[str, float]
+    turns: dict[int, float]
+    held: dict[str, float]

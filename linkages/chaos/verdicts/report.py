@@ -15,7 +15,7 @@ from linkages.chaos.growth.exponents import Exponents
 from linkages.chaos.growth.lyapunov import labelled_exponents
 from linkages.chaos.growth.systems import part_of
 from linkages.chaos.growth.tangents import LinkageTangents
-from linkages.chaos.sections.contact import contact_of
+from linkages.chaos.sections.contact import contact_of, force_of
 from linkages.chaos.sections.free_states import require_free
 from linkages.chaos.verdicts import evidence as gathering
 from linkages.chaos.verdicts.findings import ChaosReport
@@ -147,7 +147,8 @@ def _report(
     if _smaller(tight, options):
         again = gathering.kept(found.end_again, periods)
         horizon = horizon_between(system, options, solution.motion, again)
-    contact = contact_of(solution)
+    force = force_of(solution)
+    contact = contact_of(solution, force)
     verdict, reasons = certified(
         *_confirmed(found, options, tight), found.evidence.exponents.certificate
     )
@@ -192,7 +193,7 @@ def _report(
             "skip": found.skipped,
             "skipped": found.how_skipped,
         },
-        force=solution.data.get("clearance_force"),
+        force=force,
         notes=solution.notes,
         certificate=judged.exponents.certificate,
         rates=gathering.rates_of(system, solution, rotation),

@@ -28,7 +28,7 @@ from linkages.topology.jacobian import numerical_mobility
 
 def run(request: Request, kernel: bool, modes: bool, out: Path | None) -> int:
     """Print the report of a file; returns the exit code."""
-    mechanism = mechanism_from(request.file, request.assignments)
+    mechanism = mechanism_from(request.file, request.assignments, request.tables_from)
     if out is not None:
         require_folder(out)
     options_of(SimulationOptions, mechanism, {})

@@ -18,7 +18,8 @@ def run(request: Request, form: str) -> int:
         near = suggestion(form, FORMATS) or f"; expected one of: {', '.join(FORMATS)}"
         message = f"unknown format {form!r}{near}"
         raise InputError("--format", [Problem(message=message)])
-    topology = build_topology(choose_free(mechanism_from(request.file, request.assignments)))
+    mechanism = mechanism_from(request.file, request.assignments, request.tables_from)
+    topology = build_topology(choose_free(mechanism))
     if topology.redundant:  # positions tell which blocks have to be solved together
         topology = System(topology.mechanism).topology
     text = render(derive(topology), form)

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from linkages.cli.requests import Request
+from linkages.cli.terminal import print_notes
 from linkages.exports import Subject, files_of, written
 
 
@@ -26,6 +27,7 @@ def run(request: Request, to: str, **own: Any) -> int:
 
     def show(screen: Console) -> None:
         screen.print(f"[bold]{escape(request.mechanism.name)}[/bold] as {to}")
+        print_notes(subject.notes, screen)
 
-    content = {"format": to, "bytes": sum(sizes)}
+    content = {"format": to, "bytes": sum(sizes), "notes": subject.notes}
     return request.report(content, place.files, show)

@@ -114,9 +114,15 @@ def _content(data: xr.Dataset) -> dict[str, Any]:
         "runs_missing": int(data.attrs["runs_missing"]),
         "search": data.attrs["search"],
         "plateau": bool(data.attrs["plateau"]),
+        "optimality": _finite(float(data.attrs["optimality"])),
+        "notes": [*data.attrs["notes"]],
         "numbers": numbers,
         "constraints": constraints,
     }
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _print(content: dict[str, Any], screen: Console) -> None:
@@ -143,6 +149,6 @@ def _print(content: dict[str, Any], screen: Console) -> None:
     ]
     heads = ["measure", "start", "optimum", "unit", "active"]
     screen.print(table("Goal and constraints", heads, [goal, *limits]))
-    if content["plateau"]:
-        text = "the search ended on a plateau: many runs in a row gained no more than round-off"
-        print_notes([text], screen)
+    if content["optimality"] is not None:
+        screen.print(f"first-order optimality {content['optimality']:.1e}")
+    print_notes(content["notes"], screen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Sequence
 from inspect import signature
 from itertools import product
@@ -25,7 +26,13 @@ from linkages.solution.opened import ENDING
 from linkages.solution.opened import open as opened
 from linkages.solution.simulate import simulate
 from linkages.solution.solution import Solution
-from linkages.solution.values.series import TIME, find_series, system_series, with_sizes
+from linkages.solution.values.series import (
+    TIME,
+    example_series,
+    find_series,
+    system_series,
+    with_sizes,
+)
 
 if TYPE_CHECKING:
     from linkages.plots.motion.compared import Compared
@@ -49,7 +56,9 @@ def run(
     from linkages.plots.motion.told_apart import told_apart
 
     if not y:
-        raise InputError("--y", [Problem(message="expected what to draw, e.g. --y crank.angle")])
+        example = example_series(System(request.mechanism))
+        message = f"expected what to draw, such as --y {shlex.quote(example)}"
+        raise InputError("--y", [Problem(message=message)])
     if polar and (against != TIME or difference):
         flag = "--difference" if difference else "--against"
         message = f"--polar draws y over x of a vector; {flag} does not go with it"
@@ -120,7 +129,7 @@ def _asked(
         raise OptionError("vary", f"expected up to {MOST} motions, found {len(places)}")
     found = []
     for file in files:
-        mechanism = mechanism_from(file, request.assignments)
+        mechanism = mechanism_from(file, request.assignments, request.tables_from)
         arguments: dict[str, Any] = {}
         if Path(file).suffix == ENDING:
             saved = opened(file)

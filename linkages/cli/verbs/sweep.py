@@ -42,10 +42,12 @@ def run(
     """Compute a sweep, or say what a store holds; returns the exit code."""
     if status:
         return _status(request)
+    from linkages.solution.measuring.measure import example_measure
     from linkages.sweeps.sweep import sweep
 
     if not measure:
-        raise _refused("--measure", "nothing is measured; expected 'max(abs(crank.effort))'")
+        example = example_measure(request.mechanism)
+        raise _refused("--measure", f"nothing is measured; expected {example!r}")
     over = _over(vary or (), sample or ())
     task = partial(
         sweep, request.mechanism, over, _named(measure), draws=draws, seed=seed,

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from linkages.components.contributed.component import Component
+from linkages.components.contributed.ends import End
 from linkages.components.contributed.friction import ambiguity, meeting
 from linkages.components.contributed.revolute import GROUND
 from linkages.components.contributed.terms import Body, Displacement, Path, Relation
@@ -180,9 +181,15 @@ def _pressed_in_the_open(declared: Declared) -> list[Finding]:
             message = f"clearance {name!r} opens {place!r}; expected 'friction' of its contact"
             found.append((path, message))
         elif declared.rigid:
+            rigid = declared.rigid[0]
+            remedy = (
+                "'stiffness' (and 'damping') in place of 'restitution'"
+                if isinstance(rigid, End)
+                else "a 'contact' with a stiffness, such as 'kelvin-voigt'"
+            )
             message = (
-                f"impacts of {declared.rigid[0].name!r} have impulses, which friction "
-                "under a reaction does not follow; expected a law of a force there"
+                f"impacts of {rigid.name!r} have impulses, which friction under a reaction "
+                f"does not follow; expected {remedy} there"
             )
             found.append((path, message))
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 from linkages.components.mechanisms.gathered import read_components
@@ -12,7 +13,12 @@ from linkages.reading.locate import find
 from linkages.reading.overrides import apply
 
 
-def load(file: str | FilePath, set: Mapping[str, object] | None = None) -> Mechanism:  # noqa: A002
+def load(
+    file: str | FilePath,
+    set: Mapping[str, object] | None = None,  # noqa: A002
+    *,
+    tables_from: str | FilePath | None = None,
+) -> Mechanism:
     """Read a definition file.
 
     Parameters
@@ -22,6 +28,9 @@ def load(file: str | FilePath, set: Mapping[str, object] | None = None) -> Mecha
     set
         Dotted path of the file → value to use instead, as `Mechanism.with_values` takes them, e.g.
         ``{"clearances.r1.size": 1e-4}``.
+    tables_from
+        A folder: the CSV files of tables that the definition names may be below it as well.
+        Otherwise they must be below the folder of the definition.
 
     Raises
     ------
@@ -36,7 +45,8 @@ def load(file: str | FilePath, set: Mapping[str, object] | None = None) -> Mecha
     """
     if not isinstance(file, str | FilePath):
         raise TypeError(f"file must be a path or a name, found {file!r}")
-    return from_document(apply(read(find(file)), set or {}))
+    tables = None if tables_from is None else FilePath(tables_from)
+    return from_document(apply(replace(read(find(file)), tables=tables), set or {}))
 
 
 def loads(text: str, set: Mapping[str, object] | None = None) -> Mechanism:  # noqa: A002

@@ -51,7 +51,7 @@ def reread(
         content[section] = entry
     start: Path = (section, 0) if listed else where
     moved = {dotted((*start, *path[len(where) :])): value for path, value in values.items()}
-    alone = Document(definition.source, content, {}, {}, definition.folder)
+    alone = Document(definition.source, content, {}, {}, definition.folder, (), definition.tables)
     try:
         found = read_section(apply(alone, moved), section)
     except InputError:

@@ -51,7 +51,7 @@ def document_of(
     overridden = {p: text for p, text in base.overridden.items() if stays(p)}
     whole = {path[:1]: path for path in kept if path[:1] in base.overridden}
     overridden |= {path: base.overridden[section] for section, path in whole.items()}
-    return Document(source, content, positions, overridden, base.folder, base.changed)
+    return Document(source, content, positions, overridden, base.folder, base.changed, base.tables)
 
 
 def _enter(content: dict[str, Any], path: Path, entry: Any) -> None:

@@ -13,8 +13,8 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.fitting.known import Known, known
 from linkages.design.fitting.measured import Measured, Measurements, measured_of
 from linkages.design.fitting.residuals import Residuals
-from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of
-from linkages.design.varied.rewritten import rewritten
+from linkages.design.varied.ranges import AT_BOUND, Ranges, Vary, ranges_of, require_starts
+from linkages.design.varied.rewritten import kept, rewritten
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
@@ -97,8 +97,7 @@ def fit(
     Interrupted
         After Ctrl-C; ``kept["fit"]`` has the best so far.
     """
-    if starts < 1:
-        raise ValueError("starts must be at least 1")
+    require_starts(starts)
     ranges = ranges_of(mechanism, vary)
     found = measured_of(mechanism, measured, sigma)
     given = {name: value for name, value in options.items() if value is not None}
@@ -166,6 +165,7 @@ def _result(
         _remarks(ranges, numbers, how),
     )
     data = _dataset(mechanism, ranges, measured, residuals, how, values)
+    data.attrs["notes"] += kept(changed)
     data.attrs["interrupted"] = int(interrupted)
     return Fitted(mechanism=changed, text=text, data=data)
 

@@ -81,6 +81,10 @@ class Measured:
         return int(sum(np.isfinite(column.values).sum() for column in self.columns))
 
 
+MAX_BYTES = 100 * 1024**2
+"""Of a file of measurements: each number takes a few times as much when it is fitted to."""
+
+
 class _RefusedError(Exception):
     pass
 
@@ -200,10 +204,15 @@ def _read(path: Path) -> dict[str, list[float]]:
     """Columns of a CSV file; an empty cell is nan."""
     source = str(path)
     try:
-        text = decode(path.read_bytes(), source)
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
     except OSError as error:
         message = f"cannot be read: {error.strerror or error}"
         raise InputError(source, [Problem(message=message)]) from None
+    if len(data) > MAX_BYTES:
+        message = f"larger than {MAX_BYTES // 1024**2} MiB; expected measurements as CSV"
+        raise InputError(source, [Problem(message=message)])
+    text = decode(data, source)
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), 1)
@@ -212,7 +221,13 @@ def _read(path: Path) -> dict[str, list[float]]:
     if len(lines) < 2:
         raise InputError(source, [Problem(message=f"expected a line of heads such as {HEADS}")])
     mark = next((mark for mark in ";\t" if mark in lines[0][1]), ",")
-    rows = [(number, next(csv.reader([line], delimiter=mark))) for number, line in lines]
+    rows = []
+    for number, line in lines:
+        try:
+            rows.append((number, next(csv.reader([line], delimiter=mark))))
+        except csv.Error:  # the one error of a single line
+            message = f"expected cells of at most {csv.field_size_limit()} characters"
+            raise InputError(source, [Problem(message=message, line=number)]) from None
     heads = [cell.strip() for cell in rows[0][1]]
     columns: dict[str, list[float]] = {head: [] for head in heads}
     problems = []

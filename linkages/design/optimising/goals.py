@@ -155,6 +155,20 @@ def constraint_of(text: str) -> Constraint:
     return Constraint(text.strip(), known, read_measure(f"({left}) - ({right})"), sign)
 
 
+def squares_of(wanted: Sum) -> list[tuple[float, str]]:
+    """Factors and measures whose squares a sum consists of; none if it has other parts."""
+    found = []
+    for part in wanted.parts:
+        tree = read_measure(part.measure).tree if isinstance(part, Plain) else None
+        match tree:
+            case Call("power", (Call() as base, Constant(2.0))) if part.factor > 0.0:
+                assert isinstance(part, Plain)
+                found.append((part.factor, _written(part.measure, base)))
+            case _:
+                return []
+    return found
+
+
 def sum_of(measure: Measure, factor: float) -> Sum:
     """A multiple of a measure as a sum, of which less is better."""
     parts = [*_parts(measure.text, measure.tree, factor)]

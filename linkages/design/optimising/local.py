@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.optimising.goals import Peak, Plain, Sum
+from linkages.design.optimising.goals import Peak, Plain, Sum, squares_of
 from linkages.design.optimising.motions import Found, Linear, Motions
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import Record, Tried
+from linkages.design.varied.ranges import AT_BOUND
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,18 @@ GAINED = 1e-9
 STILL = 12
 """Motions without a gain after which a round is on a plateau: all is round-off there."""
 
+OPTIMAL = 1e-4
+"""First-order optimality from which on a search is not at an optimum, and goes on."""
+
+_ACTIVE = 1e-6
+"""Part of what a condition changes by over the bounds within which it is met with nothing to spare.
+"""
+
+_LEAST_SIZE = 1e-6
+"""Part of the gain of a search that the goal counts for at least, where its optimum is zero."""
+
 _TOLERANCE = 1e-11
+_CLOSE = 1e-13
 _ITERATIONS = 50
 _STEEP = 1e3
 
@@ -56,6 +68,8 @@ class Local:
         peaks = [(p.series, p.sign) for p in parts if isinstance(p, Peak)]
         self.peaks = list(dict.fromkeys(peaks))
         plain = [part.measure for part in parts if isinstance(part, Plain)]
+        self.squares = [] if problem.constraints else squares_of(self.sums[0])
+        plain += [measure for _, measure in self.squares]
         self.motions = Motions(problem, record, plain, [series for series, _ in self.peaks])
 
     def from_(self, places: Floats) -> None:
@@ -64,16 +78,54 @@ class Local:
         if found is None:
             return
         sizes = np.abs(found.measures.values)
-        for _ in range(MOST_ROUNDS if self.peaks else 1):
+        first, optimal = found.measures.values[self.motions.row[self.problem.texts[0]]], False
+        if self.squares:
+            places, found, optimal = self._settled(self._fitted(places), first)
+        for _ in range(MOST_ROUNDS):
+            if optimal and not self.peaks:
+                return
             before = found.measures.values
             places = _Round(self, places, found).minimised()
-            found = self.motions.at(places)
-            assert found is not None
-            self.record.settle(places)
+            places, found, optimal = self._settled(places, first)
             rows = [self.motions.row[text] for text in self.problem.texts]
             change = np.abs(found.measures.values - before)
             if (change <= GAINED * sizes)[rows].all():
                 return
+
+    def _settled(self, places: Floats, first: float) -> tuple[Floats, Found, bool]:
+        """Record where a search has ended; returns that, and whether it is an optimum."""
+        found = self.motions.at(places)
+        assert found is not None
+        optimality = _Round(self, places, found).optimality(first)
+        self.record.settle(places, optimality)
+        return places, found, optimality <= OPTIMAL
+
+    def _fitted(self, places: Floats) -> Floats:
+        """Places with the least sum of squares (Gauss, Newton) that the bounds allow."""
+        from scipy.optimize import least_squares
+
+        rows = [self.motions.row[measure] for _, measure in self.squares]
+        roots = np.sqrt([factor for factor, _ in self.squares])
+        known = self.motions.at(places)
+        assert known is not None
+        # a step to where nothing can be computed is refused as one that gains nothing
+        worst = np.full(len(rows), 2.0 * np.linalg.norm(roots * known.measures.values[rows]) + 1.0)
+
+        def values(where: Floats) -> Floats:
+            found = self.motions.at(where)
+            return worst if found is None else np.asarray(roots * found.measures.values[rows])
+
+        def slopes(where: Floats) -> Floats:
+            found = self.motions.at(where)
+            assert found is not None
+            return np.asarray(roots[:, None] * found.measures.slopes[rows])
+
+        return np.asarray(
+            least_squares(
+                values, places, jac=slopes, bounds=(0.0, 1.0), method="trf", x_scale="jac",
+                ftol=_CLOSE, xtol=_CLOSE, gtol=_CLOSE,
+            ).x
+        )  # fmt: skip
 
 
 class _PlateauError(Exception):
@@ -117,10 +169,49 @@ class _Round:
         z = found.x if self._all(found.x) is not None else self.last
         return np.clip(z[: self.count], 0.0, 1.0)
 
+    def optimality(self, first: float) -> float:
+        """Part by which the goal would change over the bounds if its slope stayed what it is.
+
+        The slope is what conditions that are met with nothing to spare leave of it (Karush, Kuhn,
+        Tucker), along the number where that is largest.
+
+        Parameters
+        ----------
+        first
+            The goal where the search began.
+        """
+        from scipy.optimize import lsq_linear
+
+        found = self.search.motions.at(np.clip(self.start[: self.count], 0.0, 1.0))
+        assert found is not None
+        now = self._linear(found, self.start[self.count :] * self.sizes)
+        equal = self._equal
+        steep = np.abs(now.slopes[1:]).max(axis=1)
+        met = (equal | (now.values[1:] >= -_ACTIVE * steep)) & (steep > 0.0)
+        box, places = np.eye(now.slopes.shape[1])[: self.count], self.start[: self.count]
+        normals = [
+            now.slopes[1:][met] / steep[met, None],
+            -box[places <= AT_BOUND],
+            box[places >= 1.0 - AT_BOUND],
+        ]
+        matrix, left = np.concatenate(normals).T, now.slopes[0]
+        if matrix.shape[1]:
+            lowest = np.zeros(matrix.shape[1])
+            lowest[: met.sum()][equal[met]] = -np.inf
+            left = left + matrix @ lsq_linear(matrix, -left, bounds=(lowest, np.inf)).x
+        value = self._tried(places, found).value
+        size = max(abs(value), _LEAST_SIZE * abs(first - value)) or 1.0
+        return float(np.abs(left).max()) / size
+
+    @property
+    def _equal(self) -> NDArray[np.bool_]:
+        """Which conditions must be zero."""
+        own = [each.equal for each in self.search.problem.constraints]
+        return np.array([*own, *(False for edges in self.edges for _ in edges[1:])], dtype=bool)
+
     def _conditions(self) -> list[dict[str, Any]]:
         """Constraints as SLSQP takes them: not below zero, or zero."""
-        own = [each.equal for each in self.search.problem.constraints]
-        equal = np.array([*own, *(False for edges in self.edges for _ in edges[1:])], dtype=bool)
+        equal = self._equal
         return [
             {
                 "type": kind,

@@ -15,7 +15,7 @@ from linkages.design.optimising.local import Local
 from linkages.design.optimising.optimum import Optimum, optimum_of, units
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import EnoughError, Record
-from linkages.design.varied.ranges import Vary, ranges_of
+from linkages.design.varied.ranges import Vary, ranges_of, require_starts
 from linkages.errors import ComputationError, Interrupted
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
@@ -91,8 +91,9 @@ def optimise(
     if search not in SEARCHES:
         near = suggestion(search, SEARCHES) or f"; expected {' or '.join(map(repr, SEARCHES))}"
         raise ValueError(f"unknown search {search!r}{near}")
-    if starts < 1 or (runs is not None and runs < 1):
-        raise ValueError("starts and runs must be at least 1")
+    require_starts(starts)
+    if runs is not None and runs < 1:
+        raise ValueError("runs must be at least 1")
     texts = [subject_to] if isinstance(subject_to, str) else [*subject_to]
     given = {name: value for name, value in options.items() if value is not None}
     options_of(SimulationOptions, mechanism, given)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +11,12 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.optimising.goals import reduced_series
+from linkages.design.optimising.local import OPTIMAL
 from linkages.design.optimising.motions import Motions
 from linkages.design.optimising.problem import Problem
 from linkages.design.optimising.record import HOLDS, Record, Tried
 from linkages.design.varied.ranges import AT_BOUND
-from linkages.design.varied.rewritten import rewritten
+from linkages.design.varied.rewritten import kept, rewritten
 from linkages.errors import LinkagesError
 from linkages.kernel.system import System
 from linkages.solution.measuring.measure import measure_unit, measured_series
@@ -45,7 +47,9 @@ class Optimum:
         optimum is; `value` (state) of the goal; `constraint_value` (state, constraint) and which of
         them are `active`; `history` and `history_number`, the best value and what was tried, in
         the order of the runs; the series that goal and constraints reduce, `curve` (state, series,
-        time). All in SI.
+        time). All in SI. Attributes are `runs`, `notes` and `optimality`, the first-order
+        optimality of Karush, Kuhn and Tucker: by what part of its value the goal would change over
+        the bounds of a number at its slope; nan where the search ended before.
     """
 
     mechanism: Mechanism
@@ -63,7 +67,9 @@ def optimum_of(problem: Problem, record: Record, about: dict[str, Any]) -> Optim
         for each, number in zip(problem.ranges.each, numbers, strict=True)
     }
     mechanism, text = rewritten(problem.mechanism, values, _remarks(problem, best))
-    return Optimum(mechanism=mechanism, text=text, data=_dataset(problem, record, best, about))
+    data = _dataset(problem, record, best, about)
+    data.attrs["notes"] += kept(mechanism)
+    return Optimum(mechanism=mechanism, text=text, data=data)
 
 
 def _remarks(problem: Problem, best: Tried) -> list[str]:
@@ -125,9 +131,26 @@ def _dataset(problem: Problem, record: Record, best: Tried, about: dict[str, Any
         "runs_missing": len(missing),
         "holds": int(record.holds(best)),
         "plateau": int(record.plateau),
+        # peaks of what is level are round-off, and say nothing of a slope
+        "optimality": math.nan if record.plateau else record.optimality,
+        "notes": _notes(record),
         **about,
     }
     return xr.Dataset(variables, coordinates, attrs)
+
+
+def _notes(record: Record) -> list[str]:
+    """Why the best may be no optimum."""
+    if record.plateau:
+        return ["the search ended on a plateau: many runs in a row gained no more than round-off"]
+    if math.isnan(record.optimality):
+        return ["the search ended before an optimum: allow more runs, or start from what was found"]
+    if record.optimality > OPTIMAL:
+        return [
+            f"first-order optimality {record.optimality:.1e} is above {OPTIMAL:g}: this may be no "
+            "optimum; start from what was found, from several points (starts), or search globally"
+        ]
+    return []
 
 
 def _start(problem: Problem, record: Record) -> Tried:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -62,6 +63,8 @@ class Record:
         How many there may be; None for any number.
     plateau
         Whether a search has ended where nothing is gained any more but by round-off.
+    settled
+        The goal at the best end of a search, and its first-order optimality.
     """
 
     goal: Goal
@@ -72,6 +75,7 @@ class Record:
     sizes: Floats | None = None
     best: Tried | None = None
     plateau: bool = False
+    settled: tuple[float, float] = (math.nan, math.nan)
 
     def add(self, one: Tried) -> None:
         """Keep what came of some numbers; raises `EnoughError` when there may be no more."""
@@ -86,13 +90,22 @@ class Record:
         if self.most is not None and len(self.tried) >= self.most:
             raise EnoughError
 
-    def settle(self, places: Floats) -> None:
+    def settle(self, places: Floats, optimality: float) -> None:
         """Prefer where a search has settled to what is better by round-off alone."""
         one = next(t for t in reversed(self.tried) if np.array_equal(t.places, places))
         best = self.best
         assert best is not None
         if self.holds(one) and abs(one.value - best.value) <= ROUND_OFF * abs(one.value):
             self.best = one
+        if self.best is one or abs(one.value - best.value) <= HOLDS * abs(best.value):
+            self.settled = best.value, optimality
+
+    @property
+    def optimality(self) -> float:
+        """Of the best, by `Round.optimality`; nan if no search has ended there."""
+        value, optimality = self.settled
+        known = self.best is not None and abs(self.best.value - value) <= HOLDS * abs(value)
+        return optimality if known else math.nan
 
     def order(self, one: Tried) -> tuple[float, float, float]:
         """Less is better: first what can be computed, then what satisfies the constraints."""

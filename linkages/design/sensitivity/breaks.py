@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from linkages.design.sensitivity.derived import moved_by
 from linkages.errors import ComputationError
 from linkages.kernel.graph.differentiation import derivative_along
-from linkages.kernel.graph.scalars import Level, Scalar, reachable
+from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.numbers.effects import Effects
 from linkages.kernel.system import System
+from linkages.solution.measuring.branches import conditions_of, more_looks
+from linkages.solution.measuring.followed import APART
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Changed, Motion, Piece
 
@@ -22,12 +24,6 @@ Floats = NDArray[np.float64]
 
 _LOOKS = 4001
 """At how many times it is looked for changes of sign."""
-
-_CLOSER = 64
-"""Parts into which an interval is cut where two changes may hide in it."""
-
-APART = 8
-"""How many roundings of a time lie between it and where laws are on one side for certain."""
 
 ALIKE = 1e-6
 """Part by which movements of times may differ that belong to one event."""
@@ -92,39 +88,6 @@ def breaks(system: System, nodes: Sequence[Scalar], effects: Effects, end: float
             if slopes.any():  # else it jumps where another one does, on which it depends
                 passed.append(Break(time, time - apart, time + apart, moved_by(slopes)))
     return _each_once(sorted(passed, key=lambda each: each.time))
-
-
-def conditions_of(nodes: Sequence[Scalar], level: Level) -> list[Scalar]:
-    """What decides between branches below nodes and depends on no more than that."""
-    found = {
-        node.operands[0]
-        for node in reachable(nodes)
-        if node.operation == "select" and node.operands[0].level == level
-    }
-    return sorted(found, key=lambda node: node.index)
-
-
-def more_looks(times: Floats, values: Floats, rates: Floats) -> Floats:
-    """Further times at which to look, where a function may dip below zero between two of them.
-
-    There it heads for zero at the first and away from it at the second, and both tangents meet on
-    the other side: what is curved one way only lies on theirs.
-
-    Parameters
-    ----------
-    times, values, rates
-        Shapes (n,), and (functions, n) twice.
-    """
-    sides = np.where(values < 0.0, -1.0, 1.0)
-    size, rate, steps = sides * values, sides * rates, np.diff(times)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        falls, rises = -rate[:, :-1], rate[:, 1:]
-        meet = (size[:, 1:] - size[:, :-1] - rises * steps) / (-falls - rises)
-        lowest = size[:, :-1] - falls * meet
-    hidden = (sides[:, :-1] == sides[:, 1:]) & (falls > 0.0) & (rises > 0.0) & (lowest < 0.0)
-    within = np.flatnonzero(hidden.any(axis=0))
-    parts = np.arange(1, _CLOSER) / _CLOSER
-    return np.asarray(times[within, None] + steps[within, None] * parts).ravel()
 
 
 def _each_once(found: Sequence[Break]) -> list[Break]:

@@ -8,17 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.sensitivity.breaks import ALIKE, APART, Break, with_sides
+from linkages.design.sensitivity.breaks import ALIKE, Break, with_sides
 from linkages.design.sensitivity.derived import Derivatives
 from linkages.errors import ComputationError
 from linkages.kernel.numbers.effects import Effects
+from linkages.solution.measuring.followed import APART, between_sides
 from linkages.solution.moving.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
-
-_PARTS, _FEWEST, _MORE = 40, 4, 40_000
-"""Samples between two changes, of which a swing in a stop has some ten steps; the fewest of very
-many, and how many samples are added in all."""
 
 
 @dataclass(frozen=True)
@@ -68,17 +65,9 @@ def changing_modes(motion: Motion, end: float) -> list[ModeChange]:
 
 
 def followed_closely(times: Floats, met: Sequence[ModeChange]) -> Floats:
-    """Sample times with both sides of changes, and enough between one change and the next.
-
-    How close samples are follows from steps on the whole; a touch may be as short as one of them.
-    """
-    edges = [times[0], *(side for one in met for side in (one.before, one.behind)), times[-1]]
-    stretches = np.array(edges).reshape(-1, 2)
-    parts = int(np.clip(_MORE // len(stretches), _FEWEST, _PARTS))
-    inside = np.diff(np.searchsorted(times, stretches), axis=1)[:, 0]
-    part = np.arange(parts + 1) / parts
-    more = stretches[inside < parts] @ np.array([1.0 - part, part])
-    return with_sides(np.unique(np.concatenate([times, more.ravel()])), met)
+    """Sample times with both sides of changes, and enough between one change and the next."""
+    more = between_sides(times, np.array([[one.before, one.behind] for one in met]))
+    return with_sides(np.unique(np.concatenate([times, more])), met)
 
 
 def as_breaks(

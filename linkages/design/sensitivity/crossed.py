@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from linkages.design.sensitivity.breaks import APART, Break, conditions_of, more_looks
+from linkages.design.sensitivity.breaks import Break
 from linkages.design.sensitivity.derived import Derivatives, moved_by
 from linkages.kernel.graph.differentiation import derivative_along
 from linkages.kernel.graph.scalars import Level, Scalar
 from linkages.kernel.numbers.effects import Effects
+from linkages.solution.measuring.branches import conditions_of, more_looks
 from linkages.solution.measuring.course import between, unchanged
+from linkages.solution.measuring.followed import APART
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
 

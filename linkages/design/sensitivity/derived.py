@@ -16,8 +16,8 @@ from linkages.kernel.numbers.effects import Effects, Fed
 from linkages.kernel.numbers.layout import Layout
 from linkages.kernel.outputs import VARIABLES
 from linkages.solution.moving.motion import Piece
-from linkages.solution.values.reactions import reaction_nodes
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.reactions import reaction_nodes, row_of
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -48,14 +48,14 @@ class Derivatives:
         ValueError
             For a series that has no derivative.
         """
-        reacting = [row for row, each in enumerate(series) if each.variable == REACTION]
-        plain = [row for row, each in enumerate(series) if each.variable != REACTION]
+        reacting = [row for row, each in enumerate(series) if each.variable in REACTIONS]
+        plain = [row for row, each in enumerate(series) if each.variable not in REACTIONS]
         values = np.empty((len(series), len(piece.time)))
         changes = np.empty((len(series), len(effects), len(piece.time)))
         nodes = [differentiable(series[row], piece.system.model) for row in plain]
         values[plain], changes[plain] = self.of_nodes(piece, nodes, effects)
         if reacting:
-            rows = [series[row].index(piece.system.model) for row in reacting]
+            rows = [row_of(series[row], piece.system.model) for row in reacting]
             found = changing_reactions(piece, partial(self.of_nodes, effects=effects), effects)
             values[reacting], changes[reacting] = (each[rows] for each in found)
         return values, changes
@@ -189,7 +189,7 @@ def _directions(model: Model, fed: Fed, modes: bool = True) -> list[Mapping[int,
 
 def nodes_of(series: Series, model: Model) -> list[Scalar]:
     """All nodes that a series follows from; raises as `differentiable` does."""
-    if series.variable == REACTION:
+    if series.variable in REACTIONS:
         return reaction_nodes(model)
     return [differentiable(series, model)]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -28,7 +29,7 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import denser, evaluable, factor_of
+from linkages.solution.measuring.followed import denser, driven_factor, evaluable, factor_of
 from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
@@ -39,6 +40,9 @@ from linkages.spec.measures import argument, read_measure
 
 Floats = NDArray[np.float64]
 
+
+INTEGRATED_ANGLE, FEWEST_INTEGRATED = math.radians(22.5), 64
+"""What a drive turns by between samples of which an integral is taken, and the fewest of these."""
 
 MORE_STEPS, FEWEST_STEPS = 20, 100
 """How many times as many steps as the motion alone a motion with derivatives may take."""
@@ -286,11 +290,19 @@ class Differentiated:
         """How many times as close samples must be, for the numbers of the definition."""
         return self._first[0]
 
+    @property
+    def _driven_factor(self) -> int:
+        """The factor where drives determine the motion: integrals need samples in every turn."""
+        if not any(each.integrates for each in self._measures):
+            return 1
+        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
+        return driven_factor(self.system, self._run.end, self._run.samples, *close)
+
     @cached_property
     def _first(self) -> tuple[int, int]:
         """The factor, and the steps of the motion of the definition."""
         if not self.system.layout.moved:
-            return 1, 0
+            return self._driven_factor, 0
         times = np.linspace(0.0, self._run.end, self._run.samples)
         motion = compute_motion(self.system, Settings(times=times, run=self._run))
         return factor_of(motion, self._run.samples), motion.cost["steps"]

@@ -33,7 +33,7 @@ class Means(Tree):
             found = self._power(node, power, np.zeros(1))
             return Varied(np.ravel(found.value)[0], filled(found, moved.count)[:, 0])
         kinks, jumps = self._kinks(node, power)
-        if moved.breaks or len(kinks):
+        if moved.breaks or len(kinks) or not moved.integrated:
             places, weights = gauss(np.union1d(moved.grid, kinks), moved.sides)
         else:
             places, weights = simpson(moved.grid)

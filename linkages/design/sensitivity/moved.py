@@ -18,7 +18,7 @@ from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import compiled_accelerated
 from linkages.solution.measuring.followed import Followed, through
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -63,6 +63,8 @@ class Moved:
         Places just before them and just behind them, shape (breaks, 2).
     grid
         Places of all samples of the motion.
+    integrated
+        Whether the motion is integrated, and samples are as close as its steps.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class Moved:
         self._effects, self._derivatives = effects, derivatives
         self._followed = Followed(system, motion, series)
         self._sampled: dict[str, Floats] = {}
+        self.integrated = bool(system.layout.moved)
         self.time, self.count = time, len(effects)
         own = self._followed.time
         self.breaks = [one for one in breaks if own[0] < one.before and one.behind < own[-1]]
@@ -231,7 +234,7 @@ class Moved:
         """Derivatives at the wanted samples of a piece, as values are computed there."""
         if piece.samples is None:
             return self._derivatives.evaluated(piece, series, self._effects)[1]
-        if any(each.variable == REACTION for each in series):
+        if any(each.variable in REACTIONS for each in series):
             message = "joint reactions have no derivative within a passage through a change point"
             raise ComputationError(message, time=piece.crossing)
         values, slopes = self._derivatives.evaluated(piece, series, self._effects)

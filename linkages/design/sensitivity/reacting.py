@@ -27,7 +27,7 @@ _CHUNK = 1024
 
 
 def changing_reactions(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats, Floats]:
-    """Reactions at all joints and their derivatives, shapes (2 joints, n) and (2 joints, P, n).
+    """Reactions and their derivatives, shapes (r, n) and (r, P, n), in the order of `row_of`.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ def _of_chunk(piece: Piece, of_nodes: OfNodes, effects: Effects) -> tuple[Floats
         beside, push = (part.imag / _STEP for part in equations)
         columns.append(push - (beside @ forces[..., None])[..., 0])
     found = np.linalg.solve(matrix, np.stack(columns, axis=-1)) if columns else None
-    joints = 2 * len(piece.system.topology.joints)
-    shape = joints, len(piece.time)
-    changes = np.empty((joints, len(effects), len(piece.time)))
+    count = len(piece.time)
+    values = statics.at_places(forces).reshape(count, -1).T
+    changes = np.empty((len(values), len(effects), count))
     for number in range(len(effects)):
         assert found is not None
-        changes[:, number] = statics.at_joints(found[..., number]).reshape(-1, joints).T
-    return statics.at_joints(forces).reshape(-1, joints).T.reshape(shape), changes
+        changes[:, number] = statics.at_places(found[..., number]).reshape(count, -1).T
+    return values, changes
 
 
 def _slopes(effects: Effects) -> list[dict[Path, float]]:

@@ -43,9 +43,10 @@ def differentiated(measure: Measure, moved: Moved) -> Varied:
     Raises
     ------
     ComputationError
-        If the measure or a derivative of it has no finite value.
+        If the measure or a derivative of it has no finite value, or a time lies outside of the
+        motion.
     ValueError
-        If a series in it has no derivative, or a time lies outside of the motion.
+        If a series in it has no derivative.
     """
     with np.errstate(all="ignore"):
         found = _Differentiation(measure, moved).number(measure.tree)
@@ -139,11 +140,14 @@ class _Differentiation(Means):
             if place is None or abs(where - place) <= _ON:
                 self._refuse(name, series, time)
 
-    def _require_steady(self, name: str, node: Node, place: float) -> None:
-        """Raise at a time that numbers move, where a series or its derivatives jump."""
+    def _require_steady(self, name: str, node: Node, place: float, moves: bool = False) -> None:
+        """Raise at a time that numbers move, where a series or its derivatives jump.
+
+        `moves` is whether numbers move the place as well.
+        """
         self._require_inside(name, node, place)
         for each, sides in zip(self.moved.breaks, self.moved.sides, strict=True):
-            if each.moved.any() and np.abs(sides - place).min() <= _ON:
+            if (moves or each.moved.any()) and np.abs(sides - place).min() <= _ON:
                 found = self.series(node, sides, slopes=True)
                 slopes = filled(found, self.moved.count)
                 size = np.abs(self.series(node, None, slopes=False).value).max()
@@ -285,8 +289,10 @@ class _Differentiation(Means):
         try:
             place = float(self.moved.places(np.array([float(time.value)]))[0])
         except ValueError as error:
-            raise ValueError(f"measure {self.measure.text!r}: {error}") from None
-        self._require_steady(AT, node, place)
+            message = f"measure {self.measure.text!r}: {error}"
+            raise ComputationError(message, time=None) from None
+        moves = time.slopes is not None and bool(np.any(time.slopes))
+        self._require_steady(AT, node, place, moves)
         found = self.at(node, place)
         if time.slopes is None:
             return found

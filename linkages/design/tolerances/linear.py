@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.design.tolerances.contributors import Contributors
+from linkages.solution.measuring.followed import places_of
 from linkages.solution.measuring.reduced import Source, reduced
 from linkages.spec.measures import Measure
 
@@ -70,6 +71,16 @@ class LinearMeasure(ABC):
     @abstractmethod
     def sensitivities(self) -> Floats:
         """Change of the measure per unit of each contributor, shape (contributors,)."""
+
+    @abstractmethod
+    def moments(self, predicted: Floats) -> tuple[float, float]:
+        """Mean and standard deviation that are expected.
+
+        Parameters
+        ----------
+        predicted
+            The measure for random deviations, shape (n,).
+        """
 
     @abstractmethod
     def worst(self) -> tuple[Corner, Corner]:
@@ -133,6 +144,10 @@ class SmoothMeasure(LinearMeasure):
     def sensitivities(self) -> Floats:
         """The gradient; of pins the length of theirs."""
         return np.concatenate([self._slopes, np.hypot(*self._pushes.T)])
+
+    def moments(self, predicted: Floats) -> tuple[float, float]:  # noqa: ARG002
+        """At the middles of the zones, and the root of the sum of squares."""
+        return float(self._value + self.contributors.middles @ self._slopes), self.deviation
 
     def worst(self) -> tuple[Corner, Corner]:
         """Corners along the signs of the gradient."""
@@ -207,6 +222,11 @@ class ErrorMeasure(LinearMeasure):
             found.append(np.abs(changes).max() / deviation)
         return np.array(found)
 
+    def moments(self, predicted: Floats) -> tuple[float, float]:
+        """Those of the predictions: a measure of errors is not linear in small deviations."""
+        spread = float(predicted.std(ddof=1)) if len(predicted) > 1 else np.nan
+        return (float(predicted.mean()) if len(predicted) else np.nan), spread
+
     def worst(self) -> tuple[Corner, Corner]:
         """The best of the corners that are worst for a series, or a mixture, at a sample."""
         made, numbers = self.contributors, len(self.contributors.zones)
@@ -254,13 +274,17 @@ class _Deviating:
     ) -> None:
         self._motion, self._offsets, self._shifts = motion, offsets, shifts
         self._slopes, self._pushes = slopes, pushes
-        self.count, self.time = len(offsets), motion.time
+        self.count, self.time, self.intervals = len(offsets), motion.time, None
 
     def sampled(self, series: str) -> Floats:
         """A series at the samples."""
         moved = self._offsets @ self._slopes[series].T
         moved = moved + np.einsum("nck,sck->ns", self._shifts, self._pushes[series])
         return np.asarray(self._motion.sampled(series) + moved)
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions."""
+        return self.between(series, which, places_of(self.time, times))
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series anywhere in some of the motions."""

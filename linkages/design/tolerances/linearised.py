@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -15,7 +16,13 @@ from linkages.design.tolerances.linear import ErrorMeasure, LinearMeasure, Smoot
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import Followed, evaluable, resolved_motion
+from linkages.solution.measuring.followed import (
+    Followed,
+    denser,
+    driven_factor,
+    evaluable,
+    resolved_motion,
+)
 from linkages.solution.measuring.measure import measured_series, single
 from linkages.solution.moving.motion import Settings, compute_motion
 from linkages.solution.options import options_of
@@ -26,6 +33,10 @@ Floats = NDArray[np.float64]
 
 Slopes = Callable[[Mechanism, Sequence[str]], Floats]
 """Mechanism, paths → derivatives at its numbers, shape (…, paths)."""
+
+INTEGRATED_ANGLE, FEWEST_INTEGRATED = math.radians(5.0), 256
+"""What a drive turns by between samples of errors of which an integral is taken by Simpson's rule,
+and the fewest of these."""
 
 VANISHING = 1e-6
 """Of its size: a clearance where its effect is differentiated, for without length it is no bar."""
@@ -151,8 +162,14 @@ def _nominal(
         )
     run = options_of(SimulationOptions, mechanism, given)
     counting = any(each.angle for each in series.values())
-    settings = Settings(times=np.linspace(0.0, run.end, run.samples), run=run, counting=counting)
+    integrated = any(each.integrates for each in measures)
+    times = np.linspace(0.0, run.end, run.samples)
+    if not system.layout.moved and any(each.compares and each.integrates for each in measures):
+        close = INTEGRATED_ANGLE, FEWEST_INTEGRATED
+        times = denser(times, driven_factor(system, run.end, run.samples, *close))
+    settings = Settings(times=times, run=run, counting=counting)
     motion = compute_motion(system, settings)
     if motion.failure is not None:
         raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-    return Followed(system, resolved_motion(system, motion, settings), series)
+    motion, time = resolved_motion(system, motion, settings, integrated)
+    return Followed(system, motion, series, time=time)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.design.tolerances.held import clearances_of, with_room
@@ -49,11 +50,11 @@ def remarks(data: xr.Dataset, mechanism: Mechanism) -> list[str]:
 def _of(data: xr.Dataset, name: str) -> list[str]:
     own = data.sel(measure=name)
     number = {key: float(own[key]) for key in _NEEDED}
+    linear = own["linear_sample"].to_numpy()[np.isfinite(own["sample"].to_numpy())]
     units = str(own["units"].values)
-    count = number["computed"]
     found = []
-    if count >= 2 and number["deviation"] > 0.0:
-        found += _moments(number, units, count)
+    if number["computed"] >= 2 and number["deviation"] > 0.0:
+        found += _moments(number, linear, units)
     for side in own["side"].to_numpy():
         corner = own.sel(side=side)
         found += _corner(str(side), corner, units, float(number["nominal"]))
@@ -61,26 +62,27 @@ def _of(data: xr.Dataset, name: str) -> list[str]:
 
 
 _NEEDED = (
-    "nominal", "mean", "deviation", "skewness", "error_of_mean", "computed", "linear_mean",
-    "linear_spread", "linear_skewness",
+    "nominal", "mean", "deviation", "skewness", "error_of_mean", "computed", "linear_skewness",
 )  # fmt: skip
 
 
-def _moments(number: dict[str, float], units: str, count: float) -> list[str]:
+def _moments(number: dict[str, float], linear: NDArray[np.float64], units: str) -> list[str]:
+    """Differences from linear predictions of the same copies, which share their chance."""
     found = []
+    count, linear_spread = len(linear), float(linear.std(ddof=1))
     spread, error = number["deviation"], number["error_of_mean"]
-    shift = number["mean"] - number["linear_mean"]
+    shift = number["mean"] - float(linear.mean())
     if abs(shift) > max(SIGNIFICANT * error, MATTERS * spread):
         found.append(
             f"curvature shifts the mean by {shift:.2g} {units} ({shift / spread:+.0%} of the "
             "standard deviation) from the linear one"
         )
-    if number["linear_spread"] < NOTHING * spread:
+    if linear_spread < NOTHING * spread:
         return [
             *found,
             f"the linear analysis sees no effect; the samples vary by {spread:.3g} {units}",
         ]
-    ratio = spread / number["linear_spread"] - 1.0
+    ratio = spread / linear_spread - 1.0
     if abs(ratio) > max(SIGNIFICANT / np.sqrt(2.0 * count), MATTERS):
         found.append(
             f"the standard deviation of the samples, {spread:.3g} {units}, differs from the linear "

@@ -19,7 +19,7 @@ from linkages.errors import Interrupted
 from linkages.kernel.system import System
 from linkages.options.run import SimulationKeywords, SimulationOptions
 from linkages.options.signature import takes
-from linkages.solution.measuring.measure import measure_unit, measured_series
+from linkages.solution.measuring.measure import example_measure, measure_unit, measured_series
 from linkages.spec.measures import Measure, read_measure
 from linkages.sweeps.answers import Code
 from linkages.sweeps.engine import Watch
@@ -80,10 +80,11 @@ def tolerance(
     -------
     Dataset with the dimensions `measure`, `contributor` and `draw`, in SI. Of the linear analysis,
     from exact derivatives: `sensitivity`, `contribution` (at the limit of each zone), `share` of
-    the variance, `linear_mean`, `linear_deviation` (root of the sum of squares), `worst`
-    (least and largest) and `corner` (what the measures really are there). Of the Monte Carlo:
-    `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw, `mean`,
-    `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
+    the variance, `linear_deviation` (root of the sum of squares), `linear_mean` and
+    `linear_spread` (expected mean and standard deviation; those of `linear_sample` for a measure of
+    errors), `worst` (least and largest) and `corner` (what the measures really are there). Of the
+    Monte Carlo: `sample` with `linear_sample` beside it, `outcome` and `reason` of each draw,
+    `mean`, `deviation`, `skewness`, `error_of_mean`. `within` has the yield of each limit and its
     confidence interval: copies that cannot be assembled are not within. Its attribute `remarks`
     says where the linear analysis fails.
 
@@ -99,7 +100,7 @@ def tolerance(
     if not draws >= FEWEST:
         raise ValueError(f"expected at least {FEWEST} draws, found {draws}")
     kept_to = [read_limits(text) for text in ([limits] if isinstance(limits, str) else limits)]
-    measures = _measures(of, kept_to)
+    measures = _measures(mechanism, of, kept_to)
     contributors = contributors_of(mechanism)
     units = _units(contributors.nominal, measures)
     bounds = [each.numbers(units[_key(each.measure)]) for each in kept_to]
@@ -137,7 +138,9 @@ def _key(text: str) -> str:
 
 
 def _measures(
-    of: str | Sequence[str] | Mapping[str, str], limits: Sequence[MeasureLimits]
+    mechanism: Mechanism,
+    of: str | Sequence[str] | Mapping[str, str],
+    limits: Sequence[MeasureLimits],
 ) -> dict[str, Measure]:
     named = (
         of
@@ -148,7 +151,8 @@ def _measures(
     for each in limits:
         found.setdefault(_key(each.measure), read_measure(each.measure))
     if not found:
-        raise ValueError("nothing is asked for; expected a measure such as stroke(piston.position)")
+        example = example_measure(mechanism)
+        raise ValueError(f"nothing is asked for; expected a measure such as {example!r}")
     return found
 
 
@@ -200,9 +204,8 @@ def _dataset(
     made = [*linear.values()]
     by_contributor = ("measure", "contributor")
     moments = np.array([_moments(row) for row in samples]).T
-    expected = np.array(
-        [_moments(row[np.isfinite(real)]) for row, real in zip(predicted, samples, strict=True)]
-    ).T
+    computed = [row[np.isfinite(real)] for row, real in zip(predicted, samples, strict=True)]
+    expected = np.array([each.moments(row) for each, row in zip(made, computed, strict=True)]).T
     sides = ("measure", "side")
     variables: dict[str, Any] = {
         "nominal": ("measure", [each.nominal for each in made]),
@@ -222,7 +225,7 @@ def _dataset(
         "computed": ("measure", moments[3].astype(int)),
         "linear_mean": ("measure", expected[0]),
         "linear_spread": ("measure", expected[1]),
-        "linear_skewness": ("measure", expected[2]),
+        "linear_skewness": ("measure", [_moments(row)[2] for row in computed]),
         "outcome": drawn["outcome"].drop_vars([*values]),
         "reason": drawn["reason"].drop_vars([*values]),
         "stop_time": drawn["stop_time"].drop_vars([*values]),

@@ -31,6 +31,10 @@ Vary: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[str]
 """Path → lowest and highest value, numbers in SI or texts with units; or texts such as `SPAN`."""
 
 
+MOST_STARTS = 100_000
+"""Points that local searches start from."""
+
+
 @dataclass(frozen=True)
 class Range:
     """Bounds of a number.
@@ -169,6 +173,12 @@ def ranges_of(mechanism: Mechanism, vary: Vary) -> Ranges:
         raise InputError(mechanism.source, problems)
     mechanism.keeping([each.path for each in found])  # raises where there is no number
     return Ranges(tuple(found))
+
+
+def require_starts(starts: int) -> None:
+    """Refuse numbers of starting points that make no sense; raises ValueError."""
+    if not 1 <= starts <= MOST_STARTS:
+        raise ValueError(f"starts must be from 1 to {MOST_STARTS}, found {starts}")
 
 
 def _pair(text: str) -> tuple[str, Sequence[str]]:

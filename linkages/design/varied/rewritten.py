@@ -10,9 +10,24 @@ import yaml
 from linkages.components.mechanisms.definition import loads
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError
+from linkages.kernel.system import System
 from linkages.reading.decoding import decode
 from linkages.reading.locate import find
 from linkages.reading.paths import Path, split
+
+
+def kept(mechanism: Mechanism) -> list[str]:
+    """Sentences on what a search does not vary beside numbers: assembly and sense of rotation."""
+    system = System(mechanism)
+    count = 2 if system.topology.iterated else len(system.modes())
+    if count < 2:
+        return []
+    several = "" if system.topology.iterated else f" (one of {count} at the start)"
+    turning = " and the sense of its drives" if system.topology.driven else ""
+    return [
+        f"the search keeps the assembly mode of the definition{several}{turning}; others may lead "
+        "to better numbers: check --modes shows them, and assembly selects one"
+    ]
 
 
 def rewritten(
@@ -47,6 +62,8 @@ def rewritten(
 
 def _exchanged(mechanism: Mechanism, values: Mapping[str, object]) -> str | None:
     """The text of the file with other scalars; None if there is none, or they are not in it."""
+    if mechanism.definition.folder is None:
+        return None
     try:
         path = find(mechanism.definition.source)
         text = decode(path.read_bytes(), str(path))

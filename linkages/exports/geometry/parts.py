@@ -17,6 +17,7 @@ from linkages.plots.mechanism.pose import Pose, along_carrier
 from linkages.plots.mechanism.samples import pose_at
 from linkages.plots.mechanism.traces import moving_joints
 from linkages.plots.mechanism.view import Box
+from linkages.reading.wording import TOO_LARGE
 
 Array = NDArray[np.float64]
 
@@ -91,8 +92,14 @@ class Drawn:
 
 
 def first_pose(subject: Subject) -> Pose:
-    """Where the motion begins, in millimetres."""
-    return pose_at(subject.solution.data, subject.mechanism, 0).scaled(MILLIMETRES)
+    """Where the motion begins, in millimetres; InputError if it is too large for that."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        pose = pose_at(subject.solution.data, subject.mechanism, 0).scaled(MILLIMETRES)
+        sound = np.isfinite(pose.extent) and np.isfinite([*pose.positions.values()]).all()
+    if not sound:
+        message = f"the mechanism is too large to draw in millimetres. {TOO_LARGE}"
+        raise subject.mechanism.error([((), message)])
+    return pose
 
 
 def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
@@ -106,7 +113,7 @@ def sizes_of(pose: Pose, hole: float | None, width: float | None) -> Sizes:
     diameter = HOLE * pose.extent if hole is None else MILLIMETRES * hole
     wide = WIDTH * diameter if width is None else MILLIMETRES * width
     if not 0.0 < diameter < np.inf:
-        raise OptionError("hole", f"hole must be > 0 m, found {hole:g}")
+        raise OptionError("hole", f"hole must be > 0 m, found {diameter / MILLIMETRES:g}")
     if not diameter < wide < np.inf:
         raise OptionError(
             "width", f"width must be larger than the holes of {diameter:g} mm, found {wide:g} mm"

@@ -31,7 +31,8 @@ from linkages.solution.remarks.stops import (
     block_stop,
     joint_of,
 )
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.reactions import row_of
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series, system_series
 from linkages.solvers.flow import Switching
 from linkages.solvers.outcome import Outcome
@@ -202,11 +203,13 @@ def exported(
     turned = turning(model)
     turns = [_whole_turns(node) for node in turned.values()]
     found = _quantities(system, variables)
-    reactions = reaction_nodes(model) if _asked(REACTION, variables) else []
+    reactions = []
+    if any(one.variable in REACTIONS for one in found.values()):
+        reactions = reaction_nodes(model)
     if not reactions:
-        found = {name: one for name, one in found.items() if one.variable != REACTION}
+        found = {name: one for name, one in found.items() if one.variable not in REACTIONS}
     outputs = [
-        reactions[series.index(model)] if series.variable == REACTION else series.node(model)
+        reactions[row_of(series, model)] if series.variable in REACTIONS else series.node(model)
         for series in found.values()
     ]
     wanted = {_RATES: equations, _SETTLE: turns, _OUTPUTS: outputs, _CHANGE: changed}
@@ -255,7 +258,7 @@ def _quantities(system: System, variables: Sequence[str] | None) -> dict[str, Se
         for name, series in system_series(system).items()
         if series.variable != TIME
         and _asked(series.variable, variables)
-        and (series.variable == REACTION or not VARIABLES[series.variable].whole)
+        and (series.variable in REACTIONS or not VARIABLES[series.variable].whole)
         and VARIABLES[series.variable].reduced is None
     }
 

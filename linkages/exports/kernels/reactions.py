@@ -17,7 +17,7 @@ MOST = 200
 
 
 def reaction_nodes(model: Model) -> list[Scalar]:
-    """Reactions as `joint_reactions` has them: x and y of one joint after the other.
+    """Reactions in the order of `row_of`: x and y of one joint after the other, then of pins.
 
     None at all for mechanisms with more than `MOST` unknown forces.
     """
@@ -38,7 +38,7 @@ def reaction_nodes(model: Model) -> list[Scalar]:
     forces = _solved(model, matrix, right)
     if not len(forces):
         return [graph.zero] * 2 * len(model.topology.joints)
-    found = statics.at_joints(np.array([forces], dtype=object))
+    found = statics.at_places(np.array([forces], dtype=object))
     return [graph.lift(entry) for entry in found.ravel()]
 
 

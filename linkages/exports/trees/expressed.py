@@ -78,7 +78,7 @@ def polynomial(system: System, name: str) -> tuple[float, ...] | None:
     times, values = _probed(system, name)
     rate, accelerations = values[1, 0], values[2]
     powers = np.vander(times, 3, increasing=True)
-    found = np.linalg.lstsq(powers, accelerations)[0]
+    found = np.linalg.lstsq(powers, accelerations, rcond=None)[0]
     apart = np.abs(powers @ found - accelerations).max()
     if apart > _ROUND_OFF * max(1.0, np.abs(accelerations).max()):
         return None
@@ -90,7 +90,7 @@ def harmonic(system: System, name: str) -> Harmonic | None:
     """A drive as a harmonic motion; None if it is none: then x″ is no line in x that falls."""
     _, (values, rates, accelerations) = _probed(system, name)
     line = np.stack([values, np.ones_like(values)], axis=1)
-    (slope, constant), *_ = np.linalg.lstsq(line, accelerations)
+    (slope, constant), *_ = np.linalg.lstsq(line, accelerations, rcond=None)
     apart = np.abs(line @ (slope, constant) - accelerations).max()
     if apart > _ROUND_OFF * np.abs(accelerations).max() or not slope < 0.0:
         return None

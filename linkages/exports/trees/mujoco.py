@@ -25,6 +25,7 @@ from linkages.exports.trees.expressed import harmonic, line_in, polynomial, refu
 from linkages.exports.trees.placed import frames_of, slides_of
 from linkages.exports.trees.tree import WORLD, Branch, Gap, Pin, Rail, Tree, tree_of
 from linkages.kernel.system import System
+from linkages.reading.wording import listed
 
 STEP = 1e-4
 """Of MuJoCo's integration in seconds; constraints need two of them to come back to zero."""
@@ -35,8 +36,13 @@ CLOCK = "clock"
 INERT = 1e12
 """Mass of the clock in kg: drives do not slow it down."""
 
-TINY = 1e-6
-"""Mass of a body that has none, as a part of the heaviest one's: MuJoCo needs one."""
+TREE, LOOPS, DRIVEN = 1e-12, 1e-6, 1e-3
+"""Mass of a body that has none, as a part of the heaviest one's: MuJoCo needs one.
+
+Constraints yield the more the lighter the bodies are that they hold: loops and drives open by about
+4e-10 m s²/part times the load over the largest mass. In a tree without constraints nothing yields.
+Where drives alone determine the motion, masses do not change it, only forces.
+"""
 
 LEAST = 1e-12
 """Inertia in kg·m² of a body that has none: MuJoCo needs one."""
@@ -60,6 +66,11 @@ def mjcf_text(system: System) -> str:
     return tostring(root, encoding="unicode") + "\n"
 
 
+def massless(system: System) -> str:
+    """What masses that MuJoCo needs change, in a sentence; empty where all bodies have one."""
+    return _Writer(system).note
+
+
 class _Writer:
     def __init__(self, system: System) -> None:
         self.system, self.mechanism = system, system.mechanism
@@ -75,6 +86,8 @@ class _Writer:
     def written(self) -> Element:
         """The whole model."""
         root = Element("mujoco", model=self.mechanism.name)
+        if self.note:
+            root.append(Comment(f" {self.note.replace('--', '__')} "))
         SubElement(root, "compiler", angle="radian", autolimits="true")
         gravity = [self.mechanism.gravity.x.value, self.mechanism.gravity.y.value, 0.0]
         SubElement(root, "option", timestep=repr(STEP), gravity=_row(gravity), integrator="RK4",
@@ -131,7 +144,7 @@ class _Writer:
         mass = float(body.mass.value)
         if not mass:
             masses = [found.mass.value for found in self.mechanism.bodies.values()]
-            mass = TINY * (max(masses) or 1.0)
+            mass = self._part * (max(masses) or 1.0)
             inertia = max(inertia, mass * self._size**2)
             node.append(Comment(" no mass in the definition: MuJoCo needs one "))
         SubElement(node, "inertial", pos=_point(centre), mass=repr(mass),
@@ -149,6 +162,27 @@ class _Writer:
                 lump = SubElement(node, "body", pos=place)
                 SubElement(lump, "inertial", pos="0 0 0", mass=repr(float(term.mass.value)),
                            diaginertia=_row([LEAST] * 3))  # fmt: skip
+
+    @property
+    def note(self) -> str:
+        """What masses that MuJoCo needs change; empty where all bodies have one."""
+        bodies = self.mechanism.bodies
+        names = [own.body for own in self.tree.branches if not bodies[own.body].mass.value]
+        effect = {
+            TREE: "",
+            LOOPS: "; where they carry loads, loops may open by 1e-5 m: give them masses",
+            DRIVEN: "; drives determine the motion, forces change by about this part",
+        }[self._part]
+        given = f"{self._part:g} of the largest mass each{effect}"
+        return f"MuJoCo needs a mass for {listed(names, 'and')}: {given}" if names else ""
+
+    @property
+    def _part(self) -> float:
+        """Mass of a body that has none, as a part of the largest one."""
+        if self.system.topology.free:
+            held = self.tree.loops or self.mechanism.relations or self.mechanism.prescribed
+            return LOOPS if held else TREE
+        return DRIVEN
 
     @property
     def _size(self) -> float:

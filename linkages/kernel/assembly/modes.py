@@ -105,11 +105,11 @@ class Place:
         self.mechanism = mechanism
         self.numbers = numbers
         self.time = time
-        self._state = state
+        self.given = state
 
     def state(self, assembly: Assembly) -> Floats:
         """The state with the values of an assembly, shape (2n,)."""
-        state = self._state.copy()
+        state = self.given.copy()
         for name, value in assembly.values.items():
             state[self.model.topology.coordinates.index(name)] = value
         return state
@@ -119,7 +119,7 @@ class Place:
         inputs = {
             "t": np.array([self.time]),
             "y": self.state(assembly),
-            "a": np.zeros(len(self._state)),
+            "a": np.zeros(len(self.given)),
             "p": assembled(self.model.inputs, self.numbers, assembly),
         }
         evaluator = self.model.evaluator(nodes)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import os
-import stat
 import tempfile
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-ENVIRONMENT_VARIABLE = "LINKAGES_CACHE_DIR"
+from linkages.reading.private import ENVIRONMENT_VARIABLE, is_own, private_folder
 
 
-def kept(key: str, suffix: str, make: Callable[[], bytes]) -> tuple[bytes, bool]:
+def kept(
+    key: str, suffix: str, make: Callable[[], bytes], *, anew: bool = False
+) -> tuple[bytes, bool]:
     """What was made for a key, from the cache if it has been made before, and whether it was.
 
     Writers do not disturb each other: a file appears whole or not at all. One whose content is not
-    what was written is made anew.
+    what was written, or that is of another user, is made anew.
 
     Parameters
     ----------
@@ -28,19 +30,27 @@ def kept(key: str, suffix: str, make: Callable[[], bytes]) -> tuple[bytes, bool]
         Of the file.
     make
         Makes the content.
+    anew
+        Whether what is kept is of no use.
     """
-    path = cache_folder() / f"linkages_kernel_{digest_of(key)}{suffix}"
-    try:
-        seal, content = path.read_bytes().split(b"\n", 1)
-        if seal == _seal(content):
-            return content, True
-    except (OSError, ValueError):
-        pass  # not there, or not ours
+    folder = cache_folder()
+    if folder is None:
+        return make(), False
+    path = folder / f"linkages_kernel_{digest_of(key)}{suffix}"
+    with suppress(OSError, ValueError), path.open("rb") as file:  # not there, or not ours
+        if is_own(os.fstat(file.fileno())) and not anew:
+            seal, content = file.read().split(b"\n", 1)
+            if seal == _seal(content):
+                return content, True
     content = make()
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    with os.fdopen(handle, "wb") as file:
-        file.write(_seal(content) + b"\n" + content)
-    Path(temporary).replace(path)
+    with suppress(OSError):  # a full disk costs time, no more
+        handle, temporary = tempfile.mkstemp(dir=folder, suffix=".tmp")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(_seal(content) + b"\n" + content)
+            Path(temporary).replace(path)
+        except OSError:
+            Path(temporary).unlink(missing_ok=True)
     return content, False
 
 
@@ -54,44 +64,25 @@ def _seal(content: bytes) -> bytes:
 
 
 @cache
-def cache_folder() -> Path:
+def cache_folder() -> Path | None:
     """The folder for generated code, in $LINKAGES_CACHE_DIR or the user's cache folder.
 
-    Where neither can be made private, a temporary folder serves this process alone, with a
-    warning: kernels are then compiled anew in each run.
+    None, with a warning, where it cannot be made, or somebody else could put code there: kernels
+    are compiled anew in each run then.
     """
-    wanted = _wanted_folder()
     try:
-        wanted.mkdir(mode=stat.S_IRWXU, parents=True, exist_ok=True)
-        _make_private(wanted)
+        folder = private_folder("kernels")
+        probe, name = tempfile.mkstemp(dir=folder)
+        os.close(probe)
+        Path(name).unlink()
     except OSError as error:
-        warnings.warn(
-            f"cannot keep compiled kernels in {wanted} ({error.strerror or error}); "
-            f"set {ENVIRONMENT_VARIABLE} to a folder of your own",
-            stacklevel=2,
+        reason = error.strerror or str(error)
+        place = f"{error.filename}: " if error.filename else ""
+        message = (
+            f"compiled kernels are not kept ({place}{reason}); otherwise set "
+            f"{ENVIRONMENT_VARIABLE} to a folder of your own"
         )
-        return Path(tempfile.mkdtemp(prefix="linkages-"))
-    return wanted
-
-
-def _wanted_folder() -> Path:
-    named = os.environ.get(ENVIRONMENT_VARIABLE)
-    if named:
-        return Path(named) / "kernels"  # a folder of our own: its permissions are changed
-    from platformdirs import user_cache_path
-
-    return user_cache_path("linkages") / "kernels"
-
-
-def _make_private(folder: Path) -> None:
-    """Code is imported from here: it must be the user's own, writable by nobody else."""
-    if os.name == "nt":  # the user's profile is private by its access-control list
-        return
-    status = folder.stat()
-    if status.st_uid != os.getuid():
-        raise PermissionError(None, "it belongs to another user")
-    if stat.S_IMODE(status.st_mode) != stat.S_IRWXU:
-        folder.chmod(stat.S_IRWXU)
-    probe, name = tempfile.mkstemp(dir=folder)
-    os.close(probe)
-    Path(name).unlink()
+        # no line of this package: it has nothing to do with the reason
+        warnings.warn_explicit(message, UserWarning, "linkages", 0)
+        return None
+    return folder

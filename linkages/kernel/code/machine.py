@@ -17,6 +17,9 @@ from linkages.kernel.code.cache import digest_of, kept
 
 LOGGER = logging.getLogger(__name__)
 
+LONG_TEXT = 3_000_000
+"""Characters that compile for about ten seconds; the time grows like their number to the 1.5."""
+
 _FORMAT = "3"  # of what is kept
 _NUMBERS = itertools.count()  # of libraries: no two have one name
 _DEFINED = re.compile(r"^define (i64|double|void) @(\w+)\((.*)\) {$", re.MULTILINE)
@@ -44,15 +47,24 @@ class MachineCode:
     Parameters
     ----------
     text
-        In LLVM's assembly language; or, if that is costly to write, all that it depends on.
-    write
-        Writes it then, where no machine code is kept.
+        In LLVM's assembly language.
     """
 
-    def __init__(self, text: str, write: Callable[[], str] | None = None) -> None:
+    def __init__(self, text: str) -> None:
         begin = time.perf_counter()
         key = "\n".join([_FORMAT, *_host(), text])
-        content, known = kept(key, ".o", lambda: _compiled(text if write is None else write()))
+        content, known = kept(key, ".o", lambda: _compiled(text))
+        try:
+            self._link(content, key)
+        except Exception:  # whatever its reader raises for something else
+            if not known:
+                raise
+            content, known = kept(key, ".o", lambda: _compiled(text), anew=True)
+            self._link(content, key)
+        how = "was known" if known else "is new and was compiled"
+        LOGGER.info("kernel %s %s, %.2f s", digest_of(key), how, time.perf_counter() - begin)
+
+    def _link(self, content: bytes, key: str) -> None:
         defined, needed, image = content.split(b"\n", 2)
         library = _llvm().JITLibraryBuilder().add_object_img(image)
         self._types = {name: types for name, *types in map(str.split, defined.decode().split(";"))}
@@ -61,8 +73,6 @@ class MachineCode:
         for name in needed.decode().split():
             library.import_symbol(name, _library_function(name))
         self._held = library.link(_linker(), f"{digest_of(key)}-{next(_NUMBERS)}")
-        how = "was known" if known else "is new and was compiled"
-        LOGGER.info("kernel %s %s, %.2f s", digest_of(key), how, time.perf_counter() - begin)
 
     def address(self, name: str) -> int:
         """Address of one of its functions."""
@@ -111,6 +121,12 @@ def _linker() -> Any:
 
 def _compiled(text: str) -> bytes:
     """A line of what it defines, a line of what it needs, and its machine code."""
+    if len(text) > LONG_TEXT:
+        LOGGER.warning(
+            "compiling %.1f million characters of equations, which can take minutes; the result is "
+            "kept for the next run",
+            len(text) / 1e6,
+        )
     module = _llvm().parse_assembly(text)
     module.verify()
     if _VARIABLE.search(text):

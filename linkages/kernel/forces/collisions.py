@@ -51,9 +51,20 @@ class Collision:
             for mode, contact in zip(closed, self.contacts, strict=True)
         ]
 
-    @cached_property
+    @property
     def impulses(self) -> list[Scalar]:
         """Normal ones of all contacts, then those of friction."""
+        plastic, more, part = self._parts
+        return [p + part * m for p, m in zip(plastic, more, strict=True)]
+
+    @property
+    def restored(self) -> Scalar:
+        """The part of the restitution with which energy does not grow, at most 1."""
+        return self._parts[2]
+
+    @cached_property
+    def _parts(self) -> tuple[list[Scalar], list[Scalar], Scalar]:
+        """Impulses without restitution, what it adds, and the part of that which is taken."""
         whole = self._found([contact.shared_fall for contact in self.contacts])
         plastic = self._found([contact.stopping_fall for contact in self.contacts])
         more = [one - other for one, other in zip(whole, plastic, strict=True)]
@@ -68,8 +79,7 @@ class Collision:
         graph, grows = self.graph, a + b + c
         radicand = graph.select(-grows, graph.one, b * b - 4.0 * a * c)
         under = graph.select(-grows, graph.one, b + graph.sqrt(radicand))
-        part = graph.select(-grows, graph.one, -2.0 * c / under)
-        return [p + part * m for p, m in zip(plastic, more, strict=True)]
+        return plastic, more, graph.select(-grows, graph.one, -2.0 * c / under)
 
     def _dot(self, one: Sequence[Scalar], other: Sequence[Scalar]) -> Scalar:
         return self.graph.total(a * b for a, b in zip(one, other, strict=True))

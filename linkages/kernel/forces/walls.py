@@ -271,6 +271,17 @@ class Walls:
             alone = self._either(there, self._collision.impulses, alone)
         return alone
 
+    def restored(self, contact: Unilateral) -> Scalar:
+        """The part of its restitution that an impact of one contact has, lest energy grow."""
+        if not self.rough:
+            return self.graph.one
+        if contact.law.impact == "moreau":
+            return self._collision.restored
+        found = self.graph.one
+        for there in self._partners(contact):
+            found = self._either(there, [self._collision.restored], [found])[0]
+        return found
+
     def _partners(self, contact: Unilateral) -> list[Scalar]:
         """Not negative for others that take part in an impact of one contact."""
         own, count = self.place(contact), len(self.contacts)

@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkages.components.contributed.interpolation import evaluated
 from linkages.kernel.graph.scalars import Scalar, reachable
@@ -209,10 +210,23 @@ def _fixed_point(node: Scalar, values: Values, _inputs: object) -> Sequence[Any]
 def _spline(node: Scalar, values: Values, inputs: Mapping[str, np.ndarray]) -> Sequence[Any]:
     time, first, count, periodic = node.arguments
     array, place = first.arguments
-    numbers = inputs[array][place : place + 5 * count + 1]
-    numbers = numbers if numbers.ndim == 1 else numbers[:, 0]
-    coefficients = numbers[count + 1 :].reshape(count, 4).T
-    return evaluated(numbers[: count + 1], coefficients, periodic, values[time.index])
+    rows = inputs[array][place : place + 5 * count + 1]
+    shape = np.broadcast_shapes(*map(np.shape, rows))
+    numbers = np.array([np.broadcast_to(row, shape).ravel() for row in rows])
+
+    def of(table: NDArray[np.float64], times: Any) -> Sequence[Any]:
+        coefficients = table[count + 1 :].reshape(count, 4).T
+        return evaluated(table[: count + 1], coefficients, periodic, times)
+
+    times = values[time.index]
+    if (numbers == numbers[:, :1]).all():
+        return of(numbers[:, 0], times)
+    tables, which = np.unique(numbers, axis=1, return_inverse=True)
+    which, times = np.broadcast_arrays(which.reshape(shape), times)
+    found = np.empty((3, *times.shape))
+    for k, table in enumerate(tables.T):
+        found[:, which == k] = of(table, times[which == k])
+    return [*found]
 
 
 def _spline_tangent(node: Scalar, tangents: Mapping[int, Tangent]) -> Tangent:

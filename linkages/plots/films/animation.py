@@ -21,7 +21,7 @@ from linkages.plots.films.webp import write_webp
 from linkages.reading.replacing import replaced
 from linkages.solution.origin import origin_of
 from linkages.solution.solution import Solution
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.requests import REACTION, requested
 from linkages.solution.values.series import TIME, find_series, system_series
 from linkages.stamps import stamp
 
@@ -109,7 +109,10 @@ def animate(
     known = system_series(solution.system)
     drawn = [find_series(known, name) for name in plot]
     also = [series.variable for series in drawn if series.variable != TIME]
-    also += [*(LOADS if loads else ()), *([REACTION] if reactions else ())]
+    also += [
+        *(LOADS if loads else ()),
+        *(requested(solution.system, [REACTION]) if reactions else ()),
+    ]
     shown = scenes(solution, film, also)
     pushes = acting(shown.data, solution.system) if loads else []
     pushes += supporting(shown.data, reactions)

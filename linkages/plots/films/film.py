@@ -125,7 +125,7 @@ def film_of(
     count = shown * slow * fps
     if count > MOST_FRAMES:
         raise ValueError(
-            f"{count:.0f} frames are more than {MOST_FRAMES}; show less, faster, or fewer a second"
+            f"{count:.6g} frames are more than {MOST_FRAMES}; show less, faster, or fewer a second"
         )
     frames = max(1, round(count))
     return Film(start, float(np.copysign(1.0 / (slow * fps), last)), frames, fps)

@@ -115,23 +115,27 @@ def loads(data: xr.Dataset, system: System) -> list[Push]:
 
 
 def reactions(data: xr.Dataset, joints: Sequence[str]) -> list[Push]:
-    """Reactions of joints, from ``joint_reaction``.
+    """Reactions of joints; of shared pins an arrow for the force on each body.
 
     Raises
     ------
     ValueError
         For a joint that has none.
     """
-    known = [str(name) for name in data["joint"].values] if joints else []
+    if not joints:
+        return []
+    known = [str(name) for name in data["joint"].values]
+    pins = [str(name) for name in data["pin"].values] if "pin" in data.coords else []
+    found = []
     for joint in joints:
         if joint not in known:
             raise ValueError(f"no joint {joint!r}; expected one of: {', '.join(known)}")
-    array = data["joint_reaction"].transpose("time", "joint", "axis") if joints else None
-    return [
-        Push(joint, np.asarray(array.sel(joint=joint), float), reaction=True)
-        for joint in joints
-        if array is not None
-    ]
+        shared = [pin for pin in pins if pin.rpartition(".")[0] == joint]
+        chosen = [data["pin_reaction"].sel(pin=pin) for pin in shared]
+        for force in chosen or [data["joint_reaction"].sel(joint=joint)]:
+            values = np.asarray(force.transpose("time", "axis"), float)
+            found.append(Push(joint, values, reaction=True))
+    return found
 
 
 class Pushes:

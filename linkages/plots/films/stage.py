@@ -45,6 +45,10 @@ AHEAD = 0.25
 """Opacity of the part of a trace that is still to come."""
 
 
+_FRAME = 3.0
+"""Pixels around axes: half a line, and one that sizes that must be even may cut off."""
+
+
 class Stage:
     """Draws any sample of a solution as a picture.
 
@@ -134,7 +138,8 @@ class Stage:
         for artist in figure.findobj():
             if isinstance(artist, Text) or not artist.get_clip_on():  # what explains scales
                 artist.set_visible(False)
-        left, low, right, high = Bbox.union([ax.bbox for ax in figure.axes]).padded(1.0).extents
+        boxes = [ax.bbox for ax in figure.axes]
+        left, low, right, high = Bbox.union(boxes).padded(_FRAME).extents
         height = self._canvas.get_width_height()[1]
         return slice(height - round(high), height - round(low)), slice(round(left), round(right))
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.plots.motion.curves import BUSY
+from linkages.plots.motion.time_figures import at_pins
 from linkages.plots.prefixes import scale_of
 from linkages.plots.style import BLACK, PALETTE, fitted, panels, styled, title
 from linkages.solution.resolved import turning_points
@@ -39,6 +40,7 @@ def polar_figure(variable: str) -> Callable[[xr.Dataset, Mechanism], Figure | No
     def figure_of(data: xr.Dataset, mechanism: Mechanism) -> Figure | None:
         if variable not in data or not data[variable].size:
             return None
+        data = at_pins(data, variable=variable)
         names = vectors(data, variable)[:MOST]
         return None if not names else polar_page(data, variable, names, mechanism.name)
 

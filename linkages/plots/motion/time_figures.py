@@ -37,6 +37,7 @@ from linkages.plots.prefixes import Scale, axis_scale, scale_of
 from linkages.plots.style import fitted, legend_above, line_style, styled, title
 from linkages.solution.resolved import turning_points
 from linkages.solution.values.peaks import even
+from linkages.solution.values.requests import PIN, REACTION
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,11 +86,30 @@ def telling(data: xr.Dataset, _: Mechanism, variable: str) -> xr.Dataset:
     return data.isel({str(array.dims[1]): kept}) if kept.size else data
 
 
+def at_pins(data: xr.Dataset, _: Mechanism | None = None, variable: str = REACTION) -> xr.Dataset:
+    """Reactions of joints; where three bodies or more meet, that of the body with the largest."""
+    if variable != REACTION or not {REACTION, PIN} <= {*map(str, data)} or not data.sizes["time"]:
+        return data
+    reaction, pins = (data[name].transpose("time", ..., "axis") for name in (REACTION, PIN))
+    sizes = np.linalg.norm(pins, axis=-1).max(axis=0)
+    largest = {  # the last one for a joint is kept
+        str(data["pin"].values[k]).rpartition(".")[0]: k for k in np.argsort(sizes)
+    }
+    joints = [str(name) for name in data["joint"].values]
+    shown = reaction.to_numpy().copy()
+    for joint, k in largest.items():
+        shown[:, joints.index(joint)] = pins[:, k]
+    names = [str(data["pin"].values[largest[j]]) if j in largest else j for j in joints]
+    found = reaction.copy(data=shown).assign_coords(joint=np.array(names, dtype=object))
+    return found.to_dataset(name=REACTION).assign_attrs(data.attrs)
+
+
 SHOWN: Mapping[str, Callable[[xr.Dataset, Mechanism, str], xr.Dataset]] = {
     "drive_effort": efforts,
     FORCE: efforts,
     "load_force": varying,
     "load_torque": varying,
+    REACTION: at_pins,
     "bar_angle": telling,
     "bar_speed": telling,
 }
@@ -138,7 +158,7 @@ class Lines:
         values = np.asarray(array, dtype=float)
         dims = [str(dim) for dim in array.dims[1:]]
         if "axis" in dims:
-            values, dims = np.linalg.norm(values, axis=-1), dims[:-1]
+            values, dims = np.hypot.reduce(values, axis=-1), dims[:-1]
         self.data, self.time = data, np.asarray(data["time"], dtype=float)
         self.names = [
             ", ".join(place) for place in product(*([str(n) for n in data[d].values] for d in dims))

@@ -20,8 +20,8 @@ from linkages.solution.moving.motion import Motion, Piece
 from linkages.solution.moving.plan import Plan
 from linkages.solution.remarks.stops import block_failure
 from linkages.solution.values.labelled import labelled
-from linkages.solution.values.reactions import joint_reactions
-from linkages.solution.values.requests import REACTION, requested
+from linkages.solution.values.reactions import reactions
+from linkages.solution.values.requests import REACTIONS, requested
 from linkages.solvers.flow import Companion, Flow
 from linkages.solvers.steps.loaded import EVALUATE_STATE, EVALUATE_STATES
 
@@ -230,7 +230,7 @@ class Equations:
             For states that cannot be assembled.
         """
         wanted = requested(self.system, names)
-        unfit = [name for name in wanted if VARIABLES[name].whole and name != REACTION]
+        unfit = [name for name in wanted if VARIABLES[name].whole and name not in REACTIONS]
         if unfit:
             raise ValueError(f"{unfit[0]} follows from a whole motion; `linkages.simulate` has it")
         time, rows, _ = self._rows(times, states)
@@ -243,9 +243,10 @@ class Equations:
             acceleration=self._evaluated(self._flow, self._flow.written, time, rows)[:, :n].T,
         )
         motion = Motion(pieces=(piece,))
-        values = evaluate_variables(motion, [name for name in wanted if name != REACTION])
-        if REACTION in wanted:
-            values[REACTION] = joint_reactions(motion)
+        plain = [name for name in wanted if name not in REACTIONS]
+        values = evaluate_variables(motion, plain)
+        if len(plain) < len(wanted):
+            values |= reactions(motion)
         return labelled(self.system, motion, {name: values[name] for name in wanted})
 
     def bind(self, values: Mapping[str, object]) -> Equations:

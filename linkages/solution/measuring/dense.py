@@ -19,8 +19,8 @@ from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.resolved import PER_SWING, swings
 from linkages.solution.values.episodes import states
-from linkages.solution.values.reactions import joint_reactions
-from linkages.solution.values.requests import REACTION, STATE, requested
+from linkages.solution.values.reactions import reactions
+from linkages.solution.values.requests import REACTIONS, STATE, requested
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +88,7 @@ class Dense:
         samples = self.values(name)
         found = np.empty((len(places), *samples.shape[1:]))
         open_ = np.ones(len(places), dtype=bool)
-        if self.close and (not variable.whole or name == REACTION):
+        if self.close and (not variable.whole or name in REACTIONS):
             for inside, piece in self._followed.within(places):
                 found[inside] = _evaluated(Motion(pieces=(piece,)), name)
                 open_[inside] = False
@@ -100,7 +100,7 @@ class Dense:
 
     def _values(self, name: str) -> Floats:
         variable = VARIABLES[name]
-        if not variable.whole or name == REACTION:
+        if not variable.whole or name in REACTIONS:
             return _evaluated(self.motion, name)
         if name == STATE:
             return np.asarray(states(self.motion), dtype=float)
@@ -143,8 +143,8 @@ class Dense:
 
 def _evaluated(motion: Motion, name: str) -> Floats:
     with np.errstate(all="ignore"):  # at a singular position values are infinite
-        if name == REACTION:
-            return joint_reactions(motion)
+        if name in REACTIONS:
+            return reactions(motion)[name]
         return evaluate_variables(motion, [name], compiled_values)[name]
 
 

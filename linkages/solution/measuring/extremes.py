@@ -13,6 +13,7 @@ from linkages.kernel.outputs import VARIABLES, labels
 from linkages.solution.measuring.dense import Dense
 from linkages.solution.measuring.located import Extremes, largest_between
 from linkages.solution.values.peaks import ROUND_OFF, even, largest
+from linkages.solution.values.requests import PIN, REACTION
 
 Floats = NDArray[np.float64]
 
@@ -33,8 +34,19 @@ class Extreme(NamedTuple):
 def extreme_rows(dense: Dense, name: str) -> list[dict[str, Any]]:
     """A row for each series of a variable, as `Solution.maxima` describes them."""
     if name not in dense.rows:
-        dense.rows[name] = _rows(dense, name)
+        rows = _rows(dense, name)
+        dense.rows[name] = _of_largest(dense, rows) if name == REACTION else rows
     return dense.rows[name]
+
+
+def _of_largest(dense: Dense, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of joints; where three bodies or more meet that of the body with the largest force."""
+    found = {row["element"]: row for row in rows}
+    for row in extreme_rows(dense, PIN):
+        joint = row["element"].rpartition(".")[0]
+        if found[joint]["element"] == joint or row["value"] > found[joint]["value"]:
+            found[joint] = row | {"variable": REACTION, "long_name": found[joint]["long_name"]}
+    return [*found.values()]
 
 
 def _rows(dense: Dense, name: str) -> list[dict[str, Any]]:
@@ -87,7 +99,8 @@ def series_of(dense: Dense, name: str) -> tuple[Floats, list[str]]:
 
 def _magnitudes(name: str, values: Floats) -> Floats:
     if VARIABLES[name].magnitude:
-        values = np.linalg.norm(values, axis=-1)
+        with np.errstate(over="ignore"):  # where it is infinite; squares overflow much sooner
+            values = np.hypot.reduce(values, axis=-1)
     return values.reshape(len(values), math.prod(values.shape[1:]))
 
 

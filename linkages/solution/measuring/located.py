@@ -69,9 +69,10 @@ def _candidates(values: Floats, best: Whole) -> tuple[Whole, Whole]:
     higher[:, :-1] &= values[:, :-1] >= values[:, 1:]
     rows, starts = np.nonzero(higher)
     inner = np.clip(starts, 1, count - 2)
-    bend = 2 * values[rows, inner] - values[rows, inner - 1] - values[rows, inner + 1]
-    # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
-    most = values[rows, starts] + 0.5 * np.abs(bend)
+    with np.errstate(over="ignore"):  # beside an infinite bend every peak is looked at
+        bend = 2 * values[rows, inner] - values[rows, inner - 1] - values[rows, inner + 1]
+        # an inner peak exceeds its sample by an eighth of that, one beside an end by up to a half
+        most = values[rows, starts] + 0.5 * np.abs(bend)
     found = (most >= values[rows, best[rows]]) & ((bend != 0.0) | (starts == best[rows]))
     return rows[found], starts[found]
 

@@ -9,12 +9,13 @@ from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import ComputationError
 from linkages.kernel.outputs import VARIABLES
 from linkages.kernel.system import System
+from linkages.reading.paths import split
 from linkages.solution.measuring.followed import Followed, resolved_motion
-from linkages.solution.measuring.reduced import Source, reduced
+from linkages.solution.measuring.reduced import Source, reduced, require_alone
 from linkages.solution.values.requests import requested
-from linkages.solution.values.series import TIME, Series, find_series, system_series
+from linkages.solution.values.series import TIME, Series, example_series, find_series, system_series
 from linkages.spec.grammar import NumberError
-from linkages.spec.measures import Measure, read_measure
+from linkages.spec.measures import Measure, read_measure, spelled
 
 if TYPE_CHECKING:
     from linkages.solution.solution import Solution
@@ -45,7 +46,8 @@ def measure(solution: Solution, text: str) -> float:
     ValueError
         If the text is no measure, or names no output of the mechanism.
     ComputationError
-        If the measure has no finite value, as where it divides by zero.
+        If the measure has no finite value, as where it divides by zero, or asks for a time outside
+        of the motion.
     """
     found = read_measure(text)
     series = measured_series(solution.system, found)
@@ -57,19 +59,17 @@ def measure(solution: Solution, text: str) -> float:
                 f"{each.variable!r}"
             )
     measure_unit(solution.system, found, series)
-    motion = resolved_motion(solution.system, solution.motion, solution.settings)
-    return single(found, Followed(solution.system, motion, series, solution.data))
+    system, data = solution.system, solution.data
+    motion, time = resolved_motion(system, solution.motion, solution.settings, found.integrates)
+    return single(found, Followed(system, motion, series, data, time))
 
 
 def single(found: Measure, source: Source, nominal: Source | None = None) -> float:
     """A measure of the one motion of a source; raises ComputationError as `measure` does."""
     value = reduced(found, source, nominal)
-    if value.divided[0]:
-        raise ComputationError(f"measure {found.text!r} divides by zero", time=None)
-    number = float(value.values[0])
-    if number != number:
-        raise ComputationError(f"measure {found.text!r} has no finite value", time=None)
-    return number
+    if reason := value.reason(0):
+        raise ComputationError(reason, time=None)
+    return float(value.values[0])
 
 
 def measured_series(system: System, found: Measure) -> dict[str, Series]:
@@ -89,17 +89,23 @@ def measured_series(system: System, found: Measure) -> dict[str, Series]:
 def known_series(system: System, names: Iterable[str]) -> dict[str, Series]:
     """Name → series of a mechanism; raises ValueError for a name that is none of them."""
     known = system_series(system)
-    known |= {name.replace(" ", "_"): series for name, series in known.items()}
-    known = _alone(known) | known
-    return {name: find_series(known, name) for name in names}
+    found = {}
+    for name in names:
+        try:
+            found[name] = find_series(known, name, spelled)
+        except ValueError:
+            if system.mechanism.definition.value(split(name) or ("",)) is None:
+                raise
+            example = spelled(example_series(system))
+            raise ValueError(
+                f"{name!r} is a value of the definition; expected an output, such as {example!r}"
+            ) from None
+    return found
 
 
-def _alone(known: dict[str, Series]) -> dict[str, Series]:
-    """Outputs of which there is one element, by the name of the output: the transmission angle."""
-    elements: dict[str, set[str]] = {}
-    for series in known.values():
-        elements.setdefault(series.variable, set()).add(series.name)
-    return {s.variable: s for s in known.values() if len(elements[s.variable]) == 1}
+def example_measure(mechanism: Mechanism) -> str:
+    """A measure of this mechanism, for messages."""
+    return f"max({spelled(example_series(System(mechanism)))})"
 
 
 def measure_unit(system: System, found: Measure, series: dict[str, Series]) -> str:
@@ -139,12 +145,13 @@ def with_measured(
     Raises
     ------
     ValueError
-        If a text is no measure of the mechanism.
+        If a text is no measure of the mechanism, or one of errors.
     """
     system = System(mechanism)
     found = [read_measure(text) for text in texts]
     for one in found:
         measure_unit(system, one, measured_series(system, one))
+        require_alone(one)
     needed = [name for name in needed_outputs(system, found) if VARIABLES[name].whole]
     return list(dict.fromkeys([*requested(system, outputs), *needed]))
 

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkages.operations import COMPOSITE, ELEMENTARY
+from linkages.solution.measuring.followed import places_of
 from linkages.solution.measuring.located import Extremes, largest_between
+from linkages.solution.moving.quadrature import integrals
 from linkages.spec.formulas import Call, Clock, Constant, Node, Sensed
 from linkages.spec.measures import AT, Measure, is_series, reduces
 
@@ -51,16 +53,30 @@ class Source(Protocol):
         """
         ...
 
+    @property
+    def intervals(self) -> tuple[Whole, Floats, Floats] | None:
+        """Intervals in which the motions are smooth, but for jumps that nobody knows of.
+
+        Numbers of their motions, and where they begin and end in seconds, shape (intervals,) each.
+        None where no more is known than the samples.
+        """
+        ...
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions, shape (times,) each."""
+        ...
+
 
 @dataclass
 class _Place:
-    """Where series are taken: `which` motions and places in them; at all samples if there are none.
+    """Where series are taken: `which` motions, and places or times in them; else at all samples.
 
     `values` are series that were taken already.
     """
 
     which: Whole | None = None
     places: Floats | None = None
+    times: Floats | None = None
     values: dict[str, Floats] = field(default_factory=dict)
 
 
@@ -74,10 +90,29 @@ class Reduced:
         Shape (motions,); nan where there is none.
     divided
         Where it divides by zero, shape (motions,).
+    outside
+        A time that it asks for and the motion does not reach, shape (motions,); nan for none.
+    text, span
+        The measure, and the first and the last time of the motions.
     """
 
     values: Floats
     divided: NDArray[np.bool_]
+    outside: Floats
+    text: str
+    span: tuple[float, float]
+
+    def reason(self, motion: int) -> str:
+        """Why there is no value of a motion; empty if there is one."""
+        own = f"measure {self.text!r}"
+        if self.divided[motion]:
+            return f"{own} divides by zero"
+        if self.values[motion] == self.values[motion]:
+            return ""
+        time, (begin, end) = self.outside[motion], self.span
+        if time == time:
+            return f"{own}: t = {time:g} s is outside of the motion, from {begin:g} s to {end:g} s"
+        return f"{own} has no finite value"
 
 
 def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> Reduced:
@@ -93,17 +128,25 @@ def reduced(measure: Measure, source: Source, nominal: Source | None = None) -> 
     Raises
     ------
     ValueError
-        If it asks for a time that the samples do not reach, or for errors without a nominal motion.
+        If it asks for errors without a nominal motion.
     """
-    if measure.compares and nominal is None:
+    if nominal is None:
+        require_alone(measure)
+    evaluation = _Evaluation(measure, source, nominal)
+    with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
+        values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
+    values = np.where(np.isfinite(values), values, np.nan)
+    span = float(source.time[0]), float(source.time[-1])
+    return Reduced(values, evaluation.divided, evaluation.outside, measure.text, span)
+
+
+def require_alone(measure: Measure) -> None:
+    """Raise ValueError for a measure of errors, which one motion by itself does not have."""
+    if measure.compares:
         raise ValueError(
             f"measure {measure.text!r}: there is no other motion to compare with; errors are those "
             "of sweeps and tolerances, against the mechanism as it is defined"
         )
-    evaluation = _Evaluation(measure, source, nominal)
-    with np.errstate(all="ignore"):  # what is not finite is said of the motion that it is of
-        values = np.broadcast_to(evaluation.number(measure.tree), (source.count,)).copy()
-    return Reduced(np.where(np.isfinite(values), values, np.nan), evaluation.divided)
 
 
 class _Evaluation:
@@ -111,6 +154,7 @@ class _Evaluation:
         self.measure, self.source = measure, source
         self._nominal = None if nominal is None else _Evaluation(measure, nominal)
         self.divided = np.zeros(source.count, dtype=bool)
+        self.outside = np.full(source.count, np.nan)
         self._samples = _Place()
         self._found: dict[Node, Floats] = {}
 
@@ -157,28 +201,35 @@ class _Evaluation:
         other = self._nominal
         assert other is not None
         own, times = self.source.time, other.source.time
-        if at.places is None:
+        if at.which is None:
             if np.array_equal(own, times):
                 return other.series(node, other._samples)
-            places = _places(times, own)
+            places = places_of(times, own)
             return other.series(node, _Place(np.zeros(len(own), dtype=int), places))[None]
-        wanted = np.interp(at.places, np.arange(len(own)), own)
-        return other.series(node, _Place(np.zeros(len(wanted), dtype=int), _places(times, wanted)))
+        wanted, which = self._time(at), np.zeros(len(at.which), dtype=int)
+        if at.times is not None:
+            return other.series(node, _Place(which, times=wanted))
+        return other.series(node, _Place(which, places_of(times, wanted)))
 
     def _time(self, at: _Place) -> Floats:
         time = self.source.time
+        if at.times is not None:
+            return at.times
         if at.places is None:
             return time[None]
         return np.interp(at.places, np.arange(len(time)), time)
 
     def _taken(self, name: str, at: _Place) -> Floats:
         if name not in at.values:
-            if at.which is None or at.places is None:
-                at.values[name] = self.source.sampled(name)
-            else:
-                names = self.measure.series
-                found = self.source.between(names, at.which, at.places)
+            names, which = self.measure.series, at.which
+            if which is not None and at.times is not None:
+                found = self.source.during(names, which, at.times)
                 at.values.update(zip(names, found, strict=True))
+            elif which is not None and at.places is not None:
+                found = self.source.between(names, which, at.places)
+                at.values.update(zip(names, found, strict=True))
+            else:
+                at.values[name] = self.source.sampled(name)
         return at.values[name]
 
     def _applied(self, name: str, operands: list[Floats], at: _Place | None) -> Floats:
@@ -213,26 +264,24 @@ class _Evaluation:
             case "rms":
                 return np.sqrt(self._mean(node, 2))
             case "final":
-                return self._at(node, np.array(len(self.source.time) - 1.0))
+                return self._at(node, np.full(self.source.count, len(self.source.time) - 1.0))
             case _:
                 assert name == AT
-                return self._at(node, self._place(float(self.number(arguments[0]))))
+                return self._at_time(node, self.number(arguments[0]))
 
-    def _place(self, time: float) -> Floats:
-        """The place of a time among the samples."""
+    def _at_time(self, node: Node, time: Floats) -> Floats:
+        """A series at a time of each motion; nan where that lies outside of it."""
         times = self.source.time
+        wanted = np.broadcast_to(time, (self.source.count,))
         low, high = sorted((float(times[0]), float(times[-1])))
-        if not low <= time <= high:
-            raise ValueError(
-                f"measure {self.measure.text!r}: t = {time:g} s is outside of the motion, from "
-                f"{times[0]:g} s to {times[-1]:g} s"
-            )
-        return _places(times, np.array(time))
+        inside = (low <= wanted) & (wanted <= high)
+        self.outside = np.where(inside | ~np.isnan(self.outside), self.outside, wanted)
+        found = self._at(node, places_of(times, np.where(inside, wanted, low)))
+        return np.where(inside, found, np.nan)
 
-    def _at(self, node: Node, place: Floats) -> Floats:
-        which = np.arange(self.source.count)
-        found = self.series(node, _Place(which, np.full(self.source.count, place)))
-        return np.broadcast_to(found, which.shape)
+    def _at(self, node: Node, places: Floats) -> Floats:
+        found = self.series(node, _Place(np.arange(self.source.count), places))
+        return np.broadcast_to(found, places.shape)
 
     def _whole(self, node: Node) -> Floats:
         shape = self.source.count, len(self.source.time)
@@ -249,7 +298,22 @@ class _Evaluation:
         return np.interp(found.place, np.arange(len(self.source.time)), self.source.time)
 
     def _mean(self, node: Node, power: int) -> Floats:
-        """The mean over time by Simpson's rule, with places half way between the samples."""
+        """The mean of a power over time."""
+        times, found = self.source.time, self.source.intervals
+        if found is None or len(times) < 2:
+            return self._sampled_mean(node, power)
+        which, begin, end = found
+
+        def of(interval: Whole, wanted: Floats) -> Floats:
+            at = _Place(which[interval], times=wanted)
+            return np.broadcast_to(self.series(node, at) ** power, wanted.shape)
+
+        # sums that do not depend on how many motions are side by side
+        whole = np.bincount(which, integrals(of, begin, end, which), self.source.count)
+        return np.asarray(whole / (times[-1] - times[0]))
+
+    def _sampled_mean(self, node: Node, power: int) -> Floats:
+        """The same by Simpson's rule, with places half way between the samples."""
         values, count = self._whole(node) ** power, len(self.source.time)
         if count < 2:
             return values[:, 0]
@@ -262,12 +326,6 @@ class _Evaluation:
         # a sum that does not depend on how many motions are side by side
         whole = np.array([np.sum(row * steps) for row in ends + _SIMPSON * (middle - ends)])
         return whole / (self.source.time[-1] - self.source.time[0])
-
-
-def _places(times: Floats, wanted: Floats) -> Floats:
-    """Places of some times among samples."""
-    order = 1 if times[-1] >= times[0] else -1
-    return np.interp(wanted, times[::order], np.arange(len(times))[::order].astype(float))
 
 
 def _apply(name: str, *operands: Any) -> Any:

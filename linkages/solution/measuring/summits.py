@@ -12,9 +12,6 @@ from linkages.solution.measuring.located import largest_between
 
 Floats = NDArray[np.float64]
 
-_REACH = 2
-"""Samples on each side of a maximum among samples within which it is located."""
-
 
 class Summits(NamedTuple):
     """Local maxima in the order of time, in samples from the first one, shape (maxima,) each."""
@@ -38,10 +35,11 @@ def summits(values: Floats, between: Callable[[Floats], Floats]) -> Summits:
     higher[1:] &= values[1:] >= values[:-1]
     higher[:-1] &= values[:-1] >= values[1:]
     tops = np.flatnonzero(higher)
-    if last < 2 * _REACH or not len(tops):
+    if last < 2 or not len(tops):
         return Summits(tops.astype(float), values[tops])
-    first = np.clip(tops - _REACH, 0, last - 2 * _REACH)
-    windows = values[first[:, None] + np.arange(2 * _REACH + 1)]
+    first = np.clip(tops - 1, 0, last - 2)
+    windows = values[first[:, None] + np.arange(3)]
     found = largest_between(windows, lambda which, places: between(first[which] + places))
-    places, kept = np.unique(first + found.place, return_index=True)
-    return Summits(places, found.value[kept])
+    known = np.isfinite(found.value)
+    places, kept = np.unique(np.where(known, first + found.place, tops), return_index=True)
+    return Summits(places, np.where(known, found.value, values[tops])[kept])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +11,17 @@ from numpy.typing import NDArray
 from linkages.kernel.system import System
 from linkages.solution.measuring.compiled import Numbers, can_be_compiled, compiled_values
 from linkages.solution.measuring.course import Course
-from linkages.solution.measuring.followed import evaluable, smooth, through
+from linkages.solution.measuring.followed import (
+    Samples,
+    between_changes,
+    evaluable,
+    places_of,
+    smooth,
+    through,
+)
 from linkages.solution.moving.evaluation import evaluate_variables
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.solution.values.requests import REACTION
+from linkages.solution.values.requests import REACTIONS
 from linkages.solution.values.series import TIME, Series
 
 Floats = NDArray[np.float64]
@@ -26,7 +34,7 @@ _AT_ONCE = 16384
 def goes_together(motion: Motion, series: Mapping[str, Series]) -> bool:
     """Whether a motion can be measured beside others, with the bits that it has alone."""
     own = [each for each in series.values() if each.variable != TIME]
-    simple = all(evaluable(each) and each.variable != REACTION for each in own)
+    simple = all(evaluable(each) and each.variable not in REACTIONS for each in own)
     whole = len(motion.pieces) == 1 and len(motion.time) > 1
     return simple and whole and can_be_compiled(motion.pieces[0])
 
@@ -42,13 +50,22 @@ class Together:
         What is measured, with samples as `resolved_motion` gives them.
     series
         Name → series that measures name.
+    time
+        Evenly spaced samples among those of every motion.
     """
 
     def __init__(
-        self, systems: Sequence[System], motions: Sequence[Motion], series: Mapping[str, Series]
+        self,
+        systems: Sequence[System],
+        motions: Sequence[Motion],
+        series: Mapping[str, Series],
+        time: Floats,
     ) -> None:
         self.count, self._series, self._model = len(motions), series, systems[0].model
-        self.time: Floats = motions[0].time
+        self.time: Floats = time
+        self._motions = motions
+        self._own = [Samples(motion.time, time) for motion in motions]
+        self._begin = np.cumsum([0, *(len(motion.time) for motion in motions)])
         courses = [Course.of(motion, motion.pieces[0]) for motion in motions]
         self._course = Course.joined(courses, _joined([motion.pieces[0] for motion in motions]))
         self._numbers = Numbers(systems, np.arange(0))
@@ -68,17 +85,50 @@ class Together:
     def _at_samples(self, series: Series) -> Floats:
         samples, found = len(self.time), []
         step = max(1, _AT_ONCE // samples)
+        every = [
+            begin + np.arange(len(motion.time))[own.even]
+            for begin, motion, own in zip(self._begin, self._motions, self._own, strict=False)
+        ]
         for first in range(0, self.count, step):
-            which = np.repeat(np.arange(first, min(first + step, self.count)), samples)
-            rows = slice(first * samples, first * samples + len(which))
+            rows = np.concatenate(every[first : first + step])
+            which = first + np.arange(len(rows)) // samples
             found.append(self._evaluated(self._course.piece.part(rows), which, [series])[0])
         return np.asarray(np.concatenate(found), dtype=float).reshape(self.count, samples)
 
     def between(self, series: Sequence[str], which: Whole, places: Floats) -> list[Floats]:
         """Series at places in some of the motions, shape (places,) each."""
-        found, last = np.empty((len(series), len(places))), len(self.time) - 2
-        local = np.minimum(places.astype(int), last)
-        interval, part = which * len(self.time) + local, places - local
+        return self._at(series, which, self._inner(which, places, Samples.inner), places)
+
+    def during(self, series: Sequence[str], which: Whole, times: Floats) -> list[Floats]:
+        """Series at times in some of the motions, shape (times,) each."""
+        places = places_of(self.time, times)
+        return self._at(series, which, self._inner(which, times, Samples.at), places)
+
+    @cached_property
+    def intervals(self) -> tuple[Whole, Floats, Floats]:
+        """Intervals of a quadrature: numbers of their motions, and where they begin and end."""
+        found = [between_changes(motion) for motion in self._motions]
+        which = np.repeat(np.arange(self.count), [len(begin) for begin, _ in found])
+        begin, end = (np.concatenate(edges) for edges in zip(*found, strict=True))
+        return which, begin, end
+
+    def _inner(
+        self, which: Whole, wanted: Floats, of: Callable[[Samples, Floats], Floats]
+    ) -> Floats:
+        """Places among all samples of the motions that they are in."""
+        found = np.empty(len(wanted))
+        for motion in np.unique(which):
+            own = which == motion
+            found[own] = of(self._own[motion], wanted[own])
+        return found
+
+    def _at(
+        self, series: Sequence[str], which: Whole, inner: Floats, places: Floats
+    ) -> list[Floats]:
+        """Series at places among all samples, and among those evenly spaced."""
+        found = np.empty((len(series), len(places)))
+        local = np.minimum(inner.astype(int), np.diff(self._begin)[which] - 2)
+        interval, part = self._begin[which] + local, inner - local
         timed = [k for k, name in enumerate(series) if self._series[name].variable == TIME]
         rows = [k for k in range(len(series)) if k not in timed]
         chosen = [self._series[series[k]] for k in rows]

@@ -58,7 +58,7 @@ def _followed(system: System, settings: Settings) -> Motion:
         end = float(settings.times[undefined.sample])
         settings = replace(settings, times=settings.times[: undefined.sample])
     times = settings.times
-    fastest = _fastest(system, float(times[-1]))
+    highest = fastest(system, float(times[-1]))
     pieces: list[Piece] = []
     crossed: dict[str, list[Piece]] = {event.name: [] for event in settings.events}
     notes: list[str] = []
@@ -67,7 +67,7 @@ def _followed(system: System, settings: Settings) -> Motion:
     passing = passes(system, settings.run)
     looking = passing or system.topology.redundant
     while True:
-        limits = Limits(system, flipped, fastest)
+        limits = Limits(system, flipped, highest)
         stop = limits.first_stop(settings, begun)
         passage = limits.passage(stop) if stop and stop.singular and looking else None
         across = None if passage is None else _across(system, passage, flipped, times[:0])
@@ -84,7 +84,7 @@ def _followed(system: System, settings: Settings) -> Motion:
             pieces.append(_across(system, passage, flipped, inside))
             span = before, math.copysign(early, times[-1])
             for event in settings.events:
-                found = driven_piece(event, pieces[-2], *span, fastest)
+                found = driven_piece(event, pieces[-2], *span, highest)
                 crossed[event.name] += [found, passed_piece(event, pieces[-1])]
             if not determined:
                 notes.append(passed_text(system.model, passage.crossing, passage.blocks))
@@ -98,7 +98,7 @@ def _followed(system: System, settings: Settings) -> Motion:
         pieces.append(_piece(system, times[reached], flipped))
         last = float(times[-1]) if stop is None else stop.time
         for event in settings.events:
-            found = driven_piece(event, pieces[-1], begun, last, fastest)
+            found = driven_piece(event, pieces[-1], begun, last, highest)
             crossed[event.name].append(found)
         break
     failure = None
@@ -108,9 +108,9 @@ def _followed(system: System, settings: Settings) -> Motion:
     elif undefined is not None:
         failure = undefined.text
     if settings.counting:
-        pieces = with_turns(pieces, fastest)
+        pieces = with_turns(pieces, highest)
     if settings.work:
-        pieces = with_work(pieces, fastest, settings.run.most_steps)
+        pieces = with_work(pieces, highest, settings.run.most_steps)
     return Motion(
         pieces=tuple(pieces),
         failure=failure,
@@ -167,7 +167,7 @@ def _across(
     )
 
 
-def _fastest(system: System, end: float) -> float:
+def fastest(system: System, end: float) -> float:
     """Highest speed of a drive on the way to `end`; a slider's in lengths of the mechanism."""
     if not system.topology.driven:
         return 0.0

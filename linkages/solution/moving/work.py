@@ -12,12 +12,13 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.limits import looks
 from linkages.solution.moving.motion import Piece
+from linkages.solution.moving.quadrature import integrals
 
 _CHUNK = 8192
 _QUADRATURE_ANGLE = math.radians(30.0)
-_REFINEMENTS = 7
 
 Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
 
 
 def with_work(pieces: list[Piece], fastest: float, most: float) -> list[Piece]:
@@ -78,35 +79,25 @@ def integral_across(piece: Piece, rates: Floats) -> Floats:
 
 
 def _work(piece: Piece, begun: float, fastest: float) -> Floats:
-    """Work since `begun`: Gauss–Legendre quadrature, refined until it settles."""
+    """Work since `begun`, also of what jumps."""
     power = _power(piece)
-    points, weights = np.polynomial.legendre.leggauss(8)
     edges = np.concatenate([[begun], piece.time])
     longest = float(np.abs(np.diff(edges)).max(initial=0.0))
     parts = max(1, math.ceil(longest * fastest / _QUADRATURE_ANGLE))
-    result = np.zeros(len(edges) - 1)
-    for refinement in range(_REFINEMENTS):
-        pieces = _integrals(piece, power, edges, parts * 2**refinement, points, weights)
-        previous, result = result, np.cumsum(pieces)
-        scale = np.abs(pieces).sum()
-        if refinement and np.abs(result - previous).max(initial=0.0) <= 1e-13 * scale:
-            break
-    return result
+    sample = np.repeat(np.arange(len(piece.time)), parts)
+    part = np.tile(np.arange(parts), len(piece.time))
+    begin, step = edges[sample], np.diff(edges)[sample] / parts
 
+    def of(interval: Whole, times: Floats) -> Floats:
+        modes = {block: where[sample[interval]] for block, where in piece.flipped.items()}
+        found = [
+            piece.system.evaluate(
+                [power], times[some], flipped={block: row[some] for block, row in modes.items()}
+            )[0]
+            for some in (slice(k, k + _CHUNK) for k in range(0, len(times), _CHUNK))
+        ]
+        return np.concatenate(found)
 
-def _integrals(
-    piece: Piece, power: Scalar, edges: Floats, parts: int, points: Floats, weights: Floats
-) -> Floats:
-    """Integral of the power over every interval, each cut into equal parts."""
-    lengths = np.diff(edges) / parts
-    result = np.zeros(len(lengths))
-    for start in range(0, len(lengths) * parts, _CHUNK):
-        interval, part = np.divmod(
-            np.arange(start, min(start + _CHUNK, result.size * parts)), parts
-        )
-        half = 0.5 * lengths[interval]
-        places = (edges[interval] + (2 * part + 1) * half)[:, None] + half[:, None] * points
-        modes = {b: np.repeat(w[interval], len(points)) for b, w in piece.flipped.items()}
-        values = piece.system.evaluate([power], places.ravel(), flipped=modes)
-        np.add.at(result, interval, values.reshape(places.shape) @ weights * half)
-    return result
+    own = begin + part * step
+    found = integrals(of, own, own + step, np.zeros(len(own), dtype=int))
+    return np.cumsum(found.reshape(-1, parts).sum(axis=1))

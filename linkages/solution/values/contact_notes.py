@@ -13,6 +13,7 @@ from linkages.kernel.forces.across import GapNodes
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion
 from linkages.solution.values.episodes import STATES, Episodes, Nodes, episodes, rests
+from linkages.solution.values.impacts import less_restored
 from linkages.solution.values.near_misses import nearest_miss
 
 DEEPEST = 0.1
@@ -46,6 +47,11 @@ def contact_notes(motion: Motion) -> list[str]:
         return []
     rows = zip(system.model.contacts, contacts, episodes(motion), strict=True)
     said = [note for row in rows for note in _notes(motion, *row)]
+    if less := less_restored(motion):
+        said.append(
+            f"{less} impacts with friction bounced less than their restitution says: with all of "
+            "it energy would have grown"
+        )
     if ends:
         for nodes, end, found in zip(system.model.ends, ends, rests(motion), strict=True):
             unit = "rad" if end.twists else "m"

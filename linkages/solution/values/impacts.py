@@ -14,6 +14,9 @@ from linkages.solution.moving.motion import Motion, Piece
 
 Floats = NDArray[np.float64]
 
+_LESS = 1e-6
+"""Part of a restitution that is not taken for round-off."""
+
 
 def energy_of_impacts(motion: Motion) -> Floats:
     """Energy that rigid impacts have given up to each sample, with the impulses of drives, in J."""
@@ -58,6 +61,16 @@ def losses_of_impacts(motion: Motion) -> tuple[Floats, Floats]:
                 along[:, place] += taken
                 across[:, place] -= taken
     return across, along
+
+
+def less_restored(motion: Motion) -> int:
+    """How many impacts had less than their restitution, because energy would have grown."""
+    walls, count = motion.pieces[0].system.model.walls, 0
+    for contact in walls.contacts if walls.rough else ():
+        for piece, rises in _impacts(motion, contact):
+            (part,) = evaluate_nodes(piece, [walls.restored(contact)])
+            count += int((part[rises] < 1.0 - _LESS).sum())
+    return count
 
 
 def behind(piece: Piece, contact: Unilateral) -> Piece:

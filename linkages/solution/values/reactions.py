@@ -23,7 +23,9 @@ from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.motion import Motion, Piece
-from linkages.topology.graph import pairs
+from linkages.solution.values.requests import PIN, REACTION
+from linkages.solution.values.series import Series
+from linkages.topology.graph import pairs, shared_pins
 from linkages.topology.topology import Topology
 
 _CHUNK = 1024
@@ -31,8 +33,8 @@ _NO_RESIDUE = 1e-6
 Floats = NDArray[np.float64]
 
 
-def joint_reactions(motion: Motion) -> Floats:
-    """Force that the first body at each joint exerts on the others, in newtons.
+def reactions(motion: Motion) -> dict[str, Floats]:
+    """Forces at joints in newtons, by the name of the output.
 
     Parameters
     ----------
@@ -41,14 +43,24 @@ def joint_reactions(motion: Motion) -> Floats:
 
     Returns
     -------
-    Shape (samples, joints, 2). The ground comes first at a ground joint, otherwise bodies in the
-    order of the mechanism; loads and masses at a joint belong to the first body there. At a free
-    end the force is zero. Where constraints are redundant, reactions are not determined by
-    rigid bodies; these are the ones with the least sum of squares.
+    ``joint_reaction``, shape (samples, joints, 2): force that the first body at each joint exerts
+    on the others. The ground comes first at a ground joint, otherwise bodies in the order of the
+    mechanism; loads and masses at a joint belong to the first body there. At a free end the force
+    is zero. ``pin_reaction``, shape (samples, pins, 2): where three bodies or more meet, the force
+    of the others on each of them; their sum is zero. Where constraints are redundant, reactions
+    are not determined by rigid bodies; these are the ones with the least sum of squares.
     """
     parts = [part for piece in motion.pieces for part in _of_piece(piece)]
-    joints = len(motion.pieces[0].system.topology.joints)
-    return np.concatenate([np.zeros((0, joints, 2)), *parts])
+    topology = motion.pieces[0].system.topology
+    joints, pins = len(topology.joints), len(shared_pins(topology.mechanism))
+    found = np.concatenate([np.zeros((0, joints + pins, 2)), *parts])
+    return {REACTION: found[:, :joints], PIN: found[:, joints:]}
+
+
+def row_of(series: Series, model: Model) -> int:
+    """Place of a component of a reaction among those of all joints, then of all pins."""
+    before = 2 * len(model.topology.joints) if series.variable == PIN else 0
+    return before + series.index(model)
 
 
 def _of_piece(piece: Piece) -> Iterator[Floats]:
@@ -144,8 +156,8 @@ class Statics:
         self._index = {body.name: index for index, body in enumerate(bodies)}
 
     def reactions(self) -> Floats:
-        """Solve, and add the pairs of each joint."""
-        return self.at_joints(_solved(*self.equations()))
+        """Solve, and add the pairs of each joint and of each body at a shared pin."""
+        return self.at_places(_solved(*self.equations()))
 
     def equations(self) -> tuple[NDArray, NDArray]:
         """Matrix and right-hand side, shapes (samples, 3 bodies, unknowns) and (…, 3 bodies)."""
@@ -153,11 +165,23 @@ class Statics:
         matrix = np.stack(columns, axis=-1) if columns else np.zeros((self._samples, 0, 0))
         return matrix, self._inertia() - self._applied()
 
-    def at_joints(self, forces: Floats) -> Floats:
-        """Reactions, shape (samples, joints, 2), of unknowns of shape (samples, unknowns)."""
-        result = np.zeros((self._samples, len(self._joint), 2), dtype=forces.dtype)
+    def at_places(self, forces: Floats) -> Floats:
+        """Reactions of joints, then of bodies at shared pins, shape (samples, joints + pins, 2).
+
+        Parameters
+        ----------
+        forces
+            Unknowns, shape (samples, unknowns).
+        """
+        count, shared = len(self._joint), shared_pins(self._mechanism)
+        pins = {pin: count + index for index, pin in enumerate(shared)}
+        result = np.zeros((self._samples, count + len(pins), 2), dtype=forces.dtype)
         for index, pair in enumerate(self._pairs):
-            result[:, self._joint[pair.joint]] += forces[:, 2 * index : 2 * index + 2]
+            force = forces[:, 2 * index : 2 * index + 2]
+            result[:, self._joint[pair.joint]] += force
+            if (pair.joint, pair.second) in pins:
+                result[:, pins[pair.joint, pair.second]] += force
+                result[:, pins[pair.joint, pair.first]] -= force
         return result
 
     def _applied(self) -> Floats:

@@ -9,6 +9,10 @@ from linkages.kernel.system import System
 from linkages.reading.wording import suggestion
 
 REACTION = "joint_reaction"
+PIN = "pin_reaction"
+REACTIONS = (REACTION, PIN)
+"""Outputs that follow from the forces on all bodies at one time."""
+
 STATE = "clearance_state"
 LOSS = "impact_loss"
 TOUCHES = "touches"
@@ -36,6 +40,8 @@ def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
             raise ValueError(f"unknown output {name!r}{near}")
         if not _has(system, name):
             raise ValueError(f"this mechanism has no {name}")
+    if REACTION in names and _has(system, PIN):  # of several bodies at a pin it shows the first
+        names.insert(names.index(REACTION) + 1, PIN)
     return list(dict.fromkeys(names))
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from linkages.kernel.graph.scalars import Scalar
 from linkages.kernel.model import Model
-from linkages.kernel.outputs import VARIABLES, labels
+from linkages.kernel.outputs import VARIABLES, coordinate_of, labels
 from linkages.kernel.system import System
-from linkages.reading.wording import listed, suggestion
+from linkages.reading.wording import listed, nearest
 from linkages.solution.values.requests import available
 
 Floats = NDArray[np.float64]
@@ -27,6 +27,7 @@ SYNONYMS = {
     "displacement": "position",
     "rotation": "angle",
     "torque": "effort",
+    "force": "effort",
     "velocities": "velocity",
     "omega": "speed",
     "alpha": "acceleration",
@@ -64,7 +65,7 @@ class Series:
         """The series in a solution's data."""
         array = data[self.variable]
         found = array.sel(dict(self.place)) if self.place else array
-        return (found**2).sum("axis") ** 0.5 if self.size else found
+        return found.reduce(np.hypot.reduce, "axis") if self.size else found
 
     def words(self, long_name: str) -> str:
         """What an axis calls it: the variable's name, and whose it is."""
@@ -114,8 +115,37 @@ def with_sizes(known: Mapping[str, Series]) -> dict[str, Series]:
     return found
 
 
-def find_series(known: Mapping[str, Series], name: str) -> Series:
-    """The series of that name.
+def example_series(system: System, *, rate: bool = False) -> str:
+    """A series of this mechanism as an example: of its first free coordinate, or of a driven one.
+
+    Parameters
+    ----------
+    system
+        Of the mechanism.
+    rate
+        Whether it is the rate of the coordinate.
+    """
+    topology, bodies = system.topology, system.mechanism.bodies
+    name = next(iter([*topology.free, *topology.driven, *bodies]))
+    variable = coordinate_of(bodies[name].kind)
+    variable = VARIABLES[variable].rate if rate else variable
+    known = system_series(system).values()
+    return next(s.name for s in known if s.variable == variable and name in s.place.values())
+
+
+def find_series(
+    known: Mapping[str, Series], name: str, spelled: Callable[[str], str] = str
+) -> Series:
+    """The series of that name; spaces within it may be written as underscores.
+
+    Parameters
+    ----------
+    known
+        Name → series.
+    name
+        ``ELEMENT.QUANTITY``, or an output that has one element.
+    spelled
+        The form in which messages suggest a name.
 
     Raises
     ------
@@ -124,20 +154,78 @@ def find_series(known: Mapping[str, Series], name: str) -> Series:
     """
     if name in known:
         return known[name]
+    own = (one for one in known.values() if one.variable == name.replace(" ", "_"))
+    of = [*{one.name: one for one in own}.values()]  # whatever spellings it has
+    if len(of) == 1:
+        return of[0]
+    plain = _plain(name)
+    for other, series in known.items():
+        if _plain(other) == plain:
+            return series
+    raise ValueError(_unknown(known, name, of, spelled))
+
+
+def _plain(name: str) -> str:
     element, dot, quantity = name.rpartition(".")
-    own = [other.rpartition(".")[2] for other in known if other.rpartition(".")[0] == element]
-    if dot and own:
-        words = " ".join(SYNONYMS.get(word, word) for word in quantity.replace("_", " ").split())
-        near = f"; did you mean {words!r}?" if words in own else suggestion(words, own)
-        raise ValueError(f"{element} has no {quantity!r}{near or f'; expected {listed(own)}'}")
+    return f"{element}{dot}{quantity.replace('_', ' ')}"
+
+
+def _unknown(
+    known: Mapping[str, Series], name: str, of: Sequence[Series], spelled: Callable[[str], str]
+) -> str:
+    """What to say of a name that no series has."""
     elements = list(dict.fromkeys(other.rpartition(".")[0] for other in known if "." in other))
-    if dot:
-        near = suggestion(element, elements) or f"; expected one of: {listed(sorted(elements))}"
-        raise ValueError(f"unknown element {element!r}{near}")
-    of = [series.name for series in known.values() if series.variable == name]
-    near = f"; expected one of its series: {listed(of)}" if of else suggestion(name, known)
-    near = near or f"; expected a name such as {next(iter(known))}"
-    raise ValueError(f"unknown output {name!r}{near}")
+    if name in elements or of:
+        found = [s.name for s in of] or [n for n in known if n.rpartition(".")[0] == name]
+        what = "has several elements" if of else "is an element"
+        return f"{name!r} {what}; expected one of its series: {listed(map(spelled, found))}"
+    element, dot, quantity = name.rpartition(".")
+    if not dot:
+        near = nearest(name, [*known, *(series.variable for series in known.values())])
+        example = spelled(next((other for other in known if "." in other), next(iter(known))))
+        return f"unknown output {name!r}" + (
+            f"; did you mean {spelled(near)!r}?" if near else f"; expected a name such as {example}"
+        )
+    if element in elements:
+        return f"{element} has no {quantity!r}{_nearby(known, element, quantity, spelled)}"
+    near = nearest(_plain(name), known)
+    if near is not None and _plain(near).replace(".", " ") == _plain(name).replace(".", " "):
+        return f"unknown name {name!r}; did you mean {spelled(near)!r}?"
+    other = nearest(element, elements)
+    if other is None:
+        return f"unknown element {element!r}; expected one of: {listed(sorted(elements))}"
+    whole = _plain(f"{other}.{quantity}")
+    meant = spelled(whole) if whole in known else other
+    return f"unknown element {element!r}; did you mean {meant!r}?"
+
+
+def _nearby(
+    known: Mapping[str, Series], element: str, quantity: str, spelled: Callable[[str], str]
+) -> str:
+    """What to say beside an element that has no such quantity."""
+    own = [other.rpartition(".")[2] for other in known if other.rpartition(".")[0] == element]
+    words = _plain(f".{quantity}")[1:]
+    meant = " ".join(SYNONYMS.get(word, word) for word in words.split())
+    alike = {
+        other: series
+        for other, series in known.items()
+        if f" {other.rpartition('.')[2]}".endswith(f" {words}") and "." in other
+    }
+    mine = [n for n in alike if element in n.rpartition(".")[0].split(".")]
+    if meant in own:
+        near = [f"{element}.{meant}"]
+    elif mine:
+        near = mine
+    elif alike:
+        first, series = next(iter(alike.items()))
+        kind = next(iter(series.place)).replace("_", " ")
+        such = f"; this is a quantity of a {kind}, such as {spelled(first)!r}"
+        return f"{such}; expected {listed(own)}"
+    else:
+        near = [f"{element}.{word}" for word in [nearest(words, own)] if word]
+    if near:
+        return f"; did you mean {listed(repr(spelled(each)) for each in near)}?"
+    return f"; expected {listed(own)}"
 
 
 def _series(

@@ -17,9 +17,7 @@ from linkages.reading.wording import listed, suggestion
 from linkages.solution.moving.evaluation import evaluate_nodes
 from linkages.solution.moving.guards import Guard
 from linkages.solution.moving.motion import Piece
-from linkages.solution.values.series import Series, find_series, system_series
-
-SECTION = "slider9.velocity=0"
+from linkages.solution.values.series import Series, example_series, find_series, system_series
 
 TOUCH = "touch"
 """Quantity of what touches: journal and bearing of a clearance that opens, or a body and its stop;
@@ -147,6 +145,11 @@ def parse_section(system: System, text: str) -> Surface:
     return _surface(system, text, "section")
 
 
+def example_section(system: System) -> str:
+    """A section of this mechanism, for messages."""
+    return f"{example_series(system, rate=True)}=0"
+
+
 def _surface(system: System, text: str, what: str, value: str = "") -> Surface:
     """What a text names; `value` is added where it has none."""
     element, dot, quantity = text.strip().rpartition(".")
@@ -166,7 +169,7 @@ def _surface(system: System, text: str, what: str, value: str = "") -> Surface:
     }
     match = re.fullmatch(r"\s*(.+?\.[^.=]+?)\s*=\s*(.+?)\s*", text)
     if match is None:
-        raise ValueError(f"expected a {what} such as {SECTION!r}, found {text!r}")
+        raise ValueError(f"expected a {what} such as {example_section(system)!r}, found {text!r}")
     name, level = match.groups()
     known = {
         other: series

@@ -34,5 +34,5 @@ RADAU = Radau(
     name="radau",
     order=5,
     adaptive=True,
-    summary="Radau IIA of order 5, implicit, adaptive; for stiff springs, dampers and contacts",
+    summary="Radau IIA of order 5, implicit, adaptive; for stiff springs, dampers and oil films",
 )

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from functools import lru_cache, partial
-
-import numpy as np
+from functools import lru_cache
 
 from linkages.kernel.code.llvm import Module
 from linkages.kernel.code.machine import MachineCode
@@ -21,7 +18,6 @@ from linkages.solvers.printed.samples import (
 )
 from linkages.solvers.printed.shape import Shape, StepMemory, set_whole
 from linkages.solvers.printed.stages import Stages
-from linkages.solvers.steps.loaded import version
 from linkages.solvers.steps.views import STATUS
 
 
@@ -92,12 +88,4 @@ def _single(module: Module, tableau: Tableau, shape: Shape) -> None:
 @lru_cache(maxsize=256)
 def compiled_step(tableau: Tableau, shape: Shape, gain: float = 0.0, lanes: int = 1) -> MachineCode:
     """The functions of a step as machine code; see `write_step`."""
-    key = f"step {version()} {_coefficients(tableau)} {shape} {gain} {lanes}"
-    return MachineCode(key, partial(write_step, tableau, shape, gain, lanes))
-
-
-def _coefficients(tableau: Tableau) -> str:
-    digest = hashlib.sha256()
-    for array in (tableau.extended_A, tableau.extended_c, tableau.error):
-        digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
+    return MachineCode(write_step(tableau, shape, gain, lanes))

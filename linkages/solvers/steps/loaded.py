@@ -1,16 +1,16 @@
-"""Machine code of the loops: it is kept, and they are printed only where there is none."""
+"""Machine code of the loops: each is printed and loaded where it is first used.
+
+Machine code is kept under the hash of its text, which has all constants that it was printed with.
+"""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
-from functools import cache, cached_property
+from functools import cached_property
 from importlib import import_module
-from pathlib import Path
 from threading import RLock
 from typing import Any
 
-from linkages.kernel.code import cache as kept_code
 from linkages.kernel.code.machine import MachineCode
 
 _LOADING = RLock()
@@ -30,13 +30,10 @@ class Loaded:
 
     @cached_property
     def _code(self) -> MachineCode:
-        def written() -> str:
-            from linkages.kernel.code.printed import text_of
-
-            return text_of(getattr(import_module(self._module), self._name))
+        from linkages.kernel.code.printed import text_of
 
         with _LOADING:
-            return MachineCode(f"{version()} {self._module} {self._name}", written)
+            return MachineCode(text_of(getattr(import_module(self._module), self._name)))
 
     @property
     def address(self) -> int:
@@ -51,16 +48,6 @@ class Loaded:
     def __call__(self, *arguments: Any) -> int:
         """Call it."""
         return int(self.function(*arguments))
-
-
-@cache
-def version() -> str:
-    """What texts of steps and loops depend on: all that takes part in writing them."""
-    digest = hashlib.sha256()
-    solvers, kernel = Path(__file__).parents[1], Path(kept_code.__file__).parent
-    for path in sorted([*solvers.rglob("*.py"), *kernel.glob("*.py")]):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 EVALUATE_STATE = Loaded("linkages.solvers.steps.many", "evaluate_state")

@@ -67,11 +67,18 @@ class Forces {
     const sizes = (chosen) => fullLength(chosen.flatMap((load) => this.sampled(load.values)));
     this.force = sizes(this.loads.filter((load) => load.kind !== "about"));
     this.torque = sizes(this.loads.filter((load) => load.kind === "about"));
-    this.pins = motion.joints.map((joint) => ({
+    const found = (variable, name, joint) => ({
       joint,
-      x: motion.find("joint_reaction", joint, "x"),
-      y: motion.find("joint_reaction", joint, "y"),
-    })).filter((pin) => pin.x && pin.y && (largest(pin.x.values) || largest(pin.y.values)));
+      x: motion.find(variable, name, "x"),
+      y: motion.find(variable, name, "y"),
+    });
+    // on each body where several share a pin, else on the one beside the first
+    const shared = motion.series
+      .filter((one) => one.variable === "pin_reaction" && one.place[1] === "x")
+      .map(({ place: [name] }) => found("pin_reaction", name, name.slice(0, name.lastIndexOf("."))));
+    const pins = new Set(shared.map((pin) => pin.joint));
+    this.pins = [...shared, ...motion.joints.filter((joint) => !pins.has(joint))
+      .map((joint) => found("joint_reaction", joint, joint))].filter((pin) => pin.x && pin.y && (largest(pin.x.values) || largest(pin.y.values)));
     this.reaction = fullLength(this.pins.flatMap((pin) => this.sampled(pin.x)
       .map((x, k) => Math.hypot(x, this.sampled(pin.y)[k]))));
   }

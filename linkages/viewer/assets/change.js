@@ -57,7 +57,8 @@ function stopText({ model, ideal }, { time, status, ideal: beside }) {
 }
 
 function reason(of, status) {
-  return typeof status === "string" ? status : of.statuses[status] ?? `status ${status}`;
+  const text = typeof status === "string" ? status : of.statuses[status] ?? `status ${status}`;
+  return text.replace(/\.$/, ""); // sentences here end with a stop of their own
 }
 
 /** Radial clearances among the numbers. */

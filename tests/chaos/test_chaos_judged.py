@@ -100,6 +100,19 @@ def test_tori_need_an_exponent_that_cannot_be_told_from_zero(exponents, expected
     assert verdict(evidence(*exponents, curves=CURVE)) == expected
 
 
+@pytest.mark.parametrize(
+    ("largest", "autonomous", "expected"),
+    [(-0.1, True, "at rest"), (0.0, True, "periodic"), (-0.1, False, "periodic")],
+)
+def test_a_free_motion_that_attracts_all_its_neighbours_comes_to_rest(
+    largest, autonomous, expected
+):
+    """Along a periodic one its own direction is neutral; round-off may repeat at rest."""
+    found = evidence(largest, -0.3, autonomous=autonomous, period=1)
+    assert verdict(found) == expected
+    assert verdict(replace(found, settled=0.9)) == "undecided"
+
+
 def test_one_neutral_direction_makes_no_surface():
     """The end of a cascade of period doublings has an exponent of zero, and is no torus."""
     assert verdict(evidence(0.0, -0.5)) == "undecided"

@@ -59,6 +59,12 @@ def judged(evidence: Evidence, *, dissipative: bool) -> tuple[str, list[str]]:
         return "undecided", reasons
     covered = all(curve.whole for curve in evidence.phases)
     if regular and evidence.period is not None and not late and covered:
+        if evidence.autonomous and evidence.shrinks:
+            reasons.append(
+                "The motion comes to rest: nothing drives it, and a periodic motion would have an "
+                "exponent of zero."
+            )
+            return "at rest", reasons
         return "periodic", [*reasons, _repeats(evidence)]
     tested = max(growth for growth, _ in evidence.tests)
     reasons.append(f"The 0–1 test gives {tested:.3f}.")

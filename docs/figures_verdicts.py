@@ -13,7 +13,20 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from figures import write_table
-from verdicts.table import SKIPS, TOLERANCES, Case, confusion, judged, listed, shares, systems
+from verdicts.known import Answer
+from verdicts.table import (
+    CLASSES,
+    SKIPS,
+    TOLERANCES,
+    Case,
+    by_class,
+    confusion,
+    exponents,
+    judged,
+    listed,
+    shares,
+    systems,
+)
 
 STATIC = Path(__file__).parent / "_static"
 SYSTEMS = systems()
@@ -26,12 +39,14 @@ TASKS = [
 ]
 
 
-def found(task: tuple[int, int | None, float]) -> tuple[str, int | None]:
+def found(task: tuple[int, int | None, float]) -> Answer:
     """The answer of one judgement; systems themselves do not go from process to process."""
     index, skip, rtol = task
     case = judged(SYSTEMS[index], skip, rtol)
-    print(f"{case.mark}|{case.known.name}|{skip}|{rtol:g}|{case.verdict}|{case.period}", flush=True)
-    return case.verdict, case.period
+    print(
+        f"{case.mark}|{case.measured}|{case.known.name}|{skip}|{rtol:g}|{case.answer}", flush=True
+    )
+    return case.answer
 
 
 def main() -> None:
@@ -40,27 +55,32 @@ def main() -> None:
     write(answers)
 
 
-def write(answers: dict[tuple[int, int | None, float], tuple[str, int | None]]) -> None:
+def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
     """Tables and data; where nothing dissipates both ways to skip are one judgement."""
     missing = {SYSTEMS[task[0]].name for task in TASKS if task not in answers}
     cases = [
-        Case(known, skip, rtol, *answers[index, skip if known.dissipative else None, rtol])
+        Case(known, skip, rtol, answers[index, skip if known.dissipative else None, rtol])
         for index, known in enumerate(SYSTEMS)
         if known.name not in missing
         for skip in SKIPS
         for rtol in TOLERANCES
     ]
-    for name, text in (("list", listed), ("confusion", confusion), ("shares", shares)):
-        write_table(f"verdicts-{name}", text(cases))
+    for text in (shares, by_class, confusion):
+        write_table(f"verdicts-{text.__name__}", text(cases))
+    kept = [case for case in cases if (case.skip, case.rtol) == (None, TOLERANCES[-1])]
+    write_table("verdicts-exponents", exponents(kept))
+    for heading, some in CLASSES.items():
+        write_table(f"verdicts-{heading}", listed([case for case in cases if case.known in some]))
     rows = [
         {
             "system": case.known.name,
             "known": case.known.expected,
             "skip": case.skip,
             "rtol": case.rtol,
-            "verdict": case.verdict,
-            "period": case.period,
+            "verdict": case.answer.verdict,
+            "period": case.answer.period,
             "mark": case.mark,
+            "measured": case.measured,
         }
         for case in cases
     ]

@@ -134,7 +134,7 @@ def _forced() -> list[Known]:
          lambda rtol: van_der_pol(5.0, 5.0, 2.466, rtol), 2.466, True),
     ]  # fmt: skip
     return [
-        Known("flow", name, verdict, period, source,
+        Known(name, verdict, period, source,
               of_flow(system, 2 * math.pi / frequency, dissipative=dissipative), dissipative)
         for name, verdict, period, source, system, frequency, dissipative in found
     ]  # fmt: skip
@@ -168,7 +168,7 @@ def _free() -> list[Known]:
          lambda rtol: henon_heiles(-0.016, 0.49974, rtol), 6.6, rising, False),
     ]  # fmt: skip
     return [
-        Known("flow", name, verdict, period, source,
+        Known(name, verdict, period, source,
               of_flow(system, time, section, dissipative=dissipative), dissipative)
         for name, verdict, period, source, system, time, section, dissipative in found
     ]  # fmt: skip

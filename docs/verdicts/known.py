@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,10 +12,31 @@ from linkages.chaos.verdicts.judge import Course, judge
 from linkages.chaos.verdicts.report import verdict
 from verdicts.own_systems import Map, Ode
 
-Answer = tuple[str, int | None]
-"""A verdict, and the section points after which a periodic motion repeats."""
-
 PERIODS = 300
+
+LOST = -math.inf
+"""Exponent of a direction that contacts or sticking friction take away."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is found of a system.
+
+    Parameters
+    ----------
+    verdict
+        In a word.
+    period
+        Section points after which a periodic motion repeats; None for other motions.
+    exponents, errors
+        Lyapunov exponents in 1/s or per step, the largest first, −∞ for lost directions, and their
+        standard errors. Empty if nothing was found.
+    """
+
+    verdict: str
+    period: int | None
+    exponents: tuple[float, ...] = ()
+    errors: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -23,8 +45,6 @@ class Known:
 
     Parameters
     ----------
-    kind
-        Maps, flows or mechanisms.
     name
         What it is, with its numbers.
     verdict, period
@@ -35,15 +55,21 @@ class Known:
         Judges it after so many skipped periods (None: as found) at a relative tolerance.
     dissipative
         Whether there may be a transient; otherwise nothing is skipped, whatever is asked for.
+    exponents
+        Known Lyapunov exponents, the largest first; None if there is neither a closed form nor a
+        value from other code.
+    within
+        Uncertainty of these.
     """
 
-    kind: str
     name: str
     verdict: str
     period: int | None
     source: str
     judged: Callable[[int | None, float], Answer]
     dissipative: bool = True
+    exponents: tuple[float, ...] | None = None
+    within: float = 0.0
 
     @property
     def expected(self) -> str:
@@ -65,7 +91,7 @@ def of_map(system: Callable[[], Map], *, dissipative: bool = True) -> Callable[.
         course: Course[Map] = Course(
             period=1, parts=1, periods=PERIODS, skip=skip, dissipative=dissipative
         )
-        return _answer(judge(begin, course, displaced))
+        return _judged(judge(begin, course, displaced))
 
     return judged
 
@@ -95,7 +121,7 @@ def of_flow(
             dissipative=dissipative,
             section=None if section is None else points,
         )
-        return _answer(judge(system(rtol), course, tighter))
+        return _judged(judge(system(rtol), course, tighter))
 
     return judged
 
@@ -105,12 +131,42 @@ def of_mechanism(mechanism: Callable[[], linkages.Mechanism]) -> Callable[..., A
 
     def judged(skip: int | None, rtol: float) -> Answer:
         report = verdict(mechanism(), periods=PERIODS, skip=skip, rtol=rtol)
-        return report.verdict, report.period if report.verdict == "periodic" else None
+        found = report.exponents
+        return _answer(
+            report.verdict, report.period, found.exponent.values, found.error.values, found.lost
+        )
 
     return judged
 
 
-def _answer(found) -> Answer:  # type: ignore[no-untyped-def]
-    if found.verdict != found.verdict_again:
-        return "undecided", None
-    return found.verdict, found.evidence.period if found.verdict == "periodic" else None
+def of_definition(
+    name: str,
+    verdict: str,
+    period: int | None,
+    source: str,
+    text: str,
+    exponents: tuple[float, ...] | None = None,
+    within: float = 0.0,
+    *,
+    dissipative: bool = True,
+) -> Known:
+    """A mechanism with its answer, from the text of its definition file."""
+    judged = of_mechanism(lambda: linkages.loads(text))
+    return Known(name, verdict, period, source, judged, dissipative, exponents, within)
+
+
+def _judged(found) -> Answer:  # type: ignore[no-untyped-def]
+    verdict = found.verdict if found.verdict == found.verdict_again else "undecided"
+    exponents = found.evidence.exponents
+    return _answer(
+        verdict, found.evidence.period, exponents.values, exponents.errors, exponents.lost
+    )
+
+
+def _answer(verdict, period, exponents, errors, lost) -> Answer:  # type: ignore[no-untyped-def]
+    return Answer(
+        verdict,
+        period if verdict == "periodic" else None,
+        (*map(float, exponents), *[LOST] * lost),
+        (*map(float, errors), *[0.0] * lost),
+    )

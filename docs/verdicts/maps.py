@@ -190,17 +190,15 @@ def _logistics() -> list[Known]:
         (4.0, "chaotic", None, "exponent ln 2"),
     ]
     known = [
-        Known(
-            "map", f"Logistic, r = {r:g}", verdict, period, source, of_map(lambda r=r: logistic(r))
-        )
+        Known(f"Logistic, r = {r:g}", verdict, period, source, of_map(lambda r=r: logistic(r)))
         for r, verdict, period, source in cases
     ]
     transient = "transient chaos before the period-three cycle, " + MAY
     return [
         *known,
-        Known("map", "Logistic, r = 3.84, from 0.123", "periodic", 3, transient,
+        Known("Logistic, r = 3.84, from 0.123", "periodic", 3, transient,
               of_map(lambda: logistic(3.84, 0.123))),
-        Known("map", "Logistic, r = 1 + √8", "periodic", 3, "tangent bifurcation, " + MAY,
+        Known("Logistic, r = 1 + √8", "periodic", 3, "tangent bifurcation, " + MAY,
               of_map(lambda: logistic(1 + math.sqrt(8)))),
     ]  # fmt: skip
 
@@ -258,7 +256,6 @@ def _others() -> list[Known]:
     ]  # fmt: skip
     return [
         Known(
-            "map",
             name,
             verdict,
             period,

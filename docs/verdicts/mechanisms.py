@@ -195,7 +195,7 @@ def _linkages() -> list[Known]:
 def _known(found) -> list[Known]:  # type: ignore[no-untyped-def]
     return [
         Known(
-            "mechanism", name, verdict, period, source, of_mechanism(system),
+            name, verdict, period, source, of_mechanism(system),
             name not in CONSERVATIVE,
         )
         for name, verdict, period, source, system in found

@@ -39,8 +39,9 @@ def replaced(path: Path) -> Iterator[Path]:
             LOGGER.info("wrote %s", path)
     except BaseException as error:
         temporary.unlink(missing_ok=True)
-        if isinstance(error, OSError) and error.filename in (None, str(temporary)):
-            error.filename = str(path)  # writes do not name their file, as where a disk is full
+        # writes do not name their file, as where a disk is full; without a number it is not shown
+        if isinstance(error, OSError) and error.errno and error.filename in (None, str(temporary)):
+            error.filename = str(path)
         raise
 
 

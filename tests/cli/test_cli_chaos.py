@@ -436,7 +436,7 @@ simulate: {end: 1}
 @pytest.mark.parametrize(
     ("verb", "arguments", "expected"),
     [
-        ("phase", ["--x", "arm.angl", "--y", "arm.speed"], "did you mean 'angle'"),
+        ("phase", ["--x", "arm.angl", "--y", "arm.speed"], "did you mean 'arm.angle'"),
         ("phase", ["--x", "arm.angle", "--y", "arm.speed", "--skip", "11"], "skip must be"),
         ("poincare", ["--phase", "1.5"], "phase must be from 0 to below 1"),
         ("poincare", ["--end", "5"], "end = 5 s goes with a section"),
@@ -446,7 +446,7 @@ simulate: {end: 1}
         ("poincare", ["--section", "arm.speed=0", "--end", "-5"], "end must be a time in s > 0"),
         ("bifurcation", ["--vary", f"{DAMPING}=1:2:2", "--direction", "down"], "goes with a sect"),
         ("poincare", ["--periods", "0"], "whole number > 0, found '0'"),
-        ("poincare", ["--section", "am.speed=0"], "did you mean 'arm'"),
+        ("poincare", ["--section", "am.speed=0"], "did you mean 'arm.speed'"),
         ("poincare", ["--method", "dopr"], "dopr"),
         ("poincare", ["--rtol", "-1"], "rtol"),
         ("poincare", ["--set", "loads[0].torque=1.15"], "geometric section"),

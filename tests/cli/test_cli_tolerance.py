@@ -49,7 +49,10 @@ def test_json_has_the_contributions(cli):
     ("arguments", "message"),
     [
         (("slider-crank", "--of", STROKE), "nothing varies: no number of the definition"),
-        (("slider-crank", *SET, "--of", "stroke(pistom.position)"), "did you mean 'piston'?"),
+        (
+            ("slider-crank", *SET, "--of", "stroke(pistom.position)"),
+            "did you mean 'piston.position'?",
+        ),
         (("slider-crank", *SET, "--of", f"1/({STROKE}-{STROKE})"), "divides by zero"),
         (("slider-crank", *SET, "--of", STROKE, "--limits", "3"), "expected limits such as"),
         (

@@ -143,8 +143,8 @@ def test_datasets_have_outputs_over_time_and_measures():
     ("output", "message"),
     [
         ("bar_angel", "did you mean 'bar_angle'"),
-        ("rocker.angel", "did you mean 'angle'"),
-        ("max(rocker.angel)", "did you mean 'angle'"),
+        ("rocker.angel", "did you mean 'rocker.angle'"),
+        ("max(rocker.angel)", "did you mean 'rocker.angle'"),
         ("closure_residual", "no derivative is known"),
         ([], "no outputs are asked for"),
     ],

@@ -53,5 +53,5 @@ def test_without_samples_there_is_no_figure(data):
 
 
 def test_unknown_names_are_refused(data):
-    with pytest.raises(ValueError, match="did you mean 'angle'"):
+    with pytest.raises(ValueError, match=r"did you mean 'r1\.angle'"):
         pair_figure(data, "r1.angl", "slider9.velocity")

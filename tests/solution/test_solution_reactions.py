@@ -265,7 +265,8 @@ def test_a_clearance_at_a_shared_pin_has_the_name_of_its_bar():
             """
             joints: {O: [0, 0]}
             bars:
-              crank: {points: {O: [0, 0], A: [40 mm, 0]}, mass: 2, inertia: 2e-3}
+              crank:
+                {points: {O: [0, 0], A: [40 mm, 0]}, mass: 2, center: [10 mm, 0], inertia: 2e-3}
               rod1: {joints: [A, B], length: 150 mm, mass: 0.4, center: 45 mm, inertia: 1.2e-3}
               rod2: {joints: [A, C], length: 150 mm, mass: 0.4, center: 45 mm, inertia: 1.2e-3}
             sliders:

@@ -175,12 +175,13 @@ def locate(
 @printed
 def crossing(
     code: Procedure, system: SystemView, table: TableView, record: Record,
-    modes: Whole, switch: Whole, t: Real, h: Real, part: Real,
+    switches: SwitchesView, switch: Whole, t: Real, h: Real, part: Real,
 ) -> Real:  # fmt: skip
     """Fraction of a step at which a mode changes before `part` of it, which is in the workspace.
 
     If there is one the workspace is left with the step up to there, otherwise with any.
     """
+    modes = switches.modes
     start, rise = seen(system, modes, 0, switch)
     end, fall = seen(system, modes, table.end, switch)
     rise, fall = rise * h, fall * h
@@ -189,7 +190,7 @@ def crossing(
     with code.when(end < 0.0):
         begins = (rise > 0.0) & (fall > 0.0) & (start < slack) & (-end < slack)
         # friction that lets go has rates that are round-off as well: it waits until it moves
-        waits = (start < 0.0) & (end >= 2.0 * start)
+        waits = (integers(switches.sticks)[switch] != 0) & (start < 0.0) & (end >= 2.0 * start)
         with code.when(begins | waits):
             code.leave(GO_ON)
         code.leave(locate(system, table, record, modes, switch, t, h, part))
@@ -289,7 +290,7 @@ def look(code: Procedure, context: Whole, t: Real, h: Real, t_end: Real) -> Real
     with code.during(lambda: switch < switches.modes):
         with code.when(is_watched(system, switches, switch) & (switch != last)):
             before = evaluations[EVALUATIONS]
-            found = crossing(system, table, record, switches.modes, switch, t, h, part)
+            found = crossing(system, table, record, switches, switch, t, h, part)
             # another one may come before it; one at the same time follows with the next step
             sooner = choose(last < 0, found <= part, found < (1.0 - EXACT) * part)
             with code.when(sooner):

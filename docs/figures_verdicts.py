@@ -66,11 +66,12 @@ def write(answers: dict[tuple[int, int | None, float], Answer]) -> None:
         for rtol in TOLERANCES
     ]
     for text in (shares, by_class, confusion):
-        write_table(f"verdicts-{text.__name__}", text(cases))
+        write_table(f"verdicts-{text.__name__.replace('_', '-')}", text(cases))
     kept = [case for case in cases if (case.skip, case.rtol) == (None, TOLERANCES[-1])]
     write_table("verdicts-exponents", exponents(kept))
     for heading, some in CLASSES.items():
-        write_table(f"verdicts-{heading}", listed([case for case in cases if case.known in some]))
+        rows = listed([case for case in cases if case.known in some])
+        write_table(f"verdicts-{heading.replace(' ', '-')}", rows)
     rows = [
         {
             "system": case.known.name,

@@ -1,8 +1,9 @@
-"""Bytes of a definition file to text, with the place of what is not text."""
+"""Bytes of a definition file to text, and text to rows of cells, with the place of a problem."""
 
 from __future__ import annotations
 
 import codecs
+import csv
 import re
 
 from linkages.errors import InputError, Problem
@@ -30,6 +31,33 @@ def decode(data: str | bytes, source: str) -> str:
             offset += len(codecs.BOM_UTF8)
         raise InputError(source, [_not_text(found, offset, before)])
     return text
+
+
+def csv_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
+    """Line numbers, from 1, and cells of a table, without empty lines and those that begin with #.
+
+    Cells are separated by semicolons or tabs if the first line has any, otherwise by commas.
+
+    Raises
+    ------
+    InputError
+        For a cell that is too long.
+    """
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    first = lines[0][1] if lines else ""
+    separator = next((mark for mark in ";\t" if mark in first), ",")
+    rows = []
+    for number, line in lines:
+        try:
+            rows.append((number, next(csv.reader([line], delimiter=separator))))
+        except csv.Error:  # the one error of a single line
+            message = f"a cell is longer than {csv.field_size_limit()} characters"
+            raise InputError(source, [Problem(message=message, line=number, column=1)]) from None
+    return rows
 
 
 def _from_utf8(data: bytes, source: str) -> str:

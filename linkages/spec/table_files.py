@@ -8,7 +8,6 @@ need not be a table.
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -18,7 +17,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from linkages.errors import InputError, Problem
-from linkages.reading.decoding import decode
+from linkages.reading.decoding import csv_rows, decode
 from linkages.reading.document import MAX_BYTES, Document
 from linkages.reading.paths import Path
 from linkages.reading.wording import shown
@@ -150,25 +149,16 @@ def _text(name: str, path: FilePath) -> str:
 
 def _rows(name: str, text: str) -> list[Row]:
     """Line numbers, from 1, and cells; empty lines and those that begin with # are left out."""
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not lines:
+    try:
+        rows = csv_rows(text, name)
+    except InputError as error:
+        (problem,) = error.problems
+        raise _RefusedError(f"{name}, line {problem.line}: {problem.message}", "file") from None
+    if not rows:
         raise _RefusedError(f"{name} is empty; expected lines with a time and a value", "file")
-    if len(lines) > MAX_ROWS:
-        message = f"{name} has {len(lines)} lines; expected at most {MAX_ROWS}: fewer points"
+    if len(rows) > MAX_ROWS:
+        message = f"{name} has {len(rows)} lines; expected at most {MAX_ROWS}: fewer points"
         raise _RefusedError(message, "file")
-    first = lines[0][1]
-    separator = next((mark for mark in ";\t" if mark in first), ",")
-    rows = []
-    for number, line in lines:
-        try:
-            rows.append((number, next(csv.reader([line], delimiter=separator))))
-        except csv.Error:  # the one error of a single line
-            message = f"{name}, line {number}: a cell is longer than {csv.field_size_limit()}"
-            raise _RefusedError(f"{message} characters", "file") from None
     for number, cells in rows:
         if len(cells) != len(rows[0][1]):
             raise _RefusedError(

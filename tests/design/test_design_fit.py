@@ -169,5 +169,8 @@ def test_a_file_says_its_line(tmp_path):
     path.write_text("t,P.x position\n0,1,2\n", encoding="utf-8")
     with pytest.raises(linkages.InputError, match=r"line 2.*expected 2 cells, found 3"):
         linkages.fit(linkages.load("four-bar"), path, ROCKER)
+    path.write_text("t,crank.angle\n0," + "1" * 131_073, encoding="utf-8")
+    with pytest.raises(linkages.InputError, match=r"line 2.*a cell is longer than 131072"):
+        linkages.fit(linkages.load("four-bar"), path, ROCKER)
     with pytest.raises(ValueError, match=r"measured until 1 s"):
         linkages.fit(linkages.load("four-bar"), traced(), ROCKER, end=0.5)

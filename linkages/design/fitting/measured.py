@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from linkages.components.mechanisms.mechanism import Mechanism
 from linkages.errors import InputError, Problem
 from linkages.kernel.system import System
-from linkages.reading.decoding import decode
+from linkages.reading.decoding import csv_rows, decode
 from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.spec.measures import read_measure
 from linkages.spec.units import UnitError, unit
@@ -212,22 +211,9 @@ def _read(path: Path) -> dict[str, list[float]]:
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 1024**2} MiB; expected measurements as CSV"
         raise InputError(source, [Problem(message=message)])
-    text = decode(data, source)
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if len(lines) < 2:
+    rows = csv_rows(decode(data, source), source)
+    if len(rows) < 2:
         raise InputError(source, [Problem(message=f"expected a line of heads such as {HEADS}")])
-    mark = next((mark for mark in ";\t" if mark in lines[0][1]), ",")
-    rows = []
-    for number, line in lines:
-        try:
-            rows.append((number, next(csv.reader([line], delimiter=mark))))
-        except csv.Error:  # the one error of a single line
-            message = f"expected cells of at most {csv.field_size_limit()} characters"
-            raise InputError(source, [Problem(message=message, line=number)]) from None
     heads = [cell.strip() for cell in rows[0][1]]
     columns: dict[str, list[float]] = {head: [] for head in heads}
     problems = []

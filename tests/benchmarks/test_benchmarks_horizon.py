@@ -221,6 +221,7 @@ def test_horizon_in_json(simulate):
     )
 
 
+@pytest.mark.slow
 def test_no_horizon_without_verifying(simulate):
     code, out, _ = simulate("ninebar", *SHORT, "--no-verify", "--json")
     assert (code, json.loads(out)["horizon"]) == (0, None)
@@ -243,6 +244,7 @@ def test_driven_mechanism_says_nothing_of_a_horizon(simulate):
     assert (code, json.loads(out)["horizon"]) == (0, None)
 
 
+@pytest.mark.slow_except("vern9-True")
 @pytest.mark.parametrize(
     ("method", "verified"), [("dop853", True), ("vern9", True), ("tsit5", False)]
 )

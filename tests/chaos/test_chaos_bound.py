@@ -32,6 +32,7 @@ def one_by_one(monkeypatch):
     monkeypatch.setattr(Varying, "mechanism_at", lambda self, o: self.mechanism.with_values(o))
 
 
+@pytest.mark.slow_except("fli")
 @pytest.mark.parametrize("indicator", ["exponent", "fli", "gali"])
 def test_a_map_is_that_of_mechanisms_built_one_by_one(loose, indicator, monkeypatch):
     run = {**RUN, "indicator": indicator}
@@ -53,6 +54,7 @@ def test_a_map_through_another_structure(pendulum, monkeypatch):
     assert "damping" in reasons[0, 3]
 
 
+@pytest.mark.slow_except("None-*")
 @pytest.mark.parametrize("start", ["same", "forward"])
 @pytest.mark.parametrize("section", [None, "piston.velocity=0"])
 def test_a_diagram_is_that_of_mechanisms_built_one_by_one(loose, start, section, monkeypatch):

@@ -136,6 +136,7 @@ def test_mechanisms_without_clearances_have_no_contact():
     assert "contact_lost" not in data
 
 
+@pytest.mark.slow_except("poincare")
 @pytest.mark.parametrize("name", ["poincare", "lyapunov"])
 def test_every_oscillation_of_a_clearance_is_looked_at(name):
     """The journal of the nine-bar swings 222 times in a period, too fast for 128 looks."""

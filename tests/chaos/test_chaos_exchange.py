@@ -129,6 +129,7 @@ def test_exponents_do_not_depend_on_what_is_free():
         assert apart <= float(found.tolerance[0]) < 0.05 * abs(float(found.expected[0]))
 
 
+@pytest.mark.slow
 def test_an_exchange_is_no_growth():
     """The ratio of lengths in the old and new coordinate, 25 or so, is no part of exponents.
 
@@ -154,6 +155,7 @@ def test_no_exchange_no_other_metric():
     assert abs(float(found.found[0])) > 1e-3
 
 
+@pytest.mark.slow
 def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
     """Through its change points, for ever: without gravity it turns at its speed of 6 rad/s.
 

@@ -39,6 +39,18 @@ QUICK = [
 ]
 
 
+@pytest.mark.slow_except(
+    "Arnold's*",
+    "Ball on a table*",
+    "Circle map*",
+    "Delayed logistic, a = 1.9",
+    "Friction*",
+    "H*, a = *",
+    "Logistic*",
+    "Ricker*",
+    "Stick*",
+    "Two cranks*",
+)
 @pytest.mark.parametrize("known", QUICK, ids=lambda known: known.name)
 def test_quick_ones_are_judged_right(known: Known):
     found = judged(known, None, TOLERANCES[0])

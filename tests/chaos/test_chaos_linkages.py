@@ -234,6 +234,7 @@ simulate: {end: 1, rtol: 1e-9}
     assert found.values == pytest.approx([np.sqrt(9.81), -np.sqrt(9.81)], abs=2e-6)
 
 
+@pytest.mark.slow_except("dop853", "tsit5", "rk4", "gauss8")
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_renormalises_tangents(method):
     """A damped pendulum at rest: exponents are the real parts of −c/2 ± √(c²/4 − g/l), c = 7.

@@ -90,6 +90,7 @@ def test_a_verdict_on_stick_slip():
     assert report.exponents.attrs["lost"] == 1
 
 
+@pytest.mark.slow
 def test_exponents_of_many_side_by_side():
     """The largest one in diagrams and maps, of motions in lanes."""
     axis = "friction[0].force=0.8:1.1:4"

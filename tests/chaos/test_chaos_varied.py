@@ -56,6 +56,7 @@ def test_a_mechanism_made_in_python_has_the_definition_of_its_file(path):
     assert again.components == loaded.components
 
 
+@pytest.mark.slow_except("four-bar", "five-bar", "ninebar")
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_varying_is_loading_with_another_number(path):
     """Every number of every shipped file; defaults that follow from it follow."""

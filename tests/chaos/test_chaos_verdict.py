@@ -223,6 +223,7 @@ def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
     return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
 
 
+@pytest.mark.slow_except("*-1e-08")
 @pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-8, 1e-9])
 @pytest.mark.parametrize("atol", [None, 1e-15])
 def test_a_small_coordinate_beside_a_large_one_is_judged_by_its_own_extent(size, atol):
@@ -371,6 +372,7 @@ def test_two_torques_on_a_pendulum(amplitude, expected, exponent):
         assert float(report.exponents.exponent[0]) == pytest.approx(exponent, abs=0.016)
 
 
+@pytest.mark.slow_except("0.28*")
 @pytest.mark.parametrize(("force", "expected"), [(0.28, "quasi-periodic"), (0.5, "chaotic")])
 def test_a_weak_force_without_a_common_period(force, expected):
     """A cycle of two becomes a torus of two branches, and chaos remains."""

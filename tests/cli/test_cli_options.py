@@ -156,6 +156,7 @@ def numbers(data):
     return np.concatenate([array.to_numpy().ravel() for array in kept])
 
 
+@pytest.mark.slow_except("simulate-*", "lyapunov-*")
 @pytest.mark.parametrize("name", RUN)
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_question_is_integrated_as_it_is_asked(verb, name, pendulum):
@@ -267,6 +268,7 @@ def test_flags_are_keywords(verb, cli, pendulum, tmp_path):
     assert np.array_equal(numbers(data), expected, equal_nan=True)
 
 
+@pytest.mark.slow_except("phase")
 @pytest.mark.parametrize("verb", ["animate", "phase"])
 def test_films_and_curves_are_integrated_as_they_are_asked(verb, cli, pendulum):
     del pendulum
@@ -322,6 +324,7 @@ def test_a_step_says_nothing_to_an_adaptive_method(cli, pendulum):
     assert plain["cost"] == stepped["cost"]
 
 
+@pytest.mark.slow_except("*-simulate", "*-chaos")
 @pytest.mark.parametrize("verb", ["simulate", "poincare", "lyapunov", "chaos", "phase", "animate"])
 @pytest.mark.parametrize(
     ("arguments", "expected"),
@@ -345,6 +348,7 @@ def test_messages_name_the_flag(verb, arguments, expected, cli, pendulum):
     assert result.files == {"m.yaml"}
 
 
+@pytest.mark.slow_except("phase")
 @pytest.mark.parametrize("verb", ["simulate", "phase"])
 def test_a_motion_back_in_time(verb, cli, pendulum):
     """What a keyword may be, a flag may: simulate goes back, a curve has no time left out."""
@@ -380,6 +384,7 @@ FREE_CASES = {
 }
 
 
+@pytest.mark.slow_except("poincare")
 @pytest.mark.parametrize("verb", FREE_CASES)
 def test_change_points_are_passed_or_not_as_it_is_asked(verb, cli, tmp_path):
     """The free crank of a parallelogram comes to one within the first tenth of a second."""

@@ -91,6 +91,7 @@ def test_the_nine_bar_moves_as_in_simulate():
 
 
 @needs_browser
+@pytest.mark.slow
 def test_two_seconds_of_the_nine_bar_in_a_browser(tmp_path):
     text, expected, rows = nine_bar(2.0, 41)
     file = tmp_path / "empty.html"

@@ -83,6 +83,7 @@ def column(data, variable, **where):
     return data[variable].sel(where).to_numpy()
 
 
+@pytest.mark.slow_except("coordinates", "dry*", "own spring", "spline")
 @pytest.mark.parametrize("name", LAWS)
 def test_lagrange_equations_agree(name):
     assert_satisfies_lagrange(linkage(name), count=8, least=4)

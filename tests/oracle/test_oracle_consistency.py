@@ -115,6 +115,7 @@ def test_reciprocity(started):
     assert np.linalg.eigvalsh(answers + answers.T).min() >= -1e-9 * scale
 
 
+@pytest.mark.slow_except("?")
 def test_names_and_units(started):
     """The changes that the kernel's tests make leave the absolute formulation's results alone."""
     new, other = renamed(started.grown, np.random.default_rng(1))

@@ -78,6 +78,7 @@ def stage_of(solution, film=None, size=None, dpi=60.0):
     return Stage(solution.data, solution.mechanism, film, size, dpi)
 
 
+@pytest.mark.slow_except("four-bar", "ninebar")
 @pytest.mark.parametrize("name", shipped())
 def test_every_shipped_mechanism_moves(name, tmp_path):
     path = tmp_path / "a.gif"
@@ -105,6 +106,7 @@ def test_only_what_changed_is_drawn_and_nothing_stays_behind():
     np.testing.assert_array_equal(stage.picture(7), wanted)
 
 
+@pytest.mark.slow
 def test_a_gif_shows_what_was_drawn(tmp_path):
     # Colours come from a palette of 32 shades; 40 of 255 is half the distance of neighbours there.
     solution = press()
@@ -238,6 +240,7 @@ def test_frames_show_their_own_times_however_a_motion_was_sampled():
     )
 
 
+@pytest.mark.slow
 def test_clearances_have_a_pace_of_their_own(tmp_path):
     """The whole motion in a film in which the clearance swings twice between frames."""
     solution = linkages.simulate(

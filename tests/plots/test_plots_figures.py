@@ -30,6 +30,7 @@ def test_only_what_the_data_allow(tmp_path):
     assert save_figures(press_data().isel(time=slice(0)), press(), tmp_path) == []
 
 
+@pytest.mark.slow_except("png")
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
 def test_same_data_give_the_same_bytes(tmp_path, kind):
     names = ["mechanism", "phase", "drive_effort"]
@@ -71,6 +72,7 @@ def test_unknown_format_or_name(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_pyplot_is_never_imported():
     # It costs a third of a second and keeps every figure alive.
     program = (

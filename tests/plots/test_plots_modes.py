@@ -13,6 +13,7 @@ def modes(count, selected=1):
     return [Mode(n, places, "B left", n == selected) for n in range(1, count + 1)]
 
 
+@pytest.mark.slow_except("1", "2", "4")
 @pytest.mark.parametrize("count", [1, 2, 4, 8, 30])
 def test_one_numbered_drawing_for_each_mode_inside_the_figure(count):
     result = figure(press(), modes(count))
@@ -65,6 +66,7 @@ def test_too_many_say_so_and_keep_the_selected_one():
     assert any(f"{MOST} of {MOST + 20} modes" in text for text in texts)
 
 
+@pytest.mark.slow_except("4")
 @pytest.mark.parametrize("count", [4, 12, 30])
 def test_long_titles_go_on_in_further_lines(count):
     """Whole, and each line no wider than its panel; sides stay with their joints."""

@@ -37,6 +37,7 @@ def test_a_mechanism_that_cannot_be_assembled_says_why():
     assert "<td>bars</td>" in text
 
 
+@pytest.mark.slow
 def test_a_solution_is_a_table_of_largest_values():
     solution = linkages.simulate(linkages.load("ninebar"), end=0.1, samples=11)
     root = ElementTree.fromstring(f"<div>{closed(solution._repr_html_())}</div>")

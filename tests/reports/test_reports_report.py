@@ -56,6 +56,7 @@ def sheet(solution, tmp_path_factory):
     return linkages.save_report(solution, tmp_path_factory.mktemp("reports") / "report.pdf")
 
 
+@pytest.mark.slow
 def test_a_sheet_is_computed_again(solution, sheet):
     (page,) = PdfReader(sheet).pages
     assert tuple(map(float, page.mediabox[2:])) == pytest.approx((1190.88, 841.68))  # A3 in points
@@ -71,6 +72,7 @@ def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
     assert {word for word in words if word not in text} == set()
 
 
+@pytest.mark.slow
 def test_long_tables_take_more_sheets(tmp_path):
     chain = linkages.simulate(linkages.load("jansen"), end=0.1, samples=5, outputs="all")
     sheets = PdfReader(linkages.save_report(chain, tmp_path / "report.pdf")).pages

@@ -262,6 +262,7 @@ def test_free_motion_balances_through_change_points(turning):
         assert np.isfinite(data[name]).all()
 
 
+@pytest.mark.slow
 def test_samples_do_not_change_a_motion_through_change_points(turning):
     text = PARALLELOGRAM.replace("mass: 0.2", "mass: 0").replace("mass: 0.3", "mass: 0")
     for samples in (3, 5, 101):

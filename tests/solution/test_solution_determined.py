@@ -24,6 +24,7 @@ def said_of_change_points(solution):
     return [note for note in solution.notes if "change point" in note]
 
 
+@pytest.mark.slow_except("stop*", "pass-4.0")
 @pytest.mark.parametrize("end", [4.0, -4.0])
 @pytest.mark.parametrize("change_points", [None, "stop", "pass"])
 def test_three_parallel_cranks_never_stop(change_points, end):
@@ -154,6 +155,7 @@ def test_cognates_draw_one_curve():
         assert np.sort(np.abs(turned.to_numpy()))[-4] < 1e-10
 
 
+@pytest.mark.slow
 def test_a_large_group_is_not_singular_because_it_is_large():
     """Eight unknowns by least squares: the determinant of the normal equations is a square."""
     solution = linkages.simulate(linkages.load(DATA / "roberts-group.yaml"))

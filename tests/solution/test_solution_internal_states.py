@@ -131,6 +131,7 @@ def test_files(tmp_path):
     assert np.array_equal(again.data.internal_state, solution.data.internal_state)
 
 
+@pytest.mark.slow_except("dop853-200")
 @pytest.mark.parametrize(("method", "periods"), [("dop853", 200), ("radau", 60)])
 def test_exponents_of_a_linear_system(method, periods):
     """Small swings about the hanging rod: real parts of the eigenvalues, one for each state."""
@@ -213,6 +214,7 @@ maxwell: [{between: [C, G], stiffness: 1e3, damping: 5}]
 """
 
 
+@pytest.mark.slow
 def test_with_groups_that_iterate():
     """Coordinates carried along stand behind internal states in what is integrated."""
     plain = linkages.load("class-three").to_yaml().split("simulate:")[0]

@@ -13,6 +13,7 @@ RANDOM = {
 }
 
 
+@pytest.mark.slow_except("memory", "a force*")
 @pytest.mark.parametrize("case", RANDOM)
 def test_random_mechanisms(case):
     seed = RANDOM[case]

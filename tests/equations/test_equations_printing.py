@@ -171,6 +171,9 @@ def test_text_of_a_group_of_loops():
     assert "(2 equations for 1 unknown per coordinate; 1 of them redundant: least squares)" in text
 
 
+@pytest.mark.slow_except(
+    "quick-return", "scotch-yoke", "cylinder-cycloidal", "crossed-sliders", "fixed-sun", "rack"
+)
 @pytest.mark.parametrize("name", MORE_MECHANISMS)
 def test_all_kinds_are_printed(name):
     equations = derive(topology_of(MORE_MECHANISMS[name]))

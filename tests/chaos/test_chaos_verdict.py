@@ -355,12 +355,13 @@ def test_a_third_drive_without_a_common_period():
     assert any("3 drives or loads have no common period" in text for text in report.reasons)
 
 
+@pytest.mark.slow_except("0.2*")
 @pytest.mark.parametrize(
     ("amplitude", "expected", "exponent"),
     [
         (0.2, "quasi-periodic", None),
         (0.55, "undecided", -0.162),
-        pytest.param(1.0, "quasi-periodic", None, marks=pytest.mark.slow),
+        (1.0, "quasi-periodic", None),
     ],
 )
 def test_two_torques_on_a_pendulum(amplitude, expected, exponent):

@@ -177,9 +177,10 @@ def engine(clearances, friction):
     return ENGINE.replace("CLEARANCES", clearances).replace("MU", str(friction))
 
 
+@pytest.mark.slow_except("pins")
 @pytest.mark.parametrize(
     ("clearances", "slips"),
-    [(PINS, True), (GUIDE, True), pytest.param(BOTH, False, marks=pytest.mark.slow)],
+    [(PINS, True), (GUIDE, True), (BOTH, False)],
     ids=["pins", "guide", "both"],
 )
 def test_energy_and_forces_of_an_engine(clearances, slips):
@@ -226,9 +227,8 @@ def test_a_mirrored_engine_moves_as_in_a_mirror():
     )
 
 
-@pytest.mark.parametrize(
-    "clearances", [PINS, pytest.param(GUIDE, marks=pytest.mark.slow)], ids=["pins", "guide"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("clearances", [PINS, GUIDE], ids=["pins", "guide"])
 def test_motions_side_by_side_are_those_alone(clearances):
     """Shared impacts, slips that change and hold: each lane waits for its own."""
     path = f"clearances.{clearances.split(':')[0]}.friction"

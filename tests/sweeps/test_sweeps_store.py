@@ -350,15 +350,9 @@ def resumed(folder, definition, task=SWEEP):
     return (folder / RESULT).read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-@pytest.mark.parametrize(
-    "how",
-    [
-        signal.SIGKILL,
-        pytest.param(signal.SIGTERM, marks=pytest.mark.slow),
-        pytest.param(signal.SIGINT, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_killed_processes_lose_what_they_compute_and_nothing_else(tmp_path, how):
     definition = killed(tmp_path, tmp_path / "killed", how, 3)
     found = status(tmp_path / "killed")

@@ -84,6 +84,7 @@ def reference_problem():
     return InitialValueProblem(linkages.load("ninebar", set=START), end)
 
 
+@pytest.mark.slow
 def test_reference_agrees_with_states_of_extended_precision(reference_problem):
     """Two seconds of the nine-bar against another program in more digits.
 

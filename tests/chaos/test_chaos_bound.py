@@ -42,6 +42,7 @@ def test_a_map_is_that_of_mechanisms_built_one_by_one(loose, indicator, monkeypa
     assert not any(bound["reason"].to_numpy().ravel())
 
 
+@pytest.mark.slow
 def test_a_map_through_another_structure(pendulum, monkeypatch):
     """Undamped within a range of dampings, and a mechanism that is refused beside others."""
     x = {"dampers[0].damping": [0.05, 0.0, 0.1, -1.0]}

@@ -77,6 +77,7 @@ def analysed(name, speed, **given):
     return linkages.poincare(engine(speed), periods=PERIODS, **section)
 
 
+@pytest.mark.slow_except("*-fast")
 @pytest.mark.parametrize("speed", [SLOW, FAST], ids=["slow", "fast"])
 @pytest.mark.parametrize("name", ["poincare", "section", "bifurcation", "lyapunov", "chaos_map"])
 def test_contact_is_that_of_a_simulation(name, speed, expected):

@@ -206,6 +206,7 @@ def test_long_correlation_is_covered_or_distrusted():
     assert part >= LEAST
 
 
+@pytest.mark.slow
 def test_sums_of_exponents_are_covered():
     """A sum of several rates is a series of its own: errors of parts do not add up."""
     rng = np.random.default_rng(6)

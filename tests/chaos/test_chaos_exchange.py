@@ -115,6 +115,7 @@ def test_tangents_go_along_in_an_exchange():
         assert tangents.tangents[:, column] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_exponents_do_not_depend_on_what_is_free():
     """And their sum is that of inertia and loads, whatever was exchanged."""
     by_crank, by_piston = (

@@ -153,6 +153,7 @@ def test_sticking_is_seen():
     assert not found.settled
 
 
+@pytest.mark.slow
 def test_intervals_that_are_too_long_are_seen():
     found = lyapunov_spectrum(lorenz(1e-6), interval=2.0, intervals=64)
     assert "take shorter intervals" in found.unsettled

@@ -71,6 +71,7 @@ def test_power_law_of_gali_on_a_torus():
         assert -slope == pytest.approx(power, abs=0.7)
 
 
+@pytest.mark.slow
 def test_fli_rises_with_the_exponent():
     """The mean slope of ln‖w‖ is the largest exponent, to 1/t."""
     found = fast_indicators(lorenz(), intervals=100, interval=0.5)

@@ -125,6 +125,7 @@ def at_rest(kind):
     return linkages.loads(text + "friction: [{slider: block, force: 3 N}]\n")
 
 
+@pytest.mark.slow_except("*-16")
 @pytest.mark.parametrize("skip", [0, 16])
 @pytest.mark.parametrize(
     ("kind", "lost", "others"),
@@ -140,6 +141,7 @@ def test_a_block_at_rest_from_the_beginning(kind, lost, others, skip):
     assert data.exponent.to_numpy()[-2:].sum() == pytest.approx(-C, rel=begun)
 
 
+@pytest.mark.slow
 def test_a_verdict_on_a_ball_at_rest():
     report = linkages.verdict(at_rest("stop"), periods=200, skip=0)
     assert report.verdict == "at rest"

@@ -114,6 +114,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow_except("*-in Python", "*-both")
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 @pytest.mark.parametrize("start", ["same", "forward"])
 def test_a_sweep_keeps_what_was_changed_in_python(change, start):

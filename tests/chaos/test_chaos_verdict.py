@@ -245,6 +245,7 @@ def test_a_verdict_does_not_depend_on_the_origin():
     assert report.zero_one["b"][0] > 0.6
 
 
+@pytest.mark.slow
 def test_weak_chaos_on_a_cycle_of_five_is_seen_by_the_zero_one_test():
     """A cycle of five that feels a thousandth of a chaotic motion."""
     cycle = duffing(0.37, slider="a") + "+0.001*b.position"
@@ -423,6 +424,7 @@ simulate: {{end: 1}}
     assert (report.verdict, report.period) == expected, report.reasons
 
 
+@pytest.mark.slow
 def test_lengths_have_rates_in_metres_per_second_and_no_libration():
     report = verdict(sliders(LINEAR, duffing(0.28), 1.0), periods=200)
     assert report.rotation == {}

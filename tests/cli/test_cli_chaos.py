@@ -215,6 +215,7 @@ simulate: {end: 2}
     assert (content["verdict"], content["exponents"], content["lost"]) == ("at rest", [0.0], 1)
 
 
+@pytest.mark.slow
 def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
     """No error of integration at all is allowed here, so that the first one violates."""
     monkeypatch.setattr("linkages.chaos.growth.certificate.SMALL", 0.0)
@@ -231,6 +232,7 @@ def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
 # bifurcation
 
 
+@pytest.mark.slow
 def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tmp_path):
     """Without inertia at its end the arm cannot move: the first mass of the range fails."""
     result = pendulum(

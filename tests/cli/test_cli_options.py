@@ -213,6 +213,7 @@ def test_own_options_are_all_tried():
         assert changed == own - set(RUN) - {"max_steps", "change_points"}
 
 
+@pytest.mark.slow_except("simulate-*", "poincare-*", "lyapunov-*")
 @pytest.mark.parametrize(("verb", "first", "second"), OWN_CASES, ids=str)
 def test_own_options_change_what_is_found(verb, first, second, pendulum):
     found = [numbers(answered(verb, pendulum, **options)) for options in (first, second)]
@@ -247,6 +248,7 @@ def test_every_question_gives_up_after_as_many_steps_as_it_may_take(verb, pendul
     assert all("number of steps was used up" in reason for reason in reasons)
 
 
+@pytest.mark.slow_except("poincare", "map")
 @pytest.mark.parametrize("verb", VERBS)
 def test_flags_are_keywords(verb, cli, pendulum, tmp_path):
     """A command finds what the function does, and says how: function and options give it again."""
@@ -286,6 +288,7 @@ def spans(result):
     return found["samples"], found["method"]
 
 
+@pytest.mark.slow
 def test_a_flag_beats_an_assignment_and_that_the_file(cli, pendulum):
     del pendulum
     short = ("simulate", "m.yaml", "--json", "--no-figures", "--no-verify")
@@ -316,6 +319,7 @@ def test_flags_are_numbers_as_the_file_writes_them(cli, pendulum, tmp_path):
     assert (options["end"], options["samples"], options["rtol"]) == (0.5, 11, 1e-4)
 
 
+@pytest.mark.slow
 def test_a_step_says_nothing_to_an_adaptive_method(cli, pendulum):
     """As a key of the file does: who changes the method back and forth leaves it there."""
     del pendulum

@@ -96,6 +96,7 @@ def test_run(name):
     assert float(np.abs(data.energy_residual).max()) < 1e-9 * moved
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "slider-crank", "scotch-yoke")
 @pytest.mark.parametrize("name", NAMES)
 def test_bodies_stay_rigid_and_sliders_on_their_axes(name):
     """From the places of the joints alone: nothing of the kernel's closure is used."""

@@ -71,6 +71,7 @@ def check_run(grown):
     assert float(np.abs(data.energy_residual).max()) < 1e-8 * moved
 
 
+@pytest.mark.slow_except("0", "3")
 @pytest.mark.parametrize("seed", range(4))
 def test_motion(seed):
     check_run(seeded(seed, most=3))

@@ -274,6 +274,7 @@ def test_names_move_and_a_cursor_stands_at_the_time():
         )
 
 
+@pytest.mark.slow_except("60")
 @pytest.mark.parametrize("dpi", [60, 73, 96])
 def test_a_bare_picture_has_the_whole_frame_of_an_inset(dpi):
     solution = press()
@@ -283,6 +284,7 @@ def test_a_bare_picture_has_the_whole_frame_of_an_inset(dpi):
     assert (red[:, -6:] < 128).mean(axis=0).max() > 0.9  # the line at the right
 
 
+@pytest.mark.slow
 def test_a_webp_shows_exactly_what_was_drawn(tmp_path):
     solution = press()
     film = animate(solution, tmp_path / "a.webp", fps=30, slow=20, dpi=60)

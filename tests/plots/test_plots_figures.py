@@ -118,6 +118,7 @@ def test_the_convergence_of_a_search_shows_every_run(values):
         assert box.y0 >= whole.y0
 
 
+@pytest.mark.slow
 def test_characters_without_a_glyph_are_said_once(tmp_path, monkeypatch, caplog):
     """Warnings are errors here; fonts beside that of Matplotlib are taken away."""
     monkeypatch.setattr(style, "FALLBACKS", ())

@@ -59,6 +59,7 @@ def test_every_drawing_fills_its_panel_and_has_a_scale_where_they_differ():
         assert np.ptp(bar.get_xdata()) == pytest.approx(length, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_too_many_say_so_and_keep_the_selected_one():
     many = modes(MOST + 20, selected=MOST + 10)
     assert [mode.number for mode in shown_modes(many)][-2:] == [MOST - 1, MOST + 10]

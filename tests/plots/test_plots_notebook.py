@@ -9,6 +9,7 @@ import linkages
 from linkages.kernel.system import System
 
 
+@pytest.mark.slow_except("slider-crank")
 @pytest.mark.parametrize("name", ["ninebar", "slider-crank", "andrews", "peaucellier"])
 def test_a_mechanism_is_a_drawing_with_its_mobility_and_components(name):
     mechanism = linkages.load(name)

@@ -23,6 +23,7 @@ def poses(name, samples=7):
     return [found.at(index) for index in range(samples)]
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return")
 @pytest.mark.parametrize("name", sorted(shipped()))
 def test_bodies_move_with_their_joints(name):
     """Shapes of the first position, placed in a later one, are those of the later one.

@@ -25,6 +25,7 @@ def test_inputs_are_all_entries_and_mark_what_differs(solution):
     assert {f"bars.{name}" for name in bars} <= rows.keys()
 
 
+@pytest.mark.slow
 def test_values_beyond_the_horizon_are_marked(solution):
     late = report_of(replace(solution, data=solution.data.assign_attrs(horizon=1e-9)))
     ends = [row[place : place + 2] for row in late.maxima for place in (2, 4)]
@@ -63,6 +64,7 @@ def test_a_sheet_is_computed_again(solution, sheet):
     assert linkages.load(sheet) == solution.mechanism
 
 
+@pytest.mark.slow
 def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
     (page,) = PdfReader(sheet).pages
     assert not page.images

@@ -65,6 +65,7 @@ def test_start_in_the_aligned_position():
     assert data.drive_effort.to_numpy()[:, 0] == pytest.approx(effort, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_free_cranks_go_on_even_if_told_to_stop_at_change_points():
     """There is none. Energy is kept, and all cranks turn alike for several turns."""
     found = three_cranks(drives={}, free={"first": {"angle": START, "speed": 20.0}})
@@ -131,6 +132,7 @@ def test_a_change_point_elsewhere_still_stops():
     assert float(data.bar_angle.sel(bar="third")[-1]) > 4.6
 
 
+@pytest.mark.slow
 def test_cognates_draw_one_curve():
     """Roberts: all three four-bars guide P, so that the curve is that of the first one alone."""
     solution = linkages.simulate(linkages.load(DATA / "roberts.yaml"), outputs="all")

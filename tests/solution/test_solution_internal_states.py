@@ -183,6 +183,7 @@ maxwell: [{slider: piston, stiffness: 800, damping: 20}]
 """
 
 
+@pytest.mark.slow
 def test_where_free_coordinates_are_exchanged():
     """A slider cannot say where its crank is at dead centres; a crank can all the time."""
     one = linkages.simulate(linkages.loads(CRANK), end=1.0, samples=51)

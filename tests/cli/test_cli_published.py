@@ -57,6 +57,7 @@ def interrupted(simulate, monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_leaves_the_complete_one_alone(simulate, interrupted, tmp_path):
     folder = tmp_path / "results/m"
     assert simulate("--no-figures").code == 0
@@ -70,6 +71,7 @@ def test_an_interrupted_run_leaves_the_complete_one_alone(simulate, interrupted,
     assert not (folder / "unfinished").exists()
 
 
+@pytest.mark.slow
 def test_a_motion_that_stops_is_a_result(simulate, tmp_path):
     """The same command would stop it again; nothing of a motion that did not stop stays beside."""
     folder = tmp_path / "results/m"
@@ -81,6 +83,7 @@ def test_a_motion_that_stops_is_a_result(simulate, tmp_path):
     assert attributes(folder / "simulate.nc")["complete"] == "no"
 
 
+@pytest.mark.slow
 def test_an_unfinished_run_of_another_verb_stays(simulate, interrupted, cli, tmp_path):
     unfinished = tmp_path / "results/m/unfinished"
     assert interrupted().code == 1
@@ -206,7 +209,7 @@ def test_what_a_killed_run_has_written_aside_is_removed_by_the_next(simulate, tm
     assert [path.name for path in records.iterdir()] == ["simulate.json"]
 
 
-@pytest.mark.slow_except("key")
+@pytest.mark.slow
 @pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()], ids=["os", "key"])
 def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, monkeypatch, failure):
     folder = tmp_path / "results/m"
@@ -254,7 +257,7 @@ def test_a_full_disk_loses_nothing_and_says_so(tmp_path):
     assert contents(tmp_path / "results/m") == before
 
 
-@pytest.mark.slow_except("svg")
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["png", "svg", "pdf"])
 def test_a_figure_is_computed_again(simulate, cli, tmp_path, form):
     changed = ("--set", "bars.crank.length=0.04", "--samples", "7")
@@ -267,6 +270,7 @@ def test_a_figure_is_computed_again(simulate, cli, tmp_path, form):
     assert len({(folder / "simulate.csv").read_bytes() for folder in folders}) == 1
 
 
+@pytest.mark.slow
 def test_what_is_said_goes_before_what_results_say(simulate, cli, tmp_path):
     assert simulate("--no-figures", "--samples", "7", "--out", "first").code == 0
     for given in (("--samples", "5"), ("--set", "simulate.samples=5")):

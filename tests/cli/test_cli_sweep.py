@@ -91,6 +91,7 @@ def test_no_point_at_all_fails(cli):
     assert "no point could be computed: joint B" in found.err
 
 
+@pytest.mark.slow
 def test_a_store_goes_on_and_says_what_it_holds(cli):
     arguments = ("slider-crank", *EFFORT, *ROD, "--store", "study", "--no-figures", "--json")
     one, other = (json.loads(cli("sweep", *arguments).out) for _ in range(2))

@@ -98,6 +98,7 @@ def test_a_sweep_of_a_file_does_not_connect_to_a_scheduler_that_the_file_names(
     assert not list(tmp_path.rglob("there"))
 
 
+@pytest.mark.slow_except("python")
 @pytest.mark.parametrize("how", ["command", "python"])
 def test_nor_do_tolerances_of_a_file(how, forged, listener, tmp_path, cli):
     address, connections = listener

@@ -303,6 +303,7 @@ def test_equations_as_python_are_python(cli):
 # simulate
 
 
+@pytest.mark.slow
 def test_simulate_warns_of_pins_out_of_their_holes(cli):
     arguments = ("--set", "simulate.end=0.4", "--set", "simulate.samples=41", "--no-figures")
     result = cli("simulate", "ninebar-rotating", *arguments)
@@ -382,6 +383,7 @@ def test_table_of_maxima(cli):
     assert "2 files in results/slider-crank" in text
 
 
+@pytest.mark.slow
 def test_table_of_all_outputs_has_all_maxima(cli):
     """What a single output shows is there when all are asked for."""
     arguments = ("simulate", "slider-crank", "--no-figures", *SHORT, "--outputs")
@@ -392,6 +394,7 @@ def test_table_of_all_outputs_has_all_maxima(cli):
     assert set(rows) <= {" ".join(line.split()) for line in everything}
 
 
+@pytest.mark.slow
 def test_maxima_beyond_the_horizon_are_marked(cli):
     """A double pendulum that is predictable for some seconds of 30; its peak speed comes later."""
     how = ("--set", "simulate.end=30", "--set", "simulate.rtol=1e-6", "--verify", "--no-figures")
@@ -552,6 +555,7 @@ def test_a_run_gives_up_after_some_steps_with_what_it_has(cli):
     assert found["horizon"]["whole"]  # the comparison may take more steps
 
 
+@pytest.mark.slow
 def test_places_of_a_driven_motion_count_as_steps(cli):
     fast = ("four-bar", "--set", "drives.crank.speed=1000.5", "--set", "simulate.end=1")
     result = cli("simulate", *fast, "--max-steps", "50000", "--no-figures")

@@ -184,6 +184,7 @@ def test_wrong_entries(entry, found):
     assert any(found in problem for problem in complaints(block(0, 0) + f"- {entry}\n"))
 
 
+@pytest.mark.slow_except("*stribeck*")
 @pytest.mark.parametrize("kind", ["force: {}", "force: {}, static: {}, stribeck_speed: 0.1"])
 def test_a_mass_that_is_let_go_does_not_chatter(kind):
     """Whatever the error of its speed while it sticks, which says nothing on where it goes.

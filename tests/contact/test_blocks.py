@@ -170,6 +170,7 @@ def test_small_play_tends_to_the_ideal_slider():
     assert found[0] > 5 * found[1] > 25 * found[2]
 
 
+@pytest.mark.slow
 def test_loaded_and_damped_block_slides_on_its_wall():
     """A slow engine whose weight holds the block down: an ideal slider on an axis that is lower.
 

@@ -93,6 +93,7 @@ def test_states_and_notes_tell_contact_from_flight(solution):
     assert note.startswith(f"clearance gap: {int(touches.rises.sum())} touches at ")
 
 
+@pytest.mark.slow_except("two-contacts")
 @pytest.mark.parametrize("end", [FLORES, LINK], ids=["two-contacts", "contact-and-link"])
 def test_two_clearances(end):
     solution = linkages.simulate(engine(end=end), outputs="all", end=0.005)

@@ -65,7 +65,7 @@ def check_against_reference(name, end, limit):
     assert np.abs(forces - known[:count, 0]).max() < 100 * limit * np.abs(known).max()
 
 
-@pytest.mark.slow_except("2-*", "5-*")
+@pytest.mark.slow_except("5-*")
 @pytest.mark.parametrize("name", QUICK)
 def test_reference_results(name):
     check_against_reference(name, QUICK[name], LIMIT)
@@ -77,6 +77,7 @@ def test_reference_results_over_more_events(name):
     check_against_reference(name, LONG[name], 4 * LIMIT)
 
 
+@pytest.mark.slow_except("2-*", "3-*", "5-*")
 @pytest.mark.parametrize("name", QUICK)
 def test_slip_and_energy(name):
     """Slip where the definition says the radius; energy less work and plus losses is constant."""

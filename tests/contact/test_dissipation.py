@@ -121,6 +121,7 @@ def test_energy_is_there_or_dissipated(gap):
         assert (data[NAMES[0]].sel(clearance="link") == 0.0).all()
 
 
+@pytest.mark.slow
 def test_impacts_are_the_sum_of_both_and_stops_have_their_own():
     """Of rigid bodies only friction between impacts comes to what they lose."""
     text = ENGINE.replace("GAP", GAPS["rigid"])

@@ -187,6 +187,7 @@ assembly: {{B: [0.18, 0]}}
 """
 
 
+@pytest.mark.slow
 def test_oil_at_one_end_of_a_rod_and_dry_friction_at_the_other():
     """Energy is balanced, and bars in another order move alike."""
     found = [

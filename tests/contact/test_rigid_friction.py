@@ -173,6 +173,7 @@ def engine(friction, **options):
     return linkages.simulate(linkages.loads(text), samples=301, outputs="all", **options)
 
 
+@pytest.mark.slow_except("newton")
 @pytest.mark.parametrize("impact", ["newton", "poisson"])
 def test_energy_of_an_engine_whose_gudgeon_pin_rubs(impact):
     solution = engine(f"pin_radius: 8 mm, friction: 0.2, impact: {impact}", end=0.15)
@@ -198,7 +199,7 @@ def test_little_friction_is_none():
     np.testing.assert_allclose(little.joint_position, none.joint_position, rtol=0, atol=1e-10)
 
 
-@pytest.mark.slow_except("closed", "stuck")
+@pytest.mark.slow_except("stuck")
 @pytest.mark.parametrize("end", [0.02, 0.1, 0.3], ids=["impacts", "closed", "stuck"])
 def test_tangents_of_a_pin(end):
     check(
@@ -242,6 +243,7 @@ FREE = (
 )
 
 
+@pytest.mark.slow
 def test_a_slider_that_sticks_beside_a_pin_that_sticks():
     """Forces of both follow from one system; smooth friction tends to it with its width."""
     dry, smooth, smoother = (

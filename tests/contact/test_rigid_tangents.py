@@ -35,6 +35,7 @@ def test_a_free_pin(end):
     check(PIN, end, 1e-3)
 
 
+@pytest.mark.slow_except("0.03")
 @pytest.mark.parametrize("end", [BOUNCED, CLOSED, OPENED, AGAIN])
 def test_an_engine_that_closes_and_opens(end):
     check(ENGINE, end, 1e-4)

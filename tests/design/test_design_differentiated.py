@@ -110,6 +110,7 @@ def test_a_number_that_is_zero_stays_and_has_a_derivative():
     assert found.derivatives[0, 0] != 0.0
 
 
+@pytest.mark.slow
 def test_an_extreme_at_a_corner_moves_with_the_corner():
     """Where rising and falling branches meet, x(t*) = c(t*): dm/dp by Richardson's differences."""
     mechanism = linkages.load("slider-crank")

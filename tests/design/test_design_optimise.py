@@ -26,7 +26,7 @@ simulate: {end: 1, samples: 201}
 """
 
 
-@pytest.mark.slow_except("local-rms*", "local-max*", "global-*")
+@pytest.mark.slow_except("local-rms*", "local-max*")
 @pytest.mark.parametrize(
     ("search", "measure"),
     [
@@ -108,6 +108,7 @@ def test_what_is_no_optimum_says_so():
     assert any("ended before an optimum" in note for note in short.data.attrs["notes"])
 
 
+@pytest.mark.slow
 def test_searches_say_that_they_keep_the_assembly_mode():
     mechanism = linkages.loads(GENERATOR.format(12, 30, 20))
     times = {"time (s)": [0.0, 1.0, 2.0], "output.angle (deg)": [70.0, 75.0, 80.0]}
@@ -143,6 +144,7 @@ def beam_pump_torque(angle, weight):
     return slope * (6000 * speed**2 * bend - load) + weight * 9.81 * 1.2 * np.cos(angle)
 
 
+@pytest.mark.slow
 def test_the_counterweight_of_the_beam_pump_is_that_of_virtual_work():
     """Two peaks are alike at the optimum, on the way up and on the way down."""
     angles = np.linspace(0, 2 * np.pi, 100_001)

@@ -101,6 +101,7 @@ def test_derivatives_go_through_an_exchange_of_free_coordinates():
     assert (missed <= 2e-9 + 10 * attainable).all()
 
 
+@pytest.mark.slow
 def test_derivatives_go_through_a_jump_whose_time_depends_on_numbers():
     """The torque jumps at an angle that is a number, so its time moves."""
     found = Differentiated(
@@ -169,6 +170,7 @@ def test_numbers_without_an_effect_and_formulas_are_refused():
         linkages.sensitivities(linkages.load("pendulum"), "bar_angle", "bars.rod.inertia")
 
 
+@pytest.mark.slow
 def test_derivatives_that_grow_without_bound_are_refused():
     """Bars of different lengths have no change point, which the motion goes through."""
     with pytest.raises(ComputationError, match="grow without bound"):
@@ -233,6 +235,7 @@ def test_joint_reactions_have_the_derivatives_of_differences(name, end, part):
     assert attainable.min() < 1e-6
 
 
+@pytest.mark.slow
 def test_reactions_of_redundant_constraints_have_no_derivative():
     """Three parallel cranks carry a coupler that two would carry as well."""
     mechanism = linkages.loads(

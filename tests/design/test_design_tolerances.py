@@ -48,6 +48,7 @@ def test_the_stroke_between_dead_centres_is_twice_the_crank(found):
     assert float(own["linear_deviation"]) == pytest.approx(2 * 0.02e-3 / 3, rel=1e-11)
 
 
+@pytest.mark.slow
 def test_samples_of_a_linear_measure_are_normal(found):
     own = found.sel(measure=STROKE)
     deviation, count = 2 * 0.02e-3 / 3, found.sizes["draw"]

@@ -62,6 +62,7 @@ def test_inertia_and_energies(printed):
         close(printed.module["potential_energy"](q, p), potential, 1 + abs(potential))
 
 
+@pytest.mark.slow_except("par*")
 def test_generalised_forces_and_gradient(printed):
     for state in printed.states:
         q, dq, p = printed.of(state.position), printed.of(state.rate), printed.parameters(state)

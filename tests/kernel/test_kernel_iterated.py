@@ -56,7 +56,7 @@ def test_positions_are_those_of_another_solver():
         assert found[:2] == pytest.approx([ex, ey], abs=1e-11)  # to its own tolerance
 
 
-@pytest.mark.slow_except("with*")
+@pytest.mark.slow_except("plate*")
 @MODEL
 def test_rates_and_accelerations_along_the_turn(text):
     """Against differences of positions and rates; what is carried along may be a little off."""
@@ -145,6 +145,7 @@ def kernels(text):
     return of, accelerations, program
 
 
+@pytest.mark.slow_except("*plate*")
 @MODEL
 @pytest.mark.parametrize("change", [str, free], ids=["driven", "free"])
 def test_compiled_equals_evaluated(text, change):

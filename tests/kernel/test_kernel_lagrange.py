@@ -150,17 +150,11 @@ def roads(name):
 @pytest.mark.slow_except(
     "cart-with-pendulum-and-disc",
     "crossed-sliders",
-    "cylinder-table",
     "fixed-sun",
     "four-bar-two-clearances",
     "geared-five-bar-free",
-    "loaded-clearances",
-    "motorised",
-    "plates-free",
     "scotch-yoke",
-    "slider-crank-B",
     "trammel",
-    "welded-free",
 )
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_kernel_satisfies_lagrange_equations(name):
@@ -171,6 +165,7 @@ def test_kernel_satisfies_lagrange_equations(name):
         assert_agrees(lagrange, state)
 
 
+@pytest.mark.slow
 def test_assembly_modes_and_drives_differ_between_states():
     kernel, _ = roads("nine-bar")
     states = kernel.states(1)
@@ -181,6 +176,7 @@ def test_assembly_modes_and_drives_differ_between_states():
     assert sides == {-1.0, 1.0}
 
 
+@pytest.mark.slow
 def test_states_of_iterated_groups_are_far_from_each_other():
     kernel, _ = roads("class-three")
     states = kernel.random_states(COUNT)

@@ -166,6 +166,7 @@ def test_failing_lanes_amid_good_ones(name, numbers, spread):
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 
+@pytest.mark.slow
 def test_lanes_of_an_iteration_that_does_not_end():
     """Starts far from any solution, and nan: the others neither wait nor change."""
     program, given, _ = case("class-three")

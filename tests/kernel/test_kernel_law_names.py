@@ -49,6 +49,7 @@ def test_a_load_that_is_time_itself(law):
     assert assembled(law).address("rates")
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(FORMULAS)
 def test_any_law_of_time_compiles(law):

@@ -170,7 +170,7 @@ def test_a_short_push_in_a_driven_motion_is_found(width):
     assert found[1] - found[0] == pytest.approx(5 * 2 * float(width) / 0.8, rel=1e-4)
 
 
-@pytest.mark.slow_except("101")
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [3, 101])
 def test_rates_in_a_rigid_clearance(samples):
     solution = linkages.simulate(linkages.loads(CLEARANCE), samples=samples)

@@ -77,6 +77,7 @@ def test_tangents_that_fade_are_seen_in_time(tangents, monkeypatch):
     assert np.array_equal(*found)
 
 
+@pytest.mark.slow_except("pendulum-2")
 @pytest.mark.parametrize(("name", "directions"), [("slider-crank", 0), ("pendulum", 2)])
 def test_there_are_no_more_tangents_than_directions(name, directions):
     system = System(linkages.load(name))

@@ -12,7 +12,7 @@ import linkages
 SHORT = {"simulate.end": 0.1, "simulate.samples": 21}
 
 
-@pytest.mark.slow_except("pendulum-*", "double*")
+@pytest.mark.slow_except("pendulum-*")
 @pytest.mark.parametrize(
     ("name", "given"),
     [
@@ -40,6 +40,7 @@ def test_a_solution_is_computed_again_bit_for_bit(name, given, tmp_path):
         assert again.events[event].equals(found)
 
 
+@pytest.mark.slow
 def test_what_was_changed_in_python_is_computed_again(tmp_path):
     mechanism = linkages.load("ninebar", set=SHORT)
     damper = linkages.ClearanceDamper(index=0, clearance="r1", damping=1e-4)

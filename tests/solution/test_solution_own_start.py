@@ -8,6 +8,7 @@ import linkages
 TURNING = {"rod": (0.0, 12.0)}
 
 
+@pytest.mark.slow_except("slider-crank", "ninebar", "pendulum")
 @pytest.mark.parametrize("name", ["slider-crank", "ninebar", "pendulum", "class-three", "andrews"])
 def test_samples_are_those_of_the_same_motion_whenever_they_are_taken(name):
     """Driven or free: the motion starts at t = 0, and nothing depends on where samples lie."""

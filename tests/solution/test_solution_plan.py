@@ -178,6 +178,7 @@ plan.bind(System(linkages.loads(sys.argv[1])))
 """
 
 
+@pytest.mark.slow
 def test_a_plan_finds_its_kernel_in_the_cache(tmp_path):
     """Another process writes no file: text and name are the same."""
     plan = pickle.dumps(Plan.of(mechanism()))

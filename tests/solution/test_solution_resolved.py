@@ -107,6 +107,7 @@ def test_a_motion_that_took_long_keeps_its_samples_and_says_so(ninebar, monkeypa
     assert row["value"] < true["value"]
 
 
+@pytest.mark.slow
 def test_a_motion_that_stops_is_shown_up_to_there():
     mechanism = linkages.load("ninebar", set={"assembly.E": "left"})
     with pytest.raises(linkages.IncompleteError) as caught:

@@ -63,6 +63,7 @@ def test_the_jacobian_is_that_of_differences(name):
     assert abs(found - (ahead - behind) / (2 * step)).max() < 1e-7 * size
 
 
+@pytest.mark.slow
 def test_tangents_go_along_a_table_over_an_angle():
     """Tangents of the variational equations are differences of motions, to second order."""
     mechanism = engine(GAS.replace("true", "true, interpolation: spline"))

@@ -53,6 +53,7 @@ def extremes(mechanism, variable, element="cart"):
     return row["least"], row["greatest"]
 
 
+@pytest.mark.slow_except("101")
 @pytest.mark.parametrize("samples", [101, 233, 1001])
 def test_a_stop_with_a_damper_brakes_most_at_the_touch(samples):
     """Before it the block moves freely, behind it is damped far more than it is thrown back."""
@@ -63,6 +64,7 @@ def test_a_stop_with_a_damper_brakes_most_at_the_touch(samples):
     assert greatest == pytest.approx(90 / MASS, rel=1e-6)
 
 
+@pytest.mark.slow_except("101", "233")
 @pytest.mark.parametrize("samples", [101, 233, 1001])
 def test_a_rigid_stop_reverses_the_speed_that_the_block_has_there(samples):
     """Nothing that the motion remembers differs behind the impact."""

@@ -344,6 +344,7 @@ def test_modes_outlive_an_exchange_of_coordinates(cranks):
         assert other.motion.changes[name].time == pytest.approx(found.time, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_tangents_outlive_an_exchange_of_coordinates(cranks):
     one, other = (march(c, [0.2], tangents=2, tangent_atol=1e-10)[0] for c in cranks)
     start = System(cranks[1])

@@ -107,6 +107,7 @@ def test_samples_do_not_change_the_motion(method):
         assert end.steps == ends[0].steps
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_equal_input_gives_equal_bits(method):
     times = np.linspace(0, 7, 100)
     first, second = (integrate(pendulum(), [3.0, 0.1], times, **method) for _ in range(2))

@@ -142,6 +142,7 @@ def alone(given):
     return [integrate(flow, state, times, **options) for flow, state, times, options in given]
 
 
+@pytest.mark.slow_except("tsit5")
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_motions_have_the_bits_of_single_ones(method, driver):
     """With samples, more motions than slots, and several threads that could finish steps."""

@@ -71,6 +71,7 @@ def test_motions_with_as_many_samples_as_they_like():
         require_equal(one, other)
 
 
+@pytest.mark.slow_except("1.0")
 @pytest.mark.parametrize("backward", [1.0, -1.0])
 def test_samples_are_taken_in_lanes(backward, caplog):
     """Several in each step, some at its end: no step is made alone."""

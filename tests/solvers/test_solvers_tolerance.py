@@ -85,6 +85,7 @@ def test_error_is_proportional_to_the_tolerance(name, errors_of):
     assert spread(errors) < 10
 
 
+@pytest.mark.slow_except("vern9")
 @pytest.mark.parametrize("name", NAMES)
 def test_error_of_the_ninebar_is_proportional_to_the_tolerance(name, ninebar):
     errors = [ninebar_errors(ninebar, method=name, rtol=rtol).max() for rtol in TOLERANCES]

@@ -31,6 +31,7 @@ def shaper(crank, offset, arm, rod, start, motion, speed, masses, points=""):
     return defined(text)
 
 
+@pytest.mark.slow
 @drawn
 @given(
     crank=decades(-2, 0),

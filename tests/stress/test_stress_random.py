@@ -147,6 +147,7 @@ def test_four_bar(lengths, start, speed, side, masses, motion, how):
     run(lambda: defined(text), how, 0.05)
 
 
+@pytest.mark.slow
 @drawn
 @given(
     starts=st.tuples(angles, angles),

@@ -71,6 +71,7 @@ def test_driven_dyad_too_close_is_reported_as_singular(margin, samples):
     assert (caught.value.solution.data.time < caught.value.time).all()
 
 
+@pytest.mark.slow_except("*-dop853")
 @pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
 @pytest.mark.parametrize("margin", [1e-2, 1e-3, 1e-4])
 def test_free_motion_passes_close_to_its_change_point(margin, method):

@@ -74,7 +74,7 @@ def test_a_sweep(driver):
     assert found.identical(expected)
 
 
-@pytest.mark.slow_except("exponent")
+@pytest.mark.slow
 @pytest.mark.parametrize("indicator", ["fli", "gali", "exponent"])
 def test_a_map(indicator, driver):
     mechanism = linkages.loads(PENDULUM)
@@ -96,6 +96,7 @@ def test_a_diagram(driver):
     assert found.identical(expected)
 
 
+@pytest.mark.slow
 def test_exponents_of_a_diagram(driver, monkeypatch):
     """Over fewer periods than users get."""
     monkeypatch.setattr(bifurcation, "EXPONENT_PERIODS", 4)
@@ -123,6 +124,7 @@ def test_motions_with_modes(driver):
     assert found.identical(expected)
 
 
+@pytest.mark.slow
 def test_a_map_of_motions_with_modes(driver):
     mechanism = linkages.loads(WORN)
     axes = {"clearances.gap.size": ["0.1 mm", "0.3 mm"]}, {"bars.rod.mass": [0.4, 0.5]}
@@ -133,6 +135,7 @@ def test_a_map_of_motions_with_modes(driver):
     assert found.identical(expected)
 
 
+@pytest.mark.slow
 def test_a_store_goes_on_elsewhere(driver, tmp_path):
     """Chunks of one place beside chunks of another: the result has the same bytes."""
     mechanism = linkages.loads(PENDULUM)

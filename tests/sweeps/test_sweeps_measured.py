@@ -127,6 +127,7 @@ def test_sweeps_of_driven_tables_equal_single_runs(path, values, options):
     assert serves(System(mechanism), measured_series(System(mechanism), first))
 
 
+@pytest.mark.slow
 def test_tolerances_and_global_searches_take_tables_on_drives():
     mechanism = linkages.loads(TABLE_DRIVE.replace("OPTIONS", "periodic: true"))
     varied = mechanism.with_values({ROD: "140 ± 0.1 mm"})

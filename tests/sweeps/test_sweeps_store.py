@@ -235,6 +235,7 @@ def test_a_limit_of_file_sizes_is_a_full_disk(tmp_path):
     assert found["done"] < 1000
 
 
+@pytest.mark.slow
 def test_bifurcations_and_maps_have_stores(tmp_path):
     mechanism = linkages.loads(PENDULUM.replace("free: {", "drives: {}\nfree: {"))
     x, y = {"free.arm.angle": [0.1, 0.2]}, {"free.arm.speed": [0.0, 0.1, 0.2]}
@@ -279,7 +280,7 @@ class Third(Threads):
                 raise KeyboardInterrupt
 
 
-@pytest.mark.slow_except("backward")
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["forward", "backward"])
 def test_a_continuation_goes_on_where_it_was_interrupted(tmp_path, start, monkeypatch):
     """With the state in which its motions ended, to the last bit; over a value that is refused."""

@@ -117,7 +117,7 @@ class Worker:
         return why, dict(zip(names, rows, strict=True))
 
 
-@pytest.mark.slow_except("four-bar-*", "ninebar-clearances*", "scotch*")
+@pytest.mark.slow_except("four-bar-*", "scotch*")
 @pytest.mark.parametrize(("name", "path"), CHANGED)
 def test_a_worker_computes_the_motion_of_simulate(written, name, path):
     """The beginning of a motion: the engine is an interpreter, some dozen times as slow."""

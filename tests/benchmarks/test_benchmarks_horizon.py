@@ -232,6 +232,7 @@ def test_no_horizon_without_verifying(simulate):
     assert (code, json.loads(out)["horizon"]) == (0, None)
 
 
+@pytest.mark.slow
 def test_horizon_of_fixed_steps_on_request(simulate, tmp_path):
     import xarray as xr
 

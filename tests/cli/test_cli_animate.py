@@ -95,6 +95,7 @@ def test_mp4_without_ffmpeg(cli, monkeypatch, tmp_path):
     assert result.files == set()
 
 
+@pytest.mark.slow
 def test_a_motion_that_stops_is_shown_up_to_there(cli, tmp_path):
     (tmp_path / "stuck.yaml").write_text(STUCK)
     result = cli("animate", "stuck.yaml", *FEW, "--json")

@@ -9,7 +9,7 @@ import pytest
 
 from linkages.reading.locate import shipped
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow_except()
 
 WATCHED = ("numpy", "llvmlite", "xarray", "sympy", "matplotlib", "matplotlib.pyplot", "scipy")
 IMPORTS = f"""
@@ -34,6 +34,7 @@ def start(*arguments, folder, code=None, **environment):
     )
 
 
+@pytest.mark.slow_except("--help*", "list*")
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
@@ -52,6 +53,7 @@ def test_what_is_not_needed_is_not_imported(arguments, unwanted, tmp_path):
     assert not imported & unwanted
 
 
+@pytest.mark.slow_except("list")
 @pytest.mark.parametrize("arguments", ["check ninebar --json", "list", "equations four-bar"])
 def test_reader_that_leaves_early(arguments, tmp_path):
     """`python -m linkages ... | head -c 1`: the reader is gone before anything is written."""

@@ -288,6 +288,7 @@ def test_files_tell_no_folders_of_a_machine(simulate, cli, tmp_path):
             assert not path.is_file() or str(tmp_path).encode() not in path.read_bytes(), path
 
 
+@pytest.mark.slow
 def test_a_folder_holds_results_of_one_definition(simulate, cli, tmp_path):
     phase = ("phase", "m.yaml", "--x", "time", "--y", "piston.position", "--no-figures")
     folder = tmp_path / "results/m"

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.slow_except(),
     pytest.mark.skipif(os.name != "posix", reason="signals of POSIX"),
 ]
 
@@ -137,6 +137,7 @@ def test_ctrl_c(folder):
         assert "end: 1e9" in data.attrs["definition"]
 
 
+@pytest.mark.slow_except("*")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_signal_while_the_program_starts(folder, number):
     """In the midst of its imports the process ends, without a traceback and without files."""
@@ -173,6 +174,7 @@ rest.wait()
 """
 
 
+@pytest.mark.slow_except("*")
 @pytest.mark.parametrize("second", [signal.SIGINT, signal.SIGTERM])
 def test_second_signal_ends_at_once(second):
     with subprocess.Popen(
@@ -184,6 +186,7 @@ def test_second_signal_ends_at_once(second):
     assert process.returncode == -second
 
 
+@pytest.mark.slow_except("*")
 def test_signals_that_are_ignored_stay_ignored():
     code = TWICE.replace("interrupts.end", "signal.signal(2, signal.SIG_IGN); interrupts.end")
     code += "\n".join(["", "print(signal.getsignal(2) is signal.SIG_IGN)"])

@@ -1,9 +1,6 @@
 """Tables and reports that `simulate` writes."""
 
-import pytest
 
-
-@pytest.mark.slow
 def test_the_command_writes_them(cli, tmp_path):
     asked = ("simulate", "slider-crank", "--no-figures", "--samples", "5", "--out", "x")
     assert cli(*asked, "--units", "mm,deg", "--table", "xlsx").code == 0

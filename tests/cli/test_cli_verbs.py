@@ -412,6 +412,7 @@ def test_maxima_beyond_the_horizon_are_marked(cli):
         assert row["beyond_horizon"] == (row["time"] > content["horizon"]["time"])
 
 
+@pytest.mark.slow
 def test_the_table_does_not_depend_on_samples(cli):
     """Twelve samples a turn of a slider-crank, and a thousand."""
     few = ("--set", "simulate.end=0.04", "--set", "simulate.samples=7", "--no-figures")
@@ -538,6 +539,7 @@ def test_own_file_comes_before_a_shipped_one(cli, tmp_path):
     assert cli("check", "four-bar").out.startswith("Four-bar linkage")
 
 
+@pytest.mark.slow
 def test_second_run_replaces_the_first(cli, tmp_path):
     assert cli("simulate", "four-bar", "--no-figures", *SHORT).code == 0
     assert cli("simulate", "four-bar", "--no-figures", *SHORT[:2]).code == 0

@@ -29,6 +29,9 @@ def test_loops_are_closed(printed):
         np.testing.assert_allclose(closure, 0.0, atol=1e-13)  # lengths of order 1
 
 
+@pytest.mark.slow_except(
+    "fixed-sun", "cam", "rack", "crossed-sliders", "scotch-yoke", "geared-five-bar-free"
+)
 def test_drives_are_laws(printed):
     orders = (
         ("drives", "position"),

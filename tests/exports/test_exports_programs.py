@@ -378,6 +378,7 @@ def test_formats_are_found_and_take_the_options_of_the_motion(tmp_path):
     assert "END, SAMPLES = 0.25, 7" in text
 
 
+@pytest.mark.slow
 def test_programs_end_at_change_points(tmp_path):
     """Between two samples, with the joint; where the margin is 1e-5 its time is known to 1e-5."""
     of = System(linkages.loads(PARALLELOGRAM))
@@ -436,6 +437,7 @@ def test_drives_lead_through_change_points_however_close_samples_are(samples, mo
     np.testing.assert_allclose(values, expected, rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_driven_iterated_groups_end_as_simulate_does(tmp_path):
     """With the same sentence: time, joint, group. Both bisect on the time, to 1e-9 and better."""
     mechanism = system("class-three").mechanism.with_values({"bars.crank.length": 0.16})

@@ -82,6 +82,7 @@ def test_long_titles_go_on_in_further_lines(count):
         assert title.get_window_extent().width <= ax.bbox.width
 
 
+@pytest.mark.slow
 def test_everything_is_inside_its_panel():
     result = figure(press(), modes(5))
     for ax in result.axes:

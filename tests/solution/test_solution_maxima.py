@@ -75,6 +75,7 @@ def test_of_peaks_alike_the_first_is_given():
     assert row["time"] == pytest.approx(0.1 * (0.5 - 0.01 / np.pi) * 30, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_steady_motion_has_no_peaks_to_miss():
     """Three parallel cranks: speeds are constant, the plate translates, the rest is round-off."""
     path = Path(__file__).parents[1] / "data" / "redundant" / "three-cranks.yaml"

@@ -18,7 +18,7 @@ from linkages.sweeps.cluster import Cluster
 distributed = pytest.importorskip("distributed", reason="Dask is not installed")
 dask = pytest.importorskip("dask")
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore")]  # Dask's own
+pytestmark = [pytest.mark.slow_except(), pytest.mark.filterwarnings("ignore")]  # Dask's own
 
 SIZES = {"clearances.r1.size": np.linspace(1e-5, 1e-3, 10)}
 PEAK = "max(abs(slider9.velocity))"
@@ -74,12 +74,14 @@ def test_workers_of_another_version_compute_nothing(local, monkeypatch):
         swept(scheduler=local.scheduler_address)
 
 
+@pytest.mark.slow_except("*")
 def test_nobody_answers(monkeypatch):
     monkeypatch.setattr(cluster, "CONNECTING", 1)
     with pytest.raises(InputError, match=r"tcp://127\.0\.0\.1:1: no Dask scheduler answers there"):
         swept(scheduler="tcp://127.0.0.1:1")
 
 
+@pytest.mark.slow_except("*")
 def test_cores_and_scheduler_contradict_each_other():
     with pytest.raises(ValueError, match="expected one of them"):
         swept(scheduler="tcp://127.0.0.1:1", cores=2)

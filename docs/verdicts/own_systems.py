@@ -18,7 +18,7 @@ class _Moving(ABC):
 
     furthest = 1e9  # of numbers with 16 digits
     parts = 1
-    """Of an interval, after each of which tangents are brought back to length one."""
+    """How often tangents are brought back to length one within an interval."""
 
     def __init__(self, state: ArrayLike, angles: ArrayLike | None, time: float) -> None:
         self._state = np.array(state, dtype=float)
@@ -128,6 +128,9 @@ class Ode(_Moving):
         Which entries of the state are angles, shape (d,); f must have period 2π in them.
     time
         Where time starts, in seconds.
+    parts
+        How often tangents are brought back to length one within an interval: more than once where a
+        direction contracts so much that it gets lost beside the others.
 
     Notes
     -----
@@ -139,8 +142,6 @@ class Ode(_Moving):
        Springer 1993, II.5 and I.14.
     """
 
-    parts = 16  # directions that contract by e⁻¹⁰⁰ in a period stay apart from the others
-
     def __init__(
         self,
         function: Callable[[float, Floats], ArrayLike],
@@ -151,8 +152,10 @@ class Ode(_Moving):
         *,
         angles: ArrayLike | None = None,
         time: float = 0.0,
+        parts: int = 1,
     ) -> None:
         super().__init__(state, angles, time)
+        self.parts = parts
         self._function, self._jacobian = function, jacobian
         self._rtol = rtol
         self._atol = np.broadcast_to(np.asarray(atol, dtype=float), self._state.shape)

@@ -83,7 +83,8 @@ def simulate(
         A value other than 0 stands behind it: ``"crank.angle=90 deg"``. The crossings are in
         `Solution.events`; a zero at the start is none.
     outputs
-        Names of variables of the result, or ``"all"``; kinematics and efforts if not given.
+        Names of variables of the result, also as one text with commas between them, or ``"all"``;
+        kinematics and efforts if not given.
         Only what is asked for is computed.
     watch
         Called about 20 times a second with the fraction of simulated time done.

@@ -33,7 +33,7 @@ def requested(system: System, outputs: Iterable[str] | None) -> list[str]:
         return available(system)
     if not isinstance(outputs, Iterable):
         raise TypeError(f"outputs must be names, or 'all', found {outputs!r}")
-    names = [outputs] if isinstance(outputs, str) else [*outputs]
+    names = outputs.split(",") if isinstance(outputs, str) else [*outputs]
     for name in names:
         if name not in VARIABLES:
             near = suggestion(name, VARIABLES) or "; expected: " + ", ".join(VARIABLES)

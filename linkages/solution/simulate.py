@@ -19,7 +19,8 @@ from linkages.options.signature import takes
 from linkages.reading.wording import TOO_LARGE, listed
 from linkages.solution.crossings import labelled_events
 from linkages.solution.moving.evaluation import evaluate_variables
-from linkages.solution.moving.motion import Motion, Settings, Watch, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Motion, Settings, Watch
 from linkages.solution.moving.starting import State, asked_for, own_times, started
 from linkages.solution.options import options_of
 from linkages.solution.remarks.assumptions import assumptions

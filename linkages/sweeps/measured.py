@@ -37,8 +37,8 @@ from linkages.solution.measuring.reduced import Source, reduced
 from linkages.solution.measuring.together import Together, goes_together
 from linkages.solution.moving.elsewhere import cpu_only
 from linkages.solution.moving.many import march_many, side_by_side
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import March, compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.options import options_of
 from linkages.solution.simulate import have_inertia, require_inertia, simulate
 from linkages.solution.values.series import TIME, Series

@@ -31,8 +31,8 @@ from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
 from linkages.solution.measuring.followed import denser, driven_factor, evaluable, factor_of
 from linkages.solution.measuring.measure import measure_unit, measured_series
-from linkages.solution.moving.march import March
-from linkages.solution.moving.motion import Motion, Settings, compute_motion
+from linkages.solution.moving.march import March, compute_motion
+from linkages.solution.moving.motion import Motion, Settings
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
 from linkages.solution.values.series import Series

@@ -24,7 +24,8 @@ from linkages.solution.measuring.followed import (
     resolved_motion,
 )
 from linkages.solution.measuring.measure import measured_series, single
-from linkages.solution.moving.motion import Settings, compute_motion
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Settings
 from linkages.solution.options import options_of
 from linkages.solution.values.series import TIME
 from linkages.spec.measures import Measure

@@ -20,13 +20,8 @@ from linkages.solution.measuring.compiled import compiled_values
 from linkages.solution.measuring.course import Course
 from linkages.solution.moving.driven import fastest
 from linkages.solution.moving.evaluation import evaluate_nodes, evaluate_variables
-from linkages.solution.moving.motion import (
-    Changed,
-    Motion,
-    Piece,
-    Settings,
-    compute_motion,
-)
+from linkages.solution.moving.march import compute_motion
+from linkages.solution.moving.motion import Changed, Motion, Piece, Settings
 from linkages.solution.resolved import MOST_SAMPLES
 from linkages.solution.values.episodes import states, touches_so_far
 from linkages.solution.values.impacts import losses_of_impacts

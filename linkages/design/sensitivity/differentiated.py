@@ -24,7 +24,8 @@ from linkages.design.sensitivity.numbers import (
     numbers_of,
     value_of,
 )
-from linkages.design.sensitivity.reductions import differentiated, followed
+from linkages.design.sensitivity.reductions import as_far_as_finite, differentiated, followed
+from linkages.design.sensitivity.varied import Varied
 from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
@@ -36,7 +37,7 @@ from linkages.solution.moving.motion import Motion, Settings, compute_motion
 from linkages.solution.options import options_of
 from linkages.solution.simulate import require_inertia
 from linkages.solution.values.series import Series
-from linkages.spec.measures import argument, read_measure
+from linkages.spec.measures import Measure, argument, read_measure
 
 Floats = NDArray[np.float64]
 
@@ -125,6 +126,7 @@ class Differentiated:
                 )
         self._run = options_of(SimulationOptions, mechanism, run or {})
         self._derivatives = Derivatives()
+        self._plain: Moved | None = None
         self._varying = Varying(self.mechanism)
         system = self._varying.at({})
         if system.chosen:
@@ -165,6 +167,38 @@ class Differentiated:
             return Evaluated(values, None)
         slopes = np.array([each.slopes for each in found], dtype=float)
         return Evaluated(values, slopes.reshape(len(found), -1) / self.scales)
+
+    def each(self, moved: Moved) -> list[tuple[float, Floats, str]]:
+        """The measures of the motion of the definition, each by itself.
+
+        Returns
+        -------
+        Of each its value, its derivatives of shape (P,), and why one of them is nan; empty if none
+        is.
+
+        Raises
+        ------
+        ValueError
+            If a series has no derivative.
+        """
+        found = []
+        for measure in self._measures:
+            try:
+                own, missing = as_far_as_finite(measure, moved)
+            except ComputationError as error:
+                missing = str(error)
+                own = Varied(self._alone(measure), np.full(moved.count, np.nan))
+            found.append((float(own.value), own.slopes / self.scales, missing))
+        return found
+
+    def _alone(self, measure: Measure) -> Floats:
+        """A measure without derivatives; nan if it has no value either."""
+        if self._plain is None:
+            self._plain = self.moved(self.values, self.series, derivatives=False)
+        try:
+            return as_far_as_finite(measure, self._plain)[0].value
+        except ComputationError:
+            return np.array(np.nan)
 
     def along(
         self, numbers: Floats, series: Sequence[str], times: Floats, derivatives: bool = True

@@ -141,7 +141,8 @@ def _elements(system: System, name: str) -> list[Series]:
         requested(system, [name])
         return [each for each in system_series(system).values() if each.variable == name]
     if "." not in name and name != TIME:
-        near = suggestion(name, available(system)) or "; expected one such as drive_effort"
+        own = available(system)
+        near = suggestion(name, own) or f"; expected one such as {own[0]}"
         raise ValueError(f"unknown output {name!r}{near}")
     return [*known_series(system, [name]).values()]
 

@@ -16,7 +16,7 @@ from linkages.design.sensitivity.breaks import Break, breaks, led_past, told_apa
 from linkages.design.sensitivity.changes import as_breaks, changing_modes, followed_closely
 from linkages.design.sensitivity.crossed import crossed
 from linkages.design.sensitivity.derived import Derivatives, nodes_of
-from linkages.design.sensitivity.moved import Moved, compared_series
+from linkages.design.sensitivity.moved import Moved
 from linkages.design.sensitivity.numbers import (
     Number,
     effects,
@@ -30,7 +30,13 @@ from linkages.errors import ComputationError
 from linkages.kernel.system import System
 from linkages.kernel.varying import Varying
 from linkages.options.run import SimulationOptions
-from linkages.solution.measuring.followed import denser, driven_factor, evaluable, factor_of
+from linkages.solution.measuring.followed import (
+    compared_series,
+    denser,
+    driven_factor,
+    evaluable,
+    factor_of,
+)
 from linkages.solution.measuring.measure import measure_unit, measured_series
 from linkages.solution.moving.march import March
 from linkages.solution.moving.motion import Motion, Settings, compute_motion

@@ -372,10 +372,10 @@ class MeasureQuestion(Question):
         system = System(self.nominal or self.varying.mechanism)
         for each in self.measures.values():
             measured_series(system, each)
-        (motion, time), data = self._moved(system)
+        (motion, time, settings), data = self._moved(system)
         if motion.failure is not None:
             raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-        return Followed(system, motion, self._series, data, time)
+        return Followed(system, motion, self._series, data, time, settings)
 
     def _of(self, system: System) -> Answer:
         """The answer of one mechanism by itself."""
@@ -399,13 +399,13 @@ class MeasureQuestion(Question):
         return Resolved(motion, motion.time), data
 
     def _answer(self, system: System, moved: Resolved, data: xr.Dataset | None) -> Answer:
-        motion, time = moved
+        motion, time, settings = moved
         if motion.interrupted:
             raise KeyboardInterrupt
         if motion.failure is not None:
             stopped = ComputationError(motion.failure, time=motion.stop_time)
             return Answer.of(stopped, stop_code(stopped), evaluations(motion))
-        source = Followed(system, motion, self._series, data, time)
+        source = Followed(system, motion, self._series, data, time, settings)
         numbers, reasons = {}, []
         for name, each in self.measures.items():
             try:

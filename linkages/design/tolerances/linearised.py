@@ -172,5 +172,5 @@ def _nominal(
     motion = compute_motion(system, settings)
     if motion.failure is not None:
         raise ComputationError(f"the nominal motion: {motion.failure}", time=motion.stop_time)
-    motion, time = resolved_motion(system, motion, settings, integrated)
+    motion, time, _ = resolved_motion(system, motion, settings, integrated)
     return Followed(system, motion, series, time=time)

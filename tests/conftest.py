@@ -2,6 +2,7 @@
 
 import os
 import signal
+from fnmatch import fnmatchcase
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -34,3 +35,21 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(config, "workerinput"):
         import matplotlib.font_manager  # noqa: F401
+
+
+@pytest.hookimpl(tryfirst=True)  # before tests are selected by their marks
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark what the closest `slow_except` does not name as slow, and find names of nothing."""
+    given, used = set(), set()
+    for item in items:
+        if mark := item.get_closest_marker("slow_except"):
+            parameters = item.callspec.id if hasattr(item, "callspec") else ""
+            found = {name for name in mark.args if fnmatchcase(parameters, name)}
+            test = item.nodeid.partition("[")[0]
+            given.update((test, name) for name in mark.args)
+            used.update((test, name) for name in found)
+            if not found:
+                item.add_marker(pytest.mark.slow)
+    # a test that is asked for by its name may leave others of the same function out
+    if given - used and not any("::" in argument for argument in config.args):
+        raise pytest.UsageError(f"slow_except names no parameters: {sorted(given - used)}")

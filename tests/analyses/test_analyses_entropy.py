@@ -66,6 +66,7 @@ def test_a_monotonic_series_has_one_pattern():
     assert permutation_entropy(-np.arange(50.0), 3) == (0.0, 5)
 
 
+@pytest.mark.slow
 def test_regular_and_chaotic_linkages_differ():
     mild = linkages.loads(DRIVEN.replace("DAMPING", "2.0").replace("AMPLITUDE", "1.0"))
     wild = linkages.loads(DRIVEN.replace("DAMPING", "0.2").replace("AMPLITUDE", "6.0"))

@@ -33,6 +33,7 @@ def test_c_program_and_kernel_agree(tmp_path):
     assert found.state[-1, 1] == pytest.approx(float(output[1]), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_steps():
     resource = pytest.importorskip("resource", reason="peak memory is read from POSIX")
     del resource

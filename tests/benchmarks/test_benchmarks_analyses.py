@@ -5,7 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 
+
+@pytest.mark.slow
 def test_it_prints_a_ratio_for_every_analysis():
     script = Path(__file__).with_name("analyses.py")
     command = [sys.executable, str(script), "--json", "2"]

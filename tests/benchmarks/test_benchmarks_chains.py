@@ -28,6 +28,7 @@ def operations(links):
     )
 
 
+@pytest.mark.slow
 def test_chain_is_far_from_singular_and_swings():
     system = System(chain(20))
     assert system.topology.free == ("post0",)

@@ -54,6 +54,7 @@ def test_without_location_the_first_rate_is_wrong(program):
     assert abs(over.velocity - wanted) > 1e4 * abs(located.velocity - wanted)
 
 
+@pytest.mark.slow
 def test_measuring_gives_all_figures(program):
     figures = measure(2, repeats=1)
     assert program.exists()

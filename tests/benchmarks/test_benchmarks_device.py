@@ -8,6 +8,7 @@ from linkages.kernel.code import cuda
 from linkages.solvers import accelerated
 
 
+@pytest.mark.slow
 def test_it_prints_a_table(monkeypatch, capsys):
     """Fewer motions than a launch takes, and more than the stand-in is filled by."""
     monkeypatch.setattr(accelerated, "FEWEST", 2)

@@ -51,6 +51,7 @@ def chaotic():
     return {rtol: horizon_of(20.0, CHAOTIC, rtol=rtol) for rtol in (1e-6, 1e-8, 1e-10)}
 
 
+@pytest.mark.slow
 def test_chaotic_motion_has_a_horizon(chaotic):
     horizon = chaotic[1e-8]
     assert not horizon.whole
@@ -82,6 +83,7 @@ def test_errors_of_a_chaotic_motion_grow_exponentially():
     assert (gains < 6).all()
 
 
+@pytest.mark.slow
 def test_horizon_is_where_a_still_tighter_run_says(chaotic):
     """Until the horizon of 1e-8 the run agrees with one at 1e-13 to three digits."""
     runs = [
@@ -213,6 +215,7 @@ SHORT = ("--set", "simulate.end=0.05", "--set", "simulate.samples=51", "--no-fig
 COARSE = ("--set", "simulate.method=rk4", "--set", "simulate.step=1e-3")
 
 
+@pytest.mark.slow
 def test_horizon_in_json(simulate):
     code, out, _ = simulate("ninebar", *SHORT, "--json")
     assert code == 0
@@ -221,6 +224,7 @@ def test_horizon_in_json(simulate):
     )
 
 
+@pytest.mark.slow
 def test_no_horizon_without_verifying(simulate):
     code, out, _ = simulate("ninebar", *SHORT, "--no-verify", "--json")
     assert (code, json.loads(out)["horizon"]) == (0, None)
@@ -243,6 +247,7 @@ def test_driven_mechanism_says_nothing_of_a_horizon(simulate):
     assert (code, json.loads(out)["horizon"]) == (0, None)
 
 
+@pytest.mark.slow_except("vern9-True")
 @pytest.mark.parametrize(
     ("method", "verified"), [("dop853", True), ("vern9", True), ("tsit5", False)]
 )

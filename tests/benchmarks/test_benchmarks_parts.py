@@ -114,6 +114,7 @@ def test_a_driven_mechanism_from_start_to_end(timed):
 MISSING = ("drive_force", "load_force", "load_torque", "clearance_orbit", "clearance_state")
 
 
+@pytest.mark.slow_except("slider_position", "phase")
 @pytest.mark.parametrize("name", [name for name in OF_ALL if name not in MISSING])
 def test_figure(timed, solution, name):
     def draw():

@@ -84,6 +84,7 @@ def reference_problem():
     return InitialValueProblem(linkages.load("ninebar", set=START), end)
 
 
+@pytest.mark.slow
 def test_reference_agrees_with_states_of_extended_precision(reference_problem):
     """Two seconds of the nine-bar against another program in more digits.
 
@@ -159,6 +160,7 @@ def test_time_per_evaluation_is_that_of_compiled_code(short):
 GROUP = {"drives": {}, "free": {"crank": {"angle": 0, "speed": 6}}}
 
 
+@pytest.mark.slow
 def test_group_solved_by_iteration_is_measured(monkeypatch):
     """With coordinates that are carried along; a peer that knows no iteration is left out."""
     problem = InitialValueProblem(linkages.load("class-three", set=GROUP), 0.1)
@@ -293,6 +295,7 @@ def test_bench_writes_its_numbers_and_a_figure(bench, tmp_path):
     assert costs["peak_bytes"] is None or costs["peak_bytes"] > 1e7
 
 
+@pytest.mark.slow
 def test_what_is_compiled_is_counted_where_nothing_is_cached(monkeypatch, tmp_path):
     """Processor time, whatever else the machine does: two runs need not differ by it."""
     from linkages.benchmark import report

@@ -32,6 +32,7 @@ def one_by_one(monkeypatch):
     monkeypatch.setattr(Varying, "mechanism_at", lambda self, o: self.mechanism.with_values(o))
 
 
+@pytest.mark.slow_except("fli")
 @pytest.mark.parametrize("indicator", ["exponent", "fli", "gali"])
 def test_a_map_is_that_of_mechanisms_built_one_by_one(loose, indicator, monkeypatch):
     run = {**RUN, "indicator": indicator}
@@ -41,6 +42,7 @@ def test_a_map_is_that_of_mechanisms_built_one_by_one(loose, indicator, monkeypa
     assert not any(bound["reason"].to_numpy().ravel())
 
 
+@pytest.mark.slow
 def test_a_map_through_another_structure(pendulum, monkeypatch):
     """Undamped within a range of dampings, and a mechanism that is refused beside others."""
     x = {"dampers[0].damping": [0.05, 0.0, 0.1, -1.0]}
@@ -53,6 +55,7 @@ def test_a_map_through_another_structure(pendulum, monkeypatch):
     assert "damping" in reasons[0, 3]
 
 
+@pytest.mark.slow_except("None-*")
 @pytest.mark.parametrize("start", ["same", "forward"])
 @pytest.mark.parametrize("section", [None, "piston.velocity=0"])
 def test_a_diagram_is_that_of_mechanisms_built_one_by_one(loose, start, section, monkeypatch):

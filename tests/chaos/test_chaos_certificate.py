@@ -156,6 +156,7 @@ simulate: {end: 1, rtol: 1e-9}
     assert list(named(exponents_of(built(several), periods=20))) == ["sum of all exponents"]
 
 
+@pytest.mark.slow
 def test_a_step_that_takes_energy_out_violates_the_certificate():
     """The paper's RK4 at 0.5 ms: the nine-bar has no friction, and yet volumes shrink."""
     changes = {"drives.crank1.angle": "15 deg", "drives.crank4.angle": "150 deg"}

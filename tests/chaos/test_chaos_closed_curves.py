@@ -59,6 +59,7 @@ def test_chaotic_sea_is_no_curve():
     assert closed_curves(np.mod(points, 2 * np.pi), angles=[True, True]).count == 0
 
 
+@pytest.mark.slow
 def test_henon_attractor_is_no_curve():
     assert closed_curves(orbit(henon(), 1500, 1, 100)).count == 0
 

@@ -77,6 +77,7 @@ def analysed(name, speed, **given):
     return linkages.poincare(engine(speed), periods=PERIODS, **section)
 
 
+@pytest.mark.slow_except("*-fast")
 @pytest.mark.parametrize("speed", [SLOW, FAST], ids=["slow", "fast"])
 @pytest.mark.parametrize("name", ["poincare", "section", "bifurcation", "lyapunov", "chaos_map"])
 def test_contact_is_that_of_a_simulation(name, speed, expected):
@@ -136,6 +137,7 @@ def test_mechanisms_without_clearances_have_no_contact():
     assert "contact_lost" not in data
 
 
+@pytest.mark.slow_except("poincare")
 @pytest.mark.parametrize("name", ["poincare", "lyapunov"])
 def test_every_oscillation_of_a_clearance_is_looked_at(name):
     """The journal of the nine-bar swings 222 times in a period, too fast for 128 looks."""

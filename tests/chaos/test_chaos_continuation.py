@@ -72,6 +72,7 @@ def run_on(text, path, value, **section):
     return data.to_numpy(), long.to_numpy()
 
 
+@pytest.mark.slow_except("phase 0-*")
 @pytest.mark.parametrize("text", [PENDULUM, WOUND, DRAG], ids=["no spring", "free", "dependent"])
 @pytest.mark.parametrize("section", [{}, {"phase": 0.5}], ids=["phase 0", "phase 0.5"])
 def test_chain_of_equal_values_is_one_motion(text, section):
@@ -109,6 +110,7 @@ def test_crossings_without_drives_go_on_from_the_last_one():
     assert last[np.isfinite(last)][-1] == pytest.approx(expected[-1], abs=1e-6)
 
 
+@pytest.mark.slow_except("None")
 @pytest.mark.parametrize("section", [None, "crank.speed=0"])
 def test_assembly_mode_stays_with_a_rough_place(section):
     run = {"periods": 2, "skip": 7, "start": "forward"}

@@ -147,6 +147,7 @@ def settled(rng, growth, shortest):
     return float(np.mean([drift(run)[0] <= DRIFTS and mean_error(run)[1][0] for run in runs]))
 
 
+@pytest.mark.slow
 def test_cycles_and_tori_are_covered_and_settled():
     """Two errors are more than the range of sums, so that all are covered; none drifts by chance.
 
@@ -162,6 +163,7 @@ def test_cycles_and_tori_are_covered_and_settled():
         assert settled(rng, growth, 128) == 1.0, name
 
 
+@pytest.mark.slow_except("200")
 @pytest.mark.parametrize("count", [200, 1000])
 def test_chaos_is_covered(count):
     """Errors of the logistic map are too large: its growth is nearly the increment of a series."""
@@ -204,6 +206,7 @@ def test_long_correlation_is_covered_or_distrusted():
     assert part >= LEAST
 
 
+@pytest.mark.slow
 def test_sums_of_exponents_are_covered():
     """A sum of several rates is a series of its own: errors of parts do not add up."""
     rng = np.random.default_rng(6)

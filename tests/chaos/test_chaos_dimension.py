@@ -59,6 +59,7 @@ def test_quasi_periodic_orbit_fills_a_torus():
     assert found.value == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.slow_except("2")
 @pytest.mark.parametrize("size", [1, 2, 3])
 def test_white_noise_fills_its_space(size):
     """Edges of a cube lower slopes: by about r per dimension at radius r, at most a tenth."""

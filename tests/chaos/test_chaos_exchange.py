@@ -115,6 +115,7 @@ def test_tangents_go_along_in_an_exchange():
         assert tangents.tangents[:, column] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_exponents_do_not_depend_on_what_is_free():
     """And their sum is that of inertia and loads, whatever was exchanged."""
     by_crank, by_piston = (
@@ -129,6 +130,7 @@ def test_exponents_do_not_depend_on_what_is_free():
         assert apart <= float(found.tolerance[0]) < 0.05 * abs(float(found.expected[0]))
 
 
+@pytest.mark.slow
 def test_an_exchange_is_no_growth():
     """The ratio of lengths in the old and new coordinate, 25 or so, is no part of exponents.
 
@@ -154,6 +156,7 @@ def test_no_exchange_no_other_metric():
     assert abs(float(found.found[0])) > 1e-3
 
 
+@pytest.mark.slow
 def test_a_parallelogram_is_a_pendulum_in_section_and_exponents():
     """Through its change points, for ever: without gravity it turns at its speed of 6 rad/s.
 

@@ -48,6 +48,7 @@ def test_published_flows(system, interval, intervals, published, digit, precise)
     assert found.settled, found.unsettled
 
 
+@pytest.mark.slow
 def test_henon_map():
     found = lyapunov_spectrum(henon(), interval=1, intervals=10000, skip=100)
     assert found.errors.max() < 0.005
@@ -63,6 +64,7 @@ def test_logistic_map_has_ln_2():
     assert abs(found.values[0] - math.log(2)) < 3.5 * found.errors[0]
 
 
+@pytest.mark.slow
 def test_standard_error_against_the_scatter_of_runs():
     """Twelve runs scatter by their error; a standard deviation of 12 is within 0.5 to 1.6 of it."""
     runs = [
@@ -110,6 +112,7 @@ def test_divergence_that_varies():
     assert mean_error(gaps)[0][0] < 1e-2
 
 
+@pytest.mark.slow
 def test_hamiltonian_pairs_vanish_along_chaos():
     """Once directions have been found, frames are symplectic and only the tolerance is left.
 
@@ -126,6 +129,7 @@ def test_hamiltonian_pairs_vanish_along_chaos():
         pair_sums(lyapunov_spectrum(henon(), interval=1, intervals=64, count=1))
 
 
+@pytest.mark.slow
 def test_regular_orbit_falls_like_one_over_time():
     """λ(t) = ln(1 + c t) / t: ten times the time leaves 1/10 to 1/5 of it, chaos all of it."""
     found = lyapunov_spectrum(henon_heiles(1 / 12, 0.3), interval=5.0, intervals=640, count=1)
@@ -149,6 +153,7 @@ def test_sticking_is_seen():
     assert not found.settled
 
 
+@pytest.mark.slow
 def test_intervals_that_are_too_long_are_seen():
     found = lyapunov_spectrum(lorenz(1e-6), interval=2.0, intervals=64)
     assert "take shorter intervals" in found.unsettled

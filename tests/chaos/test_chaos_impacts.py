@@ -18,6 +18,7 @@ simulate: {end: 1}
 """
 
 
+@pytest.mark.slow_except("-0.5*")
 @pytest.mark.parametrize(("gravity", "expected"), [(0, "quasi-periodic"), (-0.5, "chaotic")])
 def test_a_body_that_flies_in_its_bearing(gravity, expected):
     """G. D. Birkhoff (1927): chords of a circle turn by one angle at every touch.
@@ -49,6 +50,7 @@ simulate: {end: 1}
 """
 
 
+@pytest.mark.slow_except("one floor")
 @pytest.mark.parametrize(
     ("angle", "stops", "period"),
     [

@@ -25,6 +25,7 @@ REGULAR = [(1 / 12, 0.3, 0.0), (1 / 12, -0.1, 0.1), (1 / 8, 0.55, 0.0)]
 CHAOTIC = [(1 / 8, -0.25, 0.0), (1 / 6 - 1e-3, -0.1, 0.1)]
 
 
+@pytest.mark.slow_except("orbit2")
 @pytest.mark.parametrize("orbit", REGULAR)
 def test_regular_orbits(orbit):
     """FLI grows like ln t, GALI_2 stays of order one on a torus of two dimensions."""
@@ -35,6 +36,7 @@ def test_regular_orbits(orbit):
     assert found.fli[-1] < 2 * math.log(found.times[-1])
 
 
+@pytest.mark.slow_except("orbit0")
 @pytest.mark.parametrize("orbit", CHAOTIC)
 def test_chaotic_orbits(orbit):
     found = fast_indicators(henon_heiles(*orbit), intervals=300, interval=5.0)
@@ -43,6 +45,7 @@ def test_chaotic_orbits(orbit):
     assert found.gali[-1] <= 1e-12
 
 
+@pytest.mark.slow
 def test_fli_grows_after_tangents_have_become_parallel():
     """The fast indicator belongs to the whole run, not to what GALI can tell of."""
     found = fast_indicators(lorenz(), intervals=200, interval=1.0)
@@ -55,6 +58,7 @@ def test_fli_grows_after_tangents_have_become_parallel():
     assert verdict_by_gali(found) is Verdict.CHAOTIC
 
 
+@pytest.mark.slow
 def test_power_law_of_gali_on_a_torus():
     """Skokos et al. 2007: GALI_3 ~ t^-2 and GALI_4 ~ t^-4 on a torus of two dimensions.
 
@@ -67,6 +71,7 @@ def test_power_law_of_gali_on_a_torus():
         assert -slope == pytest.approx(power, abs=0.7)
 
 
+@pytest.mark.slow
 def test_fli_rises_with_the_exponent():
     """The mean slope of ln‖w‖ is the largest exponent, to 1/t."""
     found = fast_indicators(lorenz(), intervals=100, interval=0.5)

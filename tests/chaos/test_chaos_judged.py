@@ -278,6 +278,7 @@ def contracting(factor: float) -> Map:
     return Map(lambda x: factor * x, lambda _: [[factor]], [1.0])
 
 
+@pytest.mark.slow_except("0.5-None-*", "0.98-500-*")
 @pytest.mark.parametrize(
     ("factor", "skip", "skipped", "expected"),
     [
@@ -305,6 +306,7 @@ def test_nothing_is_skipped_of_a_conservative_motion():
     assert (found.skipped, found.how_skipped) == (0, "nothing dissipates")
 
 
+@pytest.mark.slow
 def test_an_interval_that_is_a_period_is_no_rest():
     """States at all ends of intervals are the same, and the motion between is looked at."""
     oscillator = Ode(

@@ -76,6 +76,7 @@ def test_stroboscopic_section_is_the_motion_at_whole_periods():
     assert np.abs(turned).max() < 1e-8  # two runs at rtol 1e-10 with other sample times
 
 
+@pytest.mark.slow_except("down*")
 @pytest.mark.parametrize(("direction", "sign"), [("up", 1), ("down", -1)])
 def test_geometric_section_is_located_exactly(direction, sign):
     section = "slider9.velocity=0"
@@ -168,6 +169,7 @@ def test_requests_that_make_no_sense():
         verdict(ninebar(), periods=10)
 
 
+@pytest.mark.slow
 def test_exponents_come_in_pairs_without_dissipation():
     exponents = exponents_of(ninebar(**{"clearances.r1.angle": "90 deg"}), periods=20)
     sums, errors = pair_sums(exponents)
@@ -234,6 +236,7 @@ simulate: {end: 1, rtol: 1e-9}
     assert found.values == pytest.approx([np.sqrt(9.81), -np.sqrt(9.81)], abs=2e-6)
 
 
+@pytest.mark.slow_except("dop853", "tsit5", "rk4", "gauss8")
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_renormalises_tangents(method):
     """A damped pendulum at rest: exponents are the real parts of −c/2 ± √(c²/4 − g/l), c = 7.
@@ -252,6 +255,7 @@ def test_every_method_renormalises_tangents(method):
     assert len(tangents.motion.time) == 3 * 90 + 1
 
 
+@pytest.mark.slow
 def test_fast_indicator_of_a_map_follows_one_tangent(monkeypatch):
     columns = []
     made = LinkageTangents.__init__
@@ -418,6 +422,7 @@ def test_slider_crank_with_two_clearances():
     assert exponents.values[0] > 0
 
 
+@pytest.mark.slow
 def test_map_of_a_mechanism_with_two_clearances():
     mechanism = linkages.load("slider-crank", set=TWO_CLEARANCES)
     x = parse_range("clearances.a.angle=-1:1:3")

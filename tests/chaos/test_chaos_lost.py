@@ -90,6 +90,7 @@ def test_a_verdict_on_stick_slip():
     assert report.exponents.attrs["lost"] == 1
 
 
+@pytest.mark.slow
 def test_exponents_of_many_side_by_side():
     """The largest one in diagrams and maps, of motions in lanes."""
     axis = "friction[0].force=0.8:1.1:4"
@@ -124,6 +125,7 @@ def at_rest(kind):
     return linkages.loads(text + "friction: [{slider: block, force: 3 N}]\n")
 
 
+@pytest.mark.slow_except("*-16")
 @pytest.mark.parametrize("skip", [0, 16])
 @pytest.mark.parametrize(
     ("kind", "lost", "others"),
@@ -139,6 +141,7 @@ def test_a_block_at_rest_from_the_beginning(kind, lost, others, skip):
     assert data.exponent.to_numpy()[-2:].sum() == pytest.approx(-C, rel=begun)
 
 
+@pytest.mark.slow
 def test_a_verdict_on_a_ball_at_rest():
     report = linkages.verdict(at_rest("stop"), periods=200, skip=0)
     assert report.verdict == "at rest"

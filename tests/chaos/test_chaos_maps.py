@@ -96,6 +96,7 @@ def test_ranges_of_different_units_do_not_vary_together():
         together([first, parse_range("bars.b.length=1mm:2mm:4")])
 
 
+@pytest.mark.slow_except("fli")
 @pytest.mark.parametrize("indicator", ["exponent", "fli", "gali"])
 def test_points_side_by_side_are_those_alone(indicator):
     """In all bits, whatever computes them: also beside a point that stops, and one that is none."""

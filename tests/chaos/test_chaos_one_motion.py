@@ -57,6 +57,7 @@ def border():
     return low, high
 
 
+@pytest.mark.slow
 def test_a_second_run_from_the_start_goes_the_other_way(border):
     """Why exponents must not start again: this is what the other tests are about."""
     found = []
@@ -74,6 +75,7 @@ SECTIONS = {
 }
 
 
+@pytest.mark.slow_except("*-same")
 @pytest.mark.parametrize("start", ["same", "backward"])
 @pytest.mark.parametrize("kind", SECTIONS)
 def test_exponents_belong_to_the_points(border, kind, start):

@@ -137,6 +137,7 @@ LINEAR = {
 }
 
 
+@pytest.mark.slow_except("slow motor-*", "Maxwell-*", "PID-40*")
 @pytest.mark.parametrize("interval", [0.5, 40.0])
 @pytest.mark.parametrize(("text", "matrix"), LINEAR.values(), ids=LINEAR)
 def test_internal_states(text, matrix, interval):
@@ -152,6 +153,7 @@ def test_internal_states(text, matrix, interval):
     assert found.lost == 0
 
 
+@pytest.mark.slow_except("tsit5", "rk4")
 @pytest.mark.parametrize(
     "how",
     [
@@ -184,6 +186,7 @@ simulate: {end: 1}
     assert found.values[0] == pytest.approx(0.0, abs=0.2)
 
 
+@pytest.mark.slow_except("*-1")
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize("how", [{}, {"method": "rk4", "step": 1e-4}], ids=["dop853", "rk4"])
 def test_intervals_in_which_tangents_would_overflow(how, count):

@@ -73,6 +73,7 @@ class Elsewhere(Threads):
         return (pickle.loads(pickle.dumps(outcome)) for outcome in super().run(*sent))
 
 
+@pytest.mark.slow_except("None")
 @pytest.mark.parametrize("section", [None, "r1.speed=0"])
 def test_tasks_and_results_can_be_sent_to_other_processes(section):
     """Those of motions that stop, too."""

@@ -258,6 +258,7 @@ def test_all_tolerances_are_tightened():
     assert (tight.rtol, tight.atol) == pytest.approx((1e-7, 1e-8))
 
 
+@pytest.mark.slow
 def test_fixed_steps_are_shortened_instead_of_tolerances():
     mechanism = pendulum(**{"simulate.method": "rk4", "simulate.step": 0.02})
     given = {"periods": 20, "skip": 20}

@@ -56,6 +56,7 @@ def test_a_mechanism_made_in_python_has_the_definition_of_its_file(path):
     assert again.components == loaded.components
 
 
+@pytest.mark.slow_except("four-bar", "five-bar", "ninebar")
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_varying_is_loading_with_another_number(path):
     """Every number of every shipped file; defaults that follow from it follow."""
@@ -113,6 +114,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow_except("*-in Python", "*-both")
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 @pytest.mark.parametrize("start", ["same", "forward"])
 def test_a_sweep_keeps_what_was_changed_in_python(change, start):

@@ -223,6 +223,7 @@ def sliders(first: str, second: str, start: float) -> linkages.Mechanism:
     return from_document(parse(text.replace("STARTS", repr(start)), "sliders.yaml"))
 
 
+@pytest.mark.slow_except("*-1e-08")
 @pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-8, 1e-9])
 @pytest.mark.parametrize("atol", [None, 1e-15])
 def test_a_small_coordinate_beside_a_large_one_is_judged_by_its_own_extent(size, atol):
@@ -244,6 +245,7 @@ def test_a_verdict_does_not_depend_on_the_origin():
     assert report.zero_one["b"][0] > 0.6
 
 
+@pytest.mark.slow
 def test_weak_chaos_on_a_cycle_of_five_is_seen_by_the_zero_one_test():
     """A cycle of five that feels a thousandth of a chaotic motion."""
     cycle = duffing(0.37, slider="a") + "+0.001*b.position"
@@ -354,12 +356,13 @@ def test_a_third_drive_without_a_common_period():
     assert any("3 drives or loads have no common period" in text for text in report.reasons)
 
 
+@pytest.mark.slow_except("0.2*")
 @pytest.mark.parametrize(
     ("amplitude", "expected", "exponent"),
     [
         (0.2, "quasi-periodic", None),
         (0.55, "undecided", -0.162),
-        pytest.param(1.0, "quasi-periodic", None, marks=pytest.mark.slow),
+        (1.0, "quasi-periodic", None),
     ],
 )
 def test_two_torques_on_a_pendulum(amplitude, expected, exponent):
@@ -371,6 +374,7 @@ def test_two_torques_on_a_pendulum(amplitude, expected, exponent):
         assert float(report.exponents.exponent[0]) == pytest.approx(exponent, abs=0.016)
 
 
+@pytest.mark.slow_except("0.28*")
 @pytest.mark.parametrize(("force", "expected"), [(0.28, "quasi-periodic"), (0.5, "chaotic")])
 def test_a_weak_force_without_a_common_period(force, expected):
     """A cycle of two becomes a torus of two branches, and chaos remains."""
@@ -420,6 +424,7 @@ simulate: {{end: 1}}
     assert (report.verdict, report.period) == expected, report.reasons
 
 
+@pytest.mark.slow
 def test_lengths_have_rates_in_metres_per_second_and_no_libration():
     report = verdict(sliders(LINEAR, duffing(0.28), 1.0), periods=200)
     assert report.rotation == {}

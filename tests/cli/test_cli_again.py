@@ -36,6 +36,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.slow_except("poincare --periods 3", "lyapunov*")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_results_of_commands_are_computed_again_bit_for_bit(cli, tmp_path, command):
     (tmp_path / "driven.yaml").write_text(DRIVEN, encoding="utf-8")

@@ -61,6 +61,7 @@ def test_json_and_options(cli):
         assert image.size == (400, 300)
 
 
+@pytest.mark.slow
 def test_a_film_may_be_longer_than_the_file_says(cli):
     result = cli("animate", "slider-crank", *FEW, "--duration", "0.2", "--json")
     assert json.loads(result.out)["last"] > 0.08

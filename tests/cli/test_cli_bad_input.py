@@ -252,6 +252,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow_except("key-*", "side-*", "*-missing", "unit-*")
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 def test_report_exit_code_and_nothing_written(case, cli, tmp_path):
     if case.text is not None:

@@ -1,5 +1,7 @@
 """What the command line says of a slider with room in its guide."""
 
+import pytest
+
 from linkages import loads
 
 TEXT = """
@@ -30,6 +32,7 @@ def test_check_lists_the_contact_and_doubts_its_start(cli, tmp_path):
     assert "clearance play starts pressed in by 0.0001 m" in said
 
 
+@pytest.mark.slow
 def test_simulate_draws_the_block_and_tells_of_its_corners(cli, tmp_path):
     loads(TEXT).save(tmp_path / "play.yaml")
     result = cli("simulate", "play.yaml")

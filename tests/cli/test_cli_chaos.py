@@ -196,6 +196,7 @@ def test_exponents_as_a_table(pendulum):
     assert "2 files in" in result.out
 
 
+@pytest.mark.slow
 def test_lost_exponents_are_shown(cli, tmp_path):
     text = """\
 joints: {O: [0, 0]}
@@ -214,6 +215,7 @@ simulate: {end: 2}
     assert (content["verdict"], content["exponents"], content["lost"]) == ("at rest", [0.0], 1)
 
 
+@pytest.mark.slow
 def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
     """No error of integration at all is allowed here, so that the first one violates."""
     monkeypatch.setattr("linkages.chaos.growth.certificate.SMALL", 0.0)
@@ -230,6 +232,7 @@ def test_a_violated_certificate_is_said_loudly(pendulum, monkeypatch):
 # bifurcation
 
 
+@pytest.mark.slow
 def test_bifurcation_keeps_all_points_and_says_why_some_are_missing(pendulum, tmp_path):
     """Without inertia at its end the arm cannot move: the first mass of the range fails."""
     result = pendulum(
@@ -304,6 +307,7 @@ def test_sweep_without_any_result(pendulum):
     assert "no value could be computed: " in result.err
 
 
+@pytest.mark.slow_except("*-backward")
 @pytest.mark.parametrize("start", ["same", "forward", "backward"])
 @pytest.mark.parametrize("bounds", ["-0.2:0.2:3", "0.2:-0.2:3"])
 def test_values_that_make_no_sense_do_not_stop_the_others(pendulum, tmp_path, start, bounds):
@@ -343,6 +347,7 @@ def test_initial_states_are_split_at_assignments():
 # map
 
 
+@pytest.mark.slow_except("fli")
 @pytest.mark.parametrize("indicator", ["exponent", "fli", "gali"])
 def test_map(pendulum, tmp_path, indicator):
     result = pendulum(
@@ -415,6 +420,7 @@ def test_chaos_as_json_without_figures(pendulum, tmp_path):
     assert "base64" not in page
 
 
+@pytest.mark.slow
 def test_a_quick_verdict_takes_more_periods_where_it_needs_them(cli, tmp_path):
     """Three forces without a common period are never judged."""
     (tmp_path / "m.yaml").write_text("""\
@@ -433,6 +439,7 @@ simulate: {end: 1}
 # what is refused
 
 
+@pytest.mark.slow_except("phase-*", "map-*", "chaos-*")
 @pytest.mark.parametrize(
     ("verb", "arguments", "expected"),
     [

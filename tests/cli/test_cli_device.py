@@ -43,6 +43,7 @@ def test_a_machine_without_a_driver(command, name, cli, monkeypatch):
         Device()
 
 
+@pytest.mark.slow
 @COMMANDS
 def test_the_file_is_that_of_the_cpu(command, name, cli, monkeypatch):
     monkeypatch.setattr(accelerated, "FEWEST", 2)

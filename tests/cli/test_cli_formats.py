@@ -28,6 +28,7 @@ RUNS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow_except("check-pdf", "poincare-svg")
 @pytest.mark.parametrize(("verb", "kind"), list(zip(RUNS, ["svg", "pdf"] * 3, strict=True)))
 def test_vectors(cli, tmp_path, verb, kind):
     (tmp_path / "pendulum.yaml").write_text(PENDULUM)

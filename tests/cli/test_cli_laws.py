@@ -50,6 +50,7 @@ def test_a_drive_by_a_law(cli, pump):
     assert found["drives"][0]["value"] == "-0.7 to 1.3 rad until t = 12 s"
 
 
+@pytest.mark.slow
 def test_loads_have_figures_and_maxima(cli, pump, tmp_path):
     result = cli("simulate", pump, "--out", str(tmp_path / "out"))
     assert {"load_force.png", "load_torque.png"} <= {p.name for p in (tmp_path / "out").iterdir()}

@@ -85,6 +85,7 @@ CHAIN = 10
 """So many slider-crank dyads: 2 to this power modes."""
 
 
+@pytest.mark.slow
 def test_more_than_the_most_are_cut_and_said_to_be(cli, tmp_path):
     bars = "".join(f"  rod{i}: {{joints: [A, B{i}], length: 0.{i + 2}}}\n" for i in range(CHAIN))
     sliders = "".join(f"  s{i}: {{joint: B{i}, through: O}}\n" for i in range(CHAIN))

@@ -38,6 +38,7 @@ def test_template_is_the_mechanism_of_the_library(cli, template, name):
     assert linkages.load("mine.yaml").components == linkages.load(name).components
 
 
+@pytest.mark.slow_except("nine-bar")
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_what_templates_comment_out_is_right(cli, tmp_path, template):
     """Sections that begin a commented line, with the entries that follow it."""
@@ -57,6 +58,7 @@ def test_nine_bar_has_its_clearance(cli):
     assert (content["driven"], content["free"]) == (["crank1", "crank4"], ["r1"])
 
 
+@pytest.mark.slow_except("engine-*", "deep*")
 @pytest.mark.parametrize(
     ("name", "file"),
     [

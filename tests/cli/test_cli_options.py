@@ -156,6 +156,7 @@ def numbers(data):
     return np.concatenate([array.to_numpy().ravel() for array in kept])
 
 
+@pytest.mark.slow_except("simulate-*", "lyapunov-*")
 @pytest.mark.parametrize("name", RUN)
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_question_is_integrated_as_it_is_asked(verb, name, pendulum):
@@ -212,6 +213,7 @@ def test_own_options_are_all_tried():
         assert changed == own - set(RUN) - {"max_steps", "change_points"}
 
 
+@pytest.mark.slow_except("simulate-*", "poincare-*", "lyapunov-*")
 @pytest.mark.parametrize(("verb", "first", "second"), OWN_CASES, ids=str)
 def test_own_options_change_what_is_found(verb, first, second, pendulum):
     found = [numbers(answered(verb, pendulum, **options)) for options in (first, second)]
@@ -246,6 +248,7 @@ def test_every_question_gives_up_after_as_many_steps_as_it_may_take(verb, pendul
     assert all("number of steps was used up" in reason for reason in reasons)
 
 
+@pytest.mark.slow_except("poincare", "map")
 @pytest.mark.parametrize("verb", VERBS)
 def test_flags_are_keywords(verb, cli, pendulum, tmp_path):
     """A command finds what the function does, and says how: function and options give it again."""
@@ -267,6 +270,7 @@ def test_flags_are_keywords(verb, cli, pendulum, tmp_path):
     assert np.array_equal(numbers(data), expected, equal_nan=True)
 
 
+@pytest.mark.slow_except("phase")
 @pytest.mark.parametrize("verb", ["animate", "phase"])
 def test_films_and_curves_are_integrated_as_they_are_asked(verb, cli, pendulum):
     del pendulum
@@ -284,6 +288,7 @@ def spans(result):
     return found["samples"], found["method"]
 
 
+@pytest.mark.slow
 def test_a_flag_beats_an_assignment_and_that_the_file(cli, pendulum):
     del pendulum
     short = ("simulate", "m.yaml", "--json", "--no-figures", "--no-verify")
@@ -314,6 +319,7 @@ def test_flags_are_numbers_as_the_file_writes_them(cli, pendulum, tmp_path):
     assert (options["end"], options["samples"], options["rtol"]) == (0.5, 11, 1e-4)
 
 
+@pytest.mark.slow
 def test_a_step_says_nothing_to_an_adaptive_method(cli, pendulum):
     """As a key of the file does: who changes the method back and forth leaves it there."""
     del pendulum
@@ -322,6 +328,7 @@ def test_a_step_says_nothing_to_an_adaptive_method(cli, pendulum):
     assert plain["cost"] == stepped["cost"]
 
 
+@pytest.mark.slow_except("*-simulate", "*-chaos")
 @pytest.mark.parametrize("verb", ["simulate", "poincare", "lyapunov", "chaos", "phase", "animate"])
 @pytest.mark.parametrize(
     ("arguments", "expected"),
@@ -345,6 +352,7 @@ def test_messages_name_the_flag(verb, arguments, expected, cli, pendulum):
     assert result.files == {"m.yaml"}
 
 
+@pytest.mark.slow_except("phase")
 @pytest.mark.parametrize("verb", ["simulate", "phase"])
 def test_a_motion_back_in_time(verb, cli, pendulum):
     """What a keyword may be, a flag may: simulate goes back, a curve has no time left out."""
@@ -380,6 +388,7 @@ FREE_CASES = {
 }
 
 
+@pytest.mark.slow_except("poincare")
 @pytest.mark.parametrize("verb", FREE_CASES)
 def test_change_points_are_passed_or_not_as_it_is_asked(verb, cli, tmp_path):
     """The free crank of a parallelogram comes to one within the first tenth of a second."""

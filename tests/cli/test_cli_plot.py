@@ -56,6 +56,7 @@ def test_a_difference_is_that_of_the_motions(cli, tmp_path):
     np.testing.assert_allclose(found, np.interp(angle, *own), atol=1e-3)
 
 
+@pytest.mark.slow
 def test_saved_runs_and_files_lie_over_each_other(cli, tmp_path):
     """Those of a folder are computed again as they were."""
     fast = ("--set", "drives.crank.speed=90 rpm", "--end", "0.5")

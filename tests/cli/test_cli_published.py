@@ -91,6 +91,7 @@ def test_an_unfinished_run_of_another_verb_stays(simulate, interrupted, cli, tmp
     assert contents(unfinished).keys() == {"mine.txt"}
 
 
+@pytest.mark.slow
 def test_files_that_a_run_does_not_write_again_are_removed(simulate, cli, tmp_path):
     folder = tmp_path / "results/m"
     assert simulate().code == 0
@@ -115,6 +116,7 @@ def test_files_without_a_record_are_nobodys(simulate, tmp_path):
     assert contents(folder).keys() == {"simulate.nc", "simulate.csv", "traces.png"}
 
 
+@pytest.mark.slow_except("?*files*x*")
 @pytest.mark.parametrize("record", ["", "[]", '{"files": 3}', '{"files": {"../m.yaml": "x"}}'])
 def test_a_record_that_is_none_does_no_harm(simulate, tmp_path, record):
     records = tmp_path / "results/m/.linkages"
@@ -204,6 +206,7 @@ def test_what_a_killed_run_has_written_aside_is_removed_by_the_next(simulate, tm
     assert [path.name for path in records.iterdir()] == ["simulate.json"]
 
 
+@pytest.mark.slow_except("key")
 @pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()], ids=["os", "key"])
 def test_a_failure_while_files_are_written_loses_nothing(simulate, tmp_path, monkeypatch, failure):
     folder = tmp_path / "results/m"
@@ -251,6 +254,7 @@ def test_a_full_disk_loses_nothing_and_says_so(tmp_path):
     assert contents(tmp_path / "results/m") == before
 
 
+@pytest.mark.slow_except("svg")
 @pytest.mark.parametrize("form", ["png", "svg", "pdf"])
 def test_a_figure_is_computed_again(simulate, cli, tmp_path, form):
     changed = ("--set", "bars.crank.length=0.04", "--samples", "7")
@@ -270,6 +274,7 @@ def test_what_is_said_goes_before_what_results_say(simulate, cli, tmp_path):
         assert len((tmp_path / "x/simulate.csv").read_text().splitlines()) == 1 + 5
 
 
+@pytest.mark.slow
 def test_files_tell_no_folders_of_a_machine(simulate, cli, tmp_path):
     assert simulate().code == 0
     whole = str(tmp_path / "m.yaml")

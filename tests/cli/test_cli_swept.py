@@ -44,6 +44,7 @@ def engine(cli, tmp_path):
     return run
 
 
+@pytest.mark.slow_except("poincare", "map")
 @pytest.mark.parametrize("verb", VERBS)
 def test_lost_contact_is_said(engine, verb):
     lost, kept = engine(verb, 1000), engine(verb, 300)
@@ -63,6 +64,7 @@ def test_lost_contact_is_said(engine, verb):
     assert all(each in kept.out for each in words)
 
 
+@pytest.mark.slow_except("poincare")
 @pytest.mark.parametrize("verb", VERBS)
 def test_lost_contact_stands_in_json(engine, verb):
     (found,) = json.loads(engine(verb, 1000, "--json").out)["contact"]

@@ -163,6 +163,7 @@ def _svg(text):
     return f'<svg xmlns="x"><metadata id="linkages-origin">{text}</metadata></svg>\n'
 
 
+@pytest.mark.slow_except("*-5")
 @pytest.mark.parametrize("text", BAD_TEXTS, ids=lambda text: text[:20])
 @pytest.mark.parametrize("kind", [".svg", ".html", ".c", ".py", ".xml", ".dxf", ".json", ".png"])
 def test_a_damaged_origin_is_one_clear_problem(kind, text, tmp_path, cli):
@@ -315,6 +316,7 @@ def test_results_take_no_data_from_other_files(how, tmp_path):
         linkages.open(path)
 
 
+@pytest.mark.slow_except("dxf", "gif", "json")
 @pytest.mark.parametrize(
     ("name", "content"),
     [

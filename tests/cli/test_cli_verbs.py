@@ -460,6 +460,7 @@ simulate: {end: 3, samples: 31}
 """
 
 
+@pytest.mark.slow_except("stop-1")
 @pytest.mark.parametrize(("option", "code"), [("pass", 0), ("stop", 1), (None, 1)])
 def test_change_points_are_passed_where_asked_for(cli, tmp_path, option, code):
     """All bars of a parallelogram are in line where the crank has turned to π and 2π."""

@@ -76,6 +76,7 @@ def test_it_opens_the_page_if_that_is_asked_for(cli, monkeypatch):
     assert seen == [Path("results/four-bar/view.html").absolute().as_uri()]
 
 
+@pytest.mark.slow_except("five-bar-free")
 @pytest.mark.parametrize("name", ["five-bar-free", "peaucellier"])
 def test_every_kind_of_mechanism_has_a_page(cli, name):
     assert cli("view", name, "--end", "0.1").code == 0

@@ -54,6 +54,7 @@ def test_response_of_a_loop():
     assert abs(data.energy_residual.to_numpy()).max() < 1e-8  # of 4 J
 
 
+@pytest.mark.slow_except("*dop853*")
 @pytest.mark.parametrize("method", [("radau", None), ("gauss8", 0.01), ("dop853", None)], ids=str)
 def test_response_with_a_derivative(method):
     data = run(PID, method=method[0], step=method[1])
@@ -65,6 +66,7 @@ def test_response_with_a_derivative(method):
     assert found == pytest.approx(expected, abs=2e-8)
 
 
+@pytest.mark.slow_except(",*")
 @pytest.mark.parametrize(("tracking", "time"), [("", 0.2), (", tracking: 0.05 s", 0.05)])
 def test_limits_and_windup(tracking, time):
     """Against SciPy; without tracking the integral winds up and overshoots."""

@@ -132,6 +132,7 @@ FACTORS = {
 }
 
 
+@pytest.mark.slow_except("cycloidal")
 @pytest.mark.parametrize("profile", PROFILES)
 def test_peaks_are_those_of_the_tables(profile):
     function = law(f"{{rise: {profile}, to: 1, duration: 1}}")

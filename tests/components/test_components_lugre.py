@@ -59,6 +59,7 @@ def test_stiffness_before_sliding():
     assert data.bar_angle.to_numpy()[:, 0] == pytest.approx(expected, abs=1e-11)
 
 
+@pytest.mark.slow
 def test_stick_and_slip_on_a_spring():
     """Against SciPy; energy that bristles store comes back, all else is lost."""
     mechanism = linkages.loads(BLOCK)

@@ -53,6 +53,7 @@ def test_relaxation_under_a_drive(speed, start):
     assert data.drive_effort.to_numpy()[:, 0] == pytest.approx(30 * expected, abs=6e-9)
 
 
+@pytest.mark.slow_except("*dop853*", "*rk4*")
 @pytest.mark.parametrize(
     "element",
     ["{slider: block, stiffness: 50, damping: 8}", "{between: [P, B], stiffness: 50, damping: 8}"],

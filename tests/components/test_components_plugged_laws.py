@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 MODULE = '''
 from typing import Generic
 
@@ -46,6 +48,7 @@ assert linkages.loads(mechanism.to_yaml()) == mechanism
 '''
 
 
+@pytest.mark.slow
 def test_a_law_of_an_entry_point_is_read_and_integrated(tmp_path):
     (tmp_path / "growing.py").write_text(MODULE, encoding="utf-8")
     about = tmp_path / "growing-1.0.dist-info"

@@ -116,6 +116,7 @@ def by_absolute_coordinates(names, angle, speed):
     return found
 
 
+@pytest.mark.slow_except("('*',)")
 @pytest.mark.parametrize(
     "names", [("guide",), ("O",), ("A",), ("B",), ("O", "guide"), ("guide", "O", "A", "B")], ids=str
 )
@@ -135,6 +136,7 @@ def test_against_absolute_coordinates(names):
             assert abs(data.spring_force.item()) == pytest.approx(0.3 * abs(normal), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_energy_and_methods():
     mechanism = linkages.loads(ENGINE + "".join(SLIPS.values()))
     outputs = ["bar_speed", "energy_residual"]
@@ -155,6 +157,7 @@ def test_energy_and_methods():
     assert one.to_numpy() == pytest.approx(other.to_numpy(), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_tangents_against_neighbours():
     rhs = linkages.compile(linkages.loads(ENGINE + "".join(SLIPS.values())))
     end = rhs.flow(tangents=2, rtol=1e-12, atol=1e-12).advance(rhs.state, 0.0, 0.05)

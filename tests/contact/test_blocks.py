@@ -219,6 +219,7 @@ def test_published_crank_starts_with_its_velocities():
     np.testing.assert_allclose([data.tilt_speed[0, 0], data.offset_rate[0, 0]], 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_published_crank_tends_to_rigid_walls():
     """Offsets tend to those of rigid corners like K^-0.4, for impacts last so long.
 

@@ -52,6 +52,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow_except("a driven slider")
 @pytest.mark.parametrize(("text", "touching"), CASES.values(), ids=CASES)
 def test_balance_of_energy(text, touching):
     """1e-9 of the largest energy at rtol 1e-10; every clearance that may open touches."""

@@ -41,6 +41,7 @@ def check(seed):
         assert off <= LIMIT * np.abs(values).max(), (name, off, text)
 
 
+@pytest.mark.slow_except("3")
 @pytest.mark.parametrize("seed", QUICK)
 def test_against_absolute_coordinates(seed):
     check(seed)

@@ -65,6 +65,7 @@ def check_against_reference(name, end, limit):
     assert np.abs(forces - known[:count, 0]).max() < 100 * limit * np.abs(known).max()
 
 
+@pytest.mark.slow_except("2-*", "5-*")
 @pytest.mark.parametrize("name", QUICK)
 def test_reference_results(name):
     check_against_reference(name, QUICK[name], LIMIT)

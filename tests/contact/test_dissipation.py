@@ -105,6 +105,7 @@ GAPS = {
 }
 
 
+@pytest.mark.slow_except("flores", "sticks", "rigid", "film")
 @pytest.mark.parametrize("gap", GAPS.values(), ids=GAPS)
 def test_energy_is_there_or_dissipated(gap):
     """Whatever law contacts follow, of a mechanism that nothing drives."""

@@ -58,6 +58,7 @@ def test_all_laws_are_tested():
     assert set(FORMULAS) == set(friction_laws()) == {*CORNERS, "coulomb"}
 
 
+@pytest.mark.slow_except("brown-mcphee")
 @pytest.mark.parametrize("law", [law for law in CORNERS if law != "tanh"])
 def test_motion_against_absolute_coordinates(law):
     """Both integrate at 1e-12; the other one does not stop at corners, and touches amplify."""

@@ -23,6 +23,7 @@ def thrown(rate, gravity, **options):
     return linkages.simulate(linkages.loads(text), outputs="all", **options)
 
 
+@pytest.mark.slow_except("*False")
 @pytest.mark.parametrize(("share", "nearly"), [(0.999, True), (0.9, False), (1.001, False)])
 def test_a_block_that_turns_before_the_wall(share, nearly):
     """It rises to v²/2g, here a share of the play of 1 mm, at t = v/g."""

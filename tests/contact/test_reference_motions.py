@@ -67,6 +67,7 @@ def test_states_forces_and_slip(name):
         assert (error < LIMIT).all(), (key, error)
 
 
+@pytest.mark.slow_except("3-*", "5-*")
 @pytest.mark.parametrize("method", ["vern9", "tsit5"])
 @pytest.mark.parametrize("name", ENDS)
 def test_other_methods(name, method):

@@ -60,6 +60,7 @@ ROD = RoughBody(0.5, 1e-4, 0.05, 9e-3, 1e-3, 1.2, 0.6)
 KINDS = {"hold", "slip", "stopped", "jammed", "limited"}
 
 
+@pytest.mark.slow_except("*friction*0.3*", "*'arm'*")
 @pytest.mark.parametrize(
     "changed",
     [
@@ -108,6 +109,7 @@ def test_impacts_of_random_rods_against_the_path_of_impulses(changed):
 SWING = RoughBody(0.5, 4e-4, 0.05, 9e-3, 1e-3, 0.2, 0.5, gravity=9.81)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poisson", [False, True], ids=["newton", "poisson"])
 def test_a_pin_flies_bounces_slips_and_rolls_as_in_absolute_coordinates(poisson):
     body = RoughBody(**vars(SWING) | {"poisson": poisson})
@@ -196,6 +198,7 @@ def test_little_friction_is_none():
     np.testing.assert_allclose(little.joint_position, none.joint_position, rtol=0, atol=1e-10)
 
 
+@pytest.mark.slow_except("closed", "stuck")
 @pytest.mark.parametrize("end", [0.02, 0.1, 0.3], ids=["impacts", "closed", "stuck"])
 def test_tangents_of_a_pin(end):
     check(

@@ -42,6 +42,7 @@ def placed(height, touching):
     return 0.0, brentq(above, 0.0, 0.1, xtol=1e-16), [1, 2]
 
 
+@pytest.mark.slow_except("one")
 @pytest.mark.parametrize("touches", ["flat", "diagonal", "one"])
 def test_random_impacts_of_corners_against_all_cases(touches):
     """Of one corner by the same law where that is asked for."""
@@ -95,6 +96,7 @@ loads: [{slider: block, force: "10*t"}]
 """
 
 
+@pytest.mark.slow
 def test_a_block_that_rests_on_two_corners_breaks_away_as_one():
     """It holds to μ m g of both corners, whatever share each has."""
     data = linkages.simulate(
@@ -131,6 +133,7 @@ loads: [{joint: H, force: ["10*t", 0]}]
 """A force that pulls away from the middle presses two corners at opposite walls."""
 
 
+@pytest.mark.slow_except("0.3")
 @pytest.mark.parametrize("away", [0.2, 0.3])
 def test_a_drawer_holds_where_it_is_pulled_too_far_from_its_middle(away):
     """Both corners press with F d/L: it moves where 2 μ d/L < 1, by a share of every force."""
@@ -174,9 +177,10 @@ def engine(clearances, friction):
     return ENGINE.replace("CLEARANCES", clearances).replace("MU", str(friction))
 
 
+@pytest.mark.slow_except("pins")
 @pytest.mark.parametrize(
     ("clearances", "slips"),
-    [(PINS, True), (GUIDE, True), pytest.param(BOTH, False, marks=pytest.mark.slow)],
+    [(PINS, True), (GUIDE, True), (BOTH, False)],
     ids=["pins", "guide", "both"],
 )
 def test_energy_and_forces_of_an_engine(clearances, slips):
@@ -196,6 +200,7 @@ def test_energy_and_forces_of_an_engine(clearances, slips):
     assert float(data.clearance_indentation.max()) < 1e-7 * 1e-4
 
 
+@pytest.mark.slow
 def test_little_friction_is_none():
     """The limit μ → 0 is of first order in μ, by impacts by turns and at one time."""
     data = [
@@ -205,6 +210,7 @@ def test_little_friction_is_none():
     np.testing.assert_allclose(data[0].joint_position, data[1].joint_position, rtol=0, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_mirrored_engine_moves_as_in_a_mirror():
     """Corners carry in an order, which is another one at the other wall."""
     one = linkages.loads(engine(GUIDE, 0.1))
@@ -221,9 +227,8 @@ def test_a_mirrored_engine_moves_as_in_a_mirror():
     )
 
 
-@pytest.mark.parametrize(
-    "clearances", [PINS, pytest.param(GUIDE, marks=pytest.mark.slow)], ids=["pins", "guide"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("clearances", [PINS, GUIDE], ids=["pins", "guide"])
 def test_motions_side_by_side_are_those_alone(clearances):
     """Shared impacts, slips that change and hold: each lane waits for its own."""
     path = f"clearances.{clearances.split(':')[0]}.friction"
@@ -301,6 +306,7 @@ def offsets(law):
     return data.offset_position
 
 
+@pytest.mark.slow
 def test_stiff_corners_that_rub_tend_to_rigid_ones():
     """Like K^-0.4, for impacts last so long; the block slips at 10 m/s, so smooth friction is full.
 
@@ -327,6 +333,7 @@ simulate: {{end: 0.02, samples: 2001}}
 """
 
 
+@pytest.mark.slow_except("0.5-0.3", "1.0-0.0")
 @pytest.mark.parametrize(("restitution", "friction"), [(1.0, 0.5), (0.5, 0.3), (1.0, 0.0)])
 def test_impacts_that_bounce_less_lest_energy_grow_are_counted(restitution, friction):
     """They are those that lose nothing, though there is friction."""

@@ -97,6 +97,7 @@ PINS = f"""gap: {{joint: A, bar: rod, size: 0.1 mm, {LAW}}}
 GUIDE = f"gap: {{slider: piston, size: 0.1 mm, length: 50 mm, height: 30 mm, {LAW}}}"
 
 
+@pytest.mark.slow_except("pins")
 @pytest.mark.parametrize(("clearances", "count"), [(PINS, 2), (GUIDE, 4)], ids=["pins", "guide"])
 def test_energy_force_and_depth_in_an_engine(clearances, count):
     mechanism = linkages.loads(ENGINE.replace("CLEARANCES", clearances))

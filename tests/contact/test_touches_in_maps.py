@@ -23,6 +23,7 @@ def engine(request):
     return found
 
 
+@pytest.mark.slow_except("restitution")
 def test_touches_of_a_map_are_those_of_single_motions(engine):
     """Motions forget two digits a turn: over five of them 1e-13 is enough to count the same."""
     sizes, speeds = [2e-4, 3e-4], [500.0, 2 * np.pi / TURN]
@@ -52,6 +53,7 @@ def test_what_cannot_touch_has_no_touches():
     assert "touches" not in linkages.chaos_map(linkages.load("double-pendulum"), *values, periods=4)
 
 
+@pytest.mark.slow_except("*options0")
 @pytest.mark.parametrize("options", [{"section": "gap.touch"}, {"exponent": True}])
 def test_values_of_a_diagram_side_by_side_are_those_alone(engine, options, monkeypatch):
     own = {"periods": 4, "skip": 1, **options}

@@ -47,6 +47,7 @@ drives:
 """)
 
 
+@pytest.mark.slow
 def test_derivatives_go_through_jumps_of_drives_whose_times_are_numbers(monkeypatch):
     """A harmonic rise jumps at begin and at begin + duration; a sample lies on neither, then one.
 
@@ -177,6 +178,7 @@ loads: [{bar: arm, torque: "where(abs(t - 0.40009) < width, -5, 0)"}]
     np.testing.assert_allclose(evaluated.derivatives, [[5 * 2 / 0.8]], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "bar", "limit"), [("four-bar", "coupler", 0.73),
                                                     ("class-three", "leg1", 1.03)])  # fmt: skip
 def test_laws_of_state_jump_in_driven_motions_at_times_that_move(name, bar, limit):

@@ -131,6 +131,7 @@ def test_an_extreme_at_a_corner_moves_with_the_corner():
     assert exact[1] == pytest.approx(0.0, abs=1e-6)  # zero stays the least size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [31, 301])
 def test_means_of_what_bends_or_jumps_by_itself_do_not_depend_on_samples(samples):
     """Zeros of what decides between branches are located: 31 samples a turn are enough."""
@@ -154,6 +155,7 @@ def test_means_of_what_bends_or_jumps_by_itself_do_not_depend_on_samples(samples
         assert (missed <= 1e-8 * np.abs(difference) + 10 * error).all()
 
 
+@pytest.mark.slow_except("slider-crank-*")
 @pytest.mark.parametrize("samples", [5, 60])
 @pytest.mark.parametrize("name", ["slider-crank", "class-three"])
 def test_means_and_their_derivatives_do_not_depend_on_samples(name, samples):

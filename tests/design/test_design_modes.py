@@ -62,6 +62,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow_except("a rigid stop")
 @pytest.mark.parametrize("name", CASES)
 def test_measures_of_what_jumps_with_a_mode_have_the_derivatives_of_differences(name):
     """Motions are exact to 1e-12, differences of 1e-4 of a number to 1e-8 of what they are of."""
@@ -95,6 +96,7 @@ def test_means_of_accelerations_are_what_speeds_gain():
     np.testing.assert_allclose(*exact.derivatives, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_means_through_many_touches_of_a_stiff_contact():
     """39 touches of a journal, of a force that goes with the power 1.5 of the depth."""
     run = {"end": 0.004, "samples": 401, "rtol": 1e-12}

@@ -26,6 +26,7 @@ simulate: {end: 1, samples: 201}
 """
 
 
+@pytest.mark.slow_except("local-rms*", "local-max*", "global-*")
 @pytest.mark.parametrize(
     ("search", "measure"),
     [
@@ -74,6 +75,7 @@ def three_points(exponent="**2"):
     )
 
 
+@pytest.mark.slow_except("start3")
 @pytest.mark.parametrize(
     "start", [(12, 30, 20), (8, 35, 25), (15, 40, 30), (6, 28, 20), (10, 25, 18), (14, 33, 24)]
 )
@@ -88,6 +90,7 @@ def test_sums_of_squares_are_found_to_their_end(start):
     assert found.data.attrs["runs"] < 50
 
 
+@pytest.mark.slow
 def test_what_is_no_optimum_says_so():
     """The same sum is none of squares for the search, and one that may be a little anywhere."""
     goal = f"{three_points()} + 0*final(t)/1 s"
@@ -161,6 +164,7 @@ def test_the_counterweight_of_the_beam_pump_is_that_of_virtual_work():
     assert found.mechanism == linkages.loads(found.text)
 
 
+@pytest.mark.slow
 def test_a_global_search_finds_the_same_on_any_number_of_cores():
     pump = linkages.load("beam-pump")
     asked = {"minimise": EFFORT, "search": "global", "seed": 3, "samples": 101}
@@ -174,6 +178,7 @@ CRANK = {"bars.crank.length": ("10 mm", "60 mm")}
 LONGEST = 0.14 * math.sin(math.radians(15))  # the rod leans by asin(r/l) at most
 
 
+@pytest.mark.slow_except("*> 75*")
 @pytest.mark.parametrize(
     "limit",
     [
@@ -191,6 +196,7 @@ def test_a_constraint_is_active_where_the_closed_form_says(limit):
     assert found.data.constraint_value.to_numpy()[1] == pytest.approx(math.radians(75), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_assembled_is_a_constraint_to_every_search():
     """The rod turns the faster the shorter it is; below the crank's length it does not turn."""
     engine = linkages.load("slider-crank")
@@ -265,6 +271,7 @@ def refusal(**asked):
     return str(caught.value)
 
 
+@pytest.mark.slow_except("asked[!1]*")
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
@@ -347,6 +354,7 @@ def test_how_far_from_assembly_a_four_bar_is(rocker):
     assert unreached(linkages.load("four-bar")) == 0.0
 
 
+@pytest.mark.slow
 def test_a_global_search_finds_what_can_be_assembled_by_how_far_it_is(monkeypatch):
     """Within these bounds one of 700 four-bars can be assembled, and the start cannot.
 
@@ -362,6 +370,7 @@ def test_a_global_search_finds_what_can_be_assembled_by_how_far_it_is(monkeypatc
     assert found.data["value"][1] < 0.5 * with_luck.data["value"][1]
 
 
+@pytest.mark.slow
 def test_a_search_on_a_plateau_ends_and_says_so():
     """A spring that levels an arm exactly: k = m g L/(h a), where the effort is round-off."""
     arm = linkages.loads(

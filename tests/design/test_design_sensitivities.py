@@ -85,6 +85,7 @@ def test_derivatives_of_all_shipped_mechanisms_are_those_of_differences():
     assert np.median([*worst.values()]) < 1e-9
 
 
+@pytest.mark.slow
 def test_derivatives_go_through_an_exchange_of_free_coordinates():
     mechanism = linkages.loads(SWITCHED)
     found = Differentiated(
@@ -198,6 +199,7 @@ def test_friction_that_holds_a_motion_changes_with_numbers():
     assert abs(held.values[0, 0]) < 1e-12  # round-off, while it slides at about 1 rad/s
 
 
+@pytest.mark.slow_except("four-bar-*")
 @pytest.mark.parametrize(
     ("name", "end", "part"),
     [
@@ -248,6 +250,7 @@ def test_reactions_of_redundant_constraints_have_no_derivative():
         linkages.sensitivities(mechanism, "max(A.x reaction)", "bars.coupler.mass", end=0.1)
 
 
+@pytest.mark.slow_except("slider*")
 @pytest.mark.parametrize(
     ("name", "end", "part"), [("ninebar", 0.05, 1e-3), ("slider-crank-contact", 0.001, 1e-6)]
 )

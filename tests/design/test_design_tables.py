@@ -54,6 +54,7 @@ CASES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow_except("a cam", "*an angle")
 @pytest.mark.parametrize("name", CASES)
 def test_values_of_tables_have_the_derivatives_of_differences(name):
     """Differences of 1e-3 of a value, of motions whose steps cross the places of tables.

@@ -37,6 +37,7 @@ def found(engine):
     return linkages.tolerance(engine, [STROKE, ERROR], limits=limits, draws=4000, samples=101)
 
 
+@pytest.mark.slow
 def test_the_stroke_between_dead_centres_is_twice_the_crank(found):
     own = found.sel(measure=STROKE)
     # dead centres at r + l and l - r: exact derivatives 2 and 0, and no curvature at all
@@ -177,6 +178,7 @@ def test_copies_that_cannot_be_made_are_counted():
     assert float(data["within"][0, 0]) == pytest.approx(1 - failed / 300)
 
 
+@pytest.mark.slow
 def test_draws_do_not_depend_on_cores_or_stores(engine, tmp_path):
     options = {"draws": 600, "samples": 41, "seed": 3}
     one = linkages.tolerance(engine, ERROR, cores=1, **options)

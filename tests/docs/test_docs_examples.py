@@ -25,6 +25,7 @@ examples = load_examples()
 PAGES = [str(page.relative_to(ROOT)) for page in examples.pages()]
 
 
+@pytest.mark.slow_except("README.md")
 @pytest.mark.parametrize("page", PAGES)
 def test_page_shows_what_its_examples_do(page, tmp_path):
     _, outputs = examples.run(ROOT / page, tmp_path)

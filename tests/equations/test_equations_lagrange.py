@@ -149,6 +149,7 @@ def test_slider_force_acts_on_the_displacement():
     )
 
 
+@pytest.mark.slow_except("opens", "films", "scotch-yoke", "nine-bar")
 def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
     equations = printed.equations
     rates = list(equations.symbols.rates.values())
@@ -162,6 +163,7 @@ def test_mass_matrix_is_the_hessian_of_kinetic_energy(printed):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-15)
 
 
+@pytest.mark.slow_except("opens", "films", "scotch-yoke")
 def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
     for state in printed.states:
         p = printed.parameters(state)
@@ -171,6 +173,7 @@ def test_rates_are_velocity_coefficients_times_those_that_are_known(printed):
         np.testing.assert_allclose(coefficients @ known, printed.of(state.rate), atol=allowed)
 
 
+@pytest.mark.slow_except("opens", "films", "scotch-yoke", "parallelogram-free")
 def test_printed_inertia_terms_are_those_of_the_module(printed):
     equations, reduced = printed.equations, printed.equations.lagrange
     for state in printed.states[:2]:
@@ -196,6 +199,7 @@ def solved(system, numbers):
     return dict(zip(system.coefficients, map(float, values.ravel()), strict=True))
 
 
+@pytest.mark.slow_except("opens", "films", "scotch-yoke", "nine-bar")
 def test_papers_form_gives_the_kernels_efforts(printed):
     """Eq. 4: Σ J_ij q̈_j + Σ (∂J_ij/∂q_k − ½ ∂J_jk/∂q_i) q̇_j q̇_k + ∂V/∂q_i − Q_i."""
     module = printed.module

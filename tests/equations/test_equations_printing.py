@@ -171,6 +171,9 @@ def test_text_of_a_group_of_loops():
     assert "(2 equations for 1 unknown per coordinate; 1 of them redundant: least squares)" in text
 
 
+@pytest.mark.slow_except(
+    "quick-return", "scotch-yoke", "cylinder-cycloidal", "crossed-sliders", "fixed-sun", "rack"
+)
 @pytest.mark.parametrize("name", MORE_MECHANISMS)
 def test_all_kinds_are_printed(name):
     equations = derive(topology_of(MORE_MECHANISMS[name]))
@@ -210,6 +213,7 @@ def test_equal_looks_are_told_apart():
     assert "J_{11'} = " in text
 
 
+@pytest.mark.slow_except("slider-crank")
 @pytest.mark.parametrize("text", [SLIDER_CRANK, AWKWARD], ids=["slider-crank", "awkward"])
 def test_latex_is_well_formed(text):
     latex = render(equations_of(text), "latex")
@@ -247,6 +251,7 @@ def test_python_module_contains_no_name_outside_comments(awkward):
     assert imported == ["numpy"]
 
 
+@pytest.mark.slow
 def test_python_module_runs_alone_and_is_right(awkward, tmp_path):
     """In a process of its own that has NumPy and neither SymPy nor this package."""
     path = tmp_path / "awkward.py"

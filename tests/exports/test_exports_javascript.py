@@ -52,6 +52,9 @@ cases.map(({ time, state }) => {
 """
 
 
+@pytest.mark.slow_except(
+    "four-bar", "ninebar", "bounce", "rub", "slider-crank-contact", "five-bar-free", "tables"
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_rates_and_outputs_are_those_of_numpy(name):
     given = [{"time": case.time, "state": case.state.tolist()} for case in cases(name)]
@@ -91,6 +94,7 @@ def test_the_nine_bar_moves_as_in_simulate():
 
 
 @needs_browser
+@pytest.mark.slow
 def test_two_seconds_of_the_nine_bar_in_a_browser(tmp_path):
     text, expected, rows = nine_bar(2.0, 41)
     file = tmp_path / "empty.html"
@@ -127,6 +131,7 @@ numbers.map((given) => {
 """
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "rub", "slider-crank-contact")
 @pytest.mark.parametrize("name", NAMES)
 def test_numbers_of_the_file_lead_to_its_parameters_and_state(name):
     """A component carried out with nodes is what the changed file says, one number at a time."""
@@ -154,6 +159,7 @@ def test_what_stays_zero_has_no_error(tolerances):
     assert (ended["status"], ended["time"]) == (0, 1)
 
 
+@pytest.mark.slow_except("bounce", "rub", "free")
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_are_those_of_simulate(name):
     """Touches, impacts, sticking, change points: all are located far below 1e-9."""

@@ -89,6 +89,7 @@ def called(function, *arguments):
     return function(*given)
 
 
+@pytest.mark.slow_except("bounce", "ninebar")
 @needs_gcc
 def test_c_equals_numpy(library):
     name, code = library
@@ -105,6 +106,7 @@ def test_c_equals_numpy(library):
         assert_near(outputs, case.outputs, groups(name))
 
 
+@pytest.mark.slow_except("bounce", "ninebar")
 @needs_gcc
 def test_c_follows_numbers_of_the_file(library):
     name, code = library
@@ -156,6 +158,7 @@ def program(tmp_path_factory):
     return run
 
 
+@pytest.mark.slow_except("rk4")
 @needs_gcc
 @pytest.mark.parametrize(
     ("end", "method"),
@@ -171,6 +174,7 @@ def test_a_program_in_c_prints_the_motion_of_simulate(end, method, program):
     assert_printed(done.stdout, expected)
 
 
+@pytest.mark.slow_except("four-bar")
 @needs_gcc
 @pytest.mark.parametrize("name", ["four-bar", "class-three"])
 def test_a_driven_mechanism_in_c_prints_positions_speeds_and_efforts(name, program):
@@ -191,6 +195,7 @@ def test_a_program_in_c_takes_numbers_and_says_what_is_wrong(program):
     assert "bars.crank.length=" in wrong.stderr
 
 
+@pytest.mark.slow_except("bounce")
 @needs_gcc
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_c_are_those_of_simulate(name, program):
@@ -238,6 +243,9 @@ def module(tmp_path_factory):
     return load
 
 
+@pytest.mark.slow_except(
+    "four-bar", "ninebar", "bounce", "rub", "slider-crank-contact", "five-bar", "tables"
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_python_equals_numpy(name, module):
     _, found = module(name)
@@ -277,6 +285,7 @@ assert not any(name.split(".")[0] == "linkages" for name in sys.modules)
 """
 
 
+@pytest.mark.slow_except("bounce", "rub", "free", "driven")
 @pytest.mark.parametrize("name", [*SWITCHED, *PASSING])
 def test_contacts_and_friction_in_python_are_those_of_simulate(name, module):
     _, found = module(name)
@@ -389,6 +398,7 @@ def test_programs_end_at_change_points(tmp_path):
     assert len(done.stdout.splitlines()) == 3  # the heading, and two times before
 
 
+@pytest.mark.slow
 def test_programs_name_the_joint_of_a_dead_centre(tmp_path):
     """`simulate` exchanges coordinates there; a program keeps to its own, and says so."""
     of = System(linkages.loads(STUCK))
@@ -397,6 +407,7 @@ def test_programs_name_the_joint_of_a_dead_centre(tmp_path):
         found["integrate"]([0.0, 1.0], *found["start"](), 1e-6, 1e-6)
 
 
+@pytest.mark.slow_except("rub")
 @needs_gcc
 @pytest.mark.parametrize("name", ["bounce", "rub"])
 def test_equal_steps_in_c_follow_contacts(name, program):

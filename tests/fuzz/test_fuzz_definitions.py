@@ -26,6 +26,7 @@ TOLERANCE = 1e-6
 1e-16."""
 
 
+@pytest.mark.slow
 @given(changed_files())
 @settings(max_examples=QUICK, deadline=None, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow])  # fmt: skip

@@ -58,6 +58,7 @@ def units_off(name, *operands):
         )
 
 
+@pytest.mark.slow_except("exp", "tan")
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_errors(name):
     limit, *where = FUNCTIONS[name]

@@ -23,6 +23,7 @@ def free(text):
     return text.replace("drives: {crank: {angle: 0", "free: {crank: {angle: 0")
 
 
+@pytest.mark.slow_except("plate*")
 @MODEL
 def test_it_closes_over_a_turn_of_the_crank(text):
     of = system_of(text)
@@ -55,6 +56,7 @@ def test_positions_are_those_of_another_solver():
         assert found[:2] == pytest.approx([ex, ey], abs=1e-11)  # to its own tolerance
 
 
+@pytest.mark.slow_except("with*")
 @MODEL
 def test_rates_and_accelerations_along_the_turn(text):
     """Against differences of positions and rates; what is carried along may be a little off."""
@@ -181,6 +183,7 @@ def test_a_printed_kernel_says_what_it_writes():
     assert written in " ".join(program.text.split())
 
 
+@pytest.mark.slow_except("*1-leg1")
 @pytest.mark.parametrize("name", ["leg1", "leg2", "leg3", "plate"])
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_correction_that_turns_a_body_far_is_no_position(name, side):
@@ -194,6 +197,7 @@ def test_a_correction_that_turns_a_body_far_is_no_position(name, side):
         assert call(kernel, 0.0, away, size)[:2] == (0, status)
 
 
+@pytest.mark.slow_except("plate*")
 @MODEL
 def test_exact_jacobians_of_a_free_crank(text):
     """Evaluated and compiled, against differences of the accelerations."""

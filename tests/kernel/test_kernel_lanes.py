@@ -115,6 +115,9 @@ def case(name):
     return program, given, run_routines(program.routines, given, 1)
 
 
+@pytest.mark.slow_except(
+    "four-bar", "ninebar", "quick-return", "law: *", "spline", "Jacobian", "contacts*", "what*"
+)
 @pytest.mark.parametrize("name", CASES)
 def test_lanes_have_the_bits_of_one_state(name):
     program, given, expected = case(name)
@@ -124,6 +127,7 @@ def test_lanes_have_the_bits_of_one_state(name):
 
 
 # one with redundant blocks takes ten seconds to be assembled
+@pytest.mark.slow_except("cylinder-table", "planetary", "rack", "cam-free", "welded")
 @pytest.mark.parametrize("name", [name for name in MORE_MECHANISMS if name != "pulled-table"])
 def test_lanes_of_further_mechanisms(name):
     """At random states, most of which are near none that can be assembled."""
@@ -181,6 +185,7 @@ FAMILY = platform.machine().lower() in ("x86_64", "amd64")
 TELLING = ("ninebar", "spline", "law: formula", "tangents of contacts")
 
 
+@pytest.mark.slow_except("x86-64-spline", "x86-64-v2-law*", "x86-64-v3-*")
 @pytest.mark.skipif(not FAMILY, reason="names processors of another family")
 @pytest.mark.parametrize("name", TELLING)
 @pytest.mark.parametrize("processor", ["x86-64", "x86-64-v2", "x86-64-v3"])
@@ -191,6 +196,7 @@ def test_bits_do_not_depend_on_the_instruction_set(name, processor, monkeypatch)
         run_routines(program.routines, given, lanes).assert_same_bits(expected)
 
 
+@pytest.mark.slow_except("0-*", "3-spline")
 @pytest.mark.parametrize("name", TELLING)
 @pytest.mark.parametrize("level", [0, 1, 3])
 def test_bits_do_not_depend_on_the_optimiser(name, level, monkeypatch):

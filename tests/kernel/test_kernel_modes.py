@@ -93,6 +93,7 @@ def test_the_famous_plate_on_three_legs_has_six():
     assert of.modes() == modes  # and in the same order
 
 
+@pytest.mark.slow_except("0")
 @pytest.mark.parametrize("wanted", range(6))
 def test_hints_choose_the_nearest(wanted):
     """Hints a little off the places of one mode, with and without all joints."""

@@ -73,6 +73,7 @@ def assert_bits_of_one_state(program, given, arrays, status):
         np.testing.assert_array_equal(found, expected.arrays[name][:, good], name)
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "slider-crank-contact")
 @pytest.mark.parametrize("name", [*shipped(), "table", "formula"])
 def test_every_operation_says_how_it_rounds(name):
     program = program_of(named(name))

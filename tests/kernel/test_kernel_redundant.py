@@ -213,6 +213,7 @@ assembly: {F: [0.5, 0.28], G: [0.8, 0.38], P: [0.4, 0.48]}
 MORE"""
 
 
+@pytest.mark.slow_except("a gear*")
 @pytest.mark.parametrize(
     ("three", "more"),
     [

@@ -200,6 +200,7 @@ def directly(expression, leaves):
     return getattr(math, name)(*numbers)
 
 
+@pytest.mark.slow
 @given(
     st.lists(expressions(), min_size=1, max_size=4),
     st.lists(st.floats(-9, 9), min_size=5, max_size=5),

@@ -43,6 +43,7 @@ def test_shaking_is_the_rate_of_momentum(time):
     assert float(now.shaking_moment[0]) == pytest.approx(-moment, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_half_of_what_goes_to_and_fro_is_the_best_that_a_counterweight_balances():
     """All that turns and half of the rest (J. P. Den Hartog, *Mechanical Vibrations*).
 

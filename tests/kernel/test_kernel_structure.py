@@ -116,6 +116,7 @@ def places(node, path=""):
         yield path
 
 
+@pytest.mark.slow
 def test_equal_keys_are_equal_kernels():
     """Whatever number takes a special value: no kernel is bound to numbers that it is not of."""
     mechanism = linkages.loads(LOADED)

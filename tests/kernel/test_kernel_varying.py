@@ -83,6 +83,7 @@ def agree(found, expected):
     return found == expected if isinstance(expected, list) else same(found, expected)
 
 
+@pytest.mark.slow_except("four-bar", "five-bar", "ninebar", "slider-crank-contact", "scotch-yoke")
 @pytest.mark.parametrize("name", NAMES)
 def test_every_number_of_a_definition_can_be_bound(name):
     """One at a time, each moved a little: by 2 %, or away from zero."""
@@ -113,6 +114,7 @@ TOGETHER = {
 """Mechanism → numbers whose values are read together, at least."""
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "slider-crank-contact")
 @pytest.mark.parametrize("name", NAMES)
 def test_numbers_that_are_read_together_are_those_read_one_by_one(name):
     """In all bits, whatever follows from them."""

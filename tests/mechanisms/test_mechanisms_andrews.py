@@ -37,6 +37,7 @@ def test_end(data):
     assert speeds == pytest.approx(of_bodies(EXACT["speeds"]), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_energy():
     """The torque's work is in the motion and in the spring: T + ½ k (d − l)² = torque·(β − β₀)."""
     run = results("andrews", samples=301, outputs="all", rtol=1e-13)

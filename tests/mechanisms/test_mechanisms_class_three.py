@@ -75,6 +75,7 @@ def test_against_scipy():
     assert poses[-1] == pytest.approx(poses[0], abs=1e-14)  # the mode is kept
 
 
+@pytest.mark.slow
 def test_power_comes_back():
     """Over whole turns the drive does no net work, and its power is T + V's rate."""
     data = results("class-three", outputs="all")

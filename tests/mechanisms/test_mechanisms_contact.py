@@ -24,6 +24,7 @@ def test_numbers_are_those_of_the_reference():
     assert contact.normal.numbers[0].value == known.normal.numbers[0].value
 
 
+@pytest.mark.slow
 def test_states_of_the_first_revolution():
     early = REFERENCE.times <= FIRST_EVENTS
     data = results(

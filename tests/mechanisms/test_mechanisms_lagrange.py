@@ -16,6 +16,7 @@ WITHOUT_CLOSED_FORM = {"class-three", "slider-crank-contact"}
 that remembers a rate is no function of the state: see test_mechanisms_contact."""
 
 
+@pytest.mark.slow_except("four-bar", "quick-return", "double-pendulum", "scotch-yoke")
 @pytest.mark.parametrize("name", [n for n in shipped() if n not in WITHOUT_CLOSED_FORM])
 def test_random_states(name):
     topology = build_topology(linkages.load(name))

@@ -166,6 +166,7 @@ def linkage(*names):
     return mechanism_of({**LINKAGE, "loads": [LAWS[name] for name in names]})
 
 
+@pytest.mark.slow_except("cylinder", "wall")
 @pytest.mark.parametrize("name", LAWS)
 def test_lagrange_equations_agree(name):
     assert_satisfies_lagrange(linkage(name), count=20, least=10)
@@ -215,6 +216,7 @@ def test_a_period_comes_from_the_factors_that_depend_on_time():
     assert common_period(linkage("parametric")) == pytest.approx(2 * np.pi / 3, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_reports_and_drawings_leave_none_out():
     mechanism = linkage(*LAWS)
     assert [(row["kind"], row["on"], row["value"]) for row in loads(mechanism)] == [

@@ -71,6 +71,15 @@ def size(data):
     return max(1.0, float(np.abs(data.joint_position).max()))
 
 
+@pytest.mark.slow_except(
+    "four-bar",
+    "five-bar-free",
+    "ninebar",
+    "quick-return",
+    "slider-crank-contact",
+    "class-three",
+    "double-pendulum",
+)
 @pytest.mark.parametrize("name", NAMES)
 def test_run(name):
     solution = whole_run(name)
@@ -87,6 +96,7 @@ def test_run(name):
     assert float(np.abs(data.energy_residual).max()) < 1e-9 * moved
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "slider-crank", "scotch-yoke")
 @pytest.mark.parametrize("name", NAMES)
 def test_bodies_stay_rigid_and_sliders_on_their_axes(name):
     """From the places of the joints alone: nothing of the kernel's closure is used."""
@@ -109,6 +119,7 @@ def test_bodies_stay_rigid_and_sliders_on_their_axes(name):
             assert np.abs(off).max() <= limit, body.name
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "slider-crank")
 @pytest.mark.parametrize("name", CLOSED)
 def test_motion_against_absolute_coordinates(name):
     """Positions, velocities, accelerations, efforts and reactions at a few samples.

@@ -25,6 +25,7 @@ def test_shipped_file_is_the_generators():
     assert linkages.load("n-four-bar").components == n_four_bar.mechanism(2).components
 
 
+@pytest.mark.slow_except("1")
 @pytest.mark.parametrize("count", COUNTS)
 def test_against_the_one_coordinate(count):
     """B0 over 20 s, ten turns, through the aligned positions twice per turn."""

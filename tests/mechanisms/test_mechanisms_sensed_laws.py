@@ -83,11 +83,13 @@ def column(data, variable, **where):
     return data[variable].sel(where).to_numpy()
 
 
+@pytest.mark.slow_except("coordinates", "spline")
 @pytest.mark.parametrize("name", LAWS)
 def test_lagrange_equations_agree(name):
     assert_satisfies_lagrange(linkage(name), count=8, least=4)
 
 
+@pytest.mark.slow
 def test_absolute_formulation_agrees():
     """Motion, efforts and joint reactions with all of them together, and the balance of energy."""
     mechanism = linkage(*LAWS)

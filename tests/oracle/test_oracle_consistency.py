@@ -43,6 +43,7 @@ def started(request):
     return Started(seeded(request.param))
 
 
+@pytest.mark.slow_except("?")
 def test_measures_know_their_derivatives(started):
     """All constraints at once: Φ along a parabola."""
     phi = started.samples(lambda state: np.concatenate(
@@ -115,6 +116,7 @@ def test_reciprocity(started):
     assert np.linalg.eigvalsh(answers + answers.T).min() >= -1e-9 * scale
 
 
+@pytest.mark.slow_except("?")
 def test_names_and_units(started):
     """The changes that the kernel's tests make leave the absolute formulation's results alone."""
     new, other = renamed(started.grown, np.random.default_rng(1))
@@ -127,6 +129,7 @@ def test_names_and_units(started):
     assert np.abs(small * 1e2 * [1e3, 1e3, 1] - own).max() < 1e-10 * scale
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(mechanisms())
 def test_drawn_mechanisms_can_be_assembled(grown):

@@ -19,6 +19,7 @@ from linkages.errors import InputError
 from linkages.reading.document import parse
 
 
+@pytest.mark.slow_except("?", "1?")
 @pytest.mark.parametrize("seed", range(60))
 def test_a_file_means_what_its_terms_say(seed):
     grown = seeded(seed)
@@ -39,6 +40,7 @@ def test_a_file_means_what_its_terms_say(seed):
         assert np.hypot(*(np.array(place) - built.hints[joint].position)) < 1e-15
 
 
+@pytest.mark.slow
 def test_the_schema_refuses_nothing_that_is_read():
     """Random files with everything in them, then with one thing changed, right or wrong.
 

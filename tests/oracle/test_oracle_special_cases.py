@@ -53,6 +53,7 @@ def test_special_case(case):
     check(from_document(parse(CASES[case], "m.yaml")), 1e-12)
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "pendulum")
 @pytest.mark.parametrize("name", [name for name in shipped() if not load(name).contacts])
 def test_shipped_mechanisms(name):
     """Clearances that open have an independent formulation of their own, in tests/contact.

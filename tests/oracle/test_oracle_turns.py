@@ -23,6 +23,7 @@ def check_samples(seed):
             assert few.to_numpy() == pytest.approx(wanted, abs=CLOSE), (samples, end)
 
 
+@pytest.mark.slow_except("0")
 @pytest.mark.parametrize("seed", range(3))
 def test_angles_do_not_depend_on_samples(seed):
     check_samples(seed)

@@ -78,6 +78,7 @@ def stage_of(solution, film=None, size=None, dpi=60.0):
     return Stage(solution.data, solution.mechanism, film, size, dpi)
 
 
+@pytest.mark.slow_except("four-bar", "ninebar")
 @pytest.mark.parametrize("name", shipped())
 def test_every_shipped_mechanism_moves(name, tmp_path):
     path = tmp_path / "a.gif"
@@ -105,6 +106,7 @@ def test_only_what_changed_is_drawn_and_nothing_stays_behind():
     np.testing.assert_array_equal(stage.picture(7), wanted)
 
 
+@pytest.mark.slow
 def test_a_gif_shows_what_was_drawn(tmp_path):
     # Colours come from a palette of 32 shades; 40 of 255 is half the distance of neighbours there.
     solution = press()
@@ -238,6 +240,7 @@ def test_frames_show_their_own_times_however_a_motion_was_sampled():
     )
 
 
+@pytest.mark.slow
 def test_clearances_have_a_pace_of_their_own(tmp_path):
     """The whole motion in a film in which the clearance swings twice between frames."""
     solution = linkages.simulate(
@@ -271,6 +274,7 @@ def test_names_move_and_a_cursor_stands_at_the_time():
         )
 
 
+@pytest.mark.slow_except("60")
 @pytest.mark.parametrize("dpi", [60, 73, 96])
 def test_a_bare_picture_has_the_whole_frame_of_an_inset(dpi):
     solution = press()
@@ -280,6 +284,7 @@ def test_a_bare_picture_has_the_whole_frame_of_an_inset(dpi):
     assert (red[:, -6:] < 128).mean(axis=0).max() > 0.9  # the line at the right
 
 
+@pytest.mark.slow
 def test_a_webp_shows_exactly_what_was_drawn(tmp_path):
     solution = press()
     film = animate(solution, tmp_path / "a.webp", fps=30, slow=20, dpi=60)

@@ -41,6 +41,7 @@ def solved(name):
     return Solved(press_data(drive=["ram"]))
 
 
+@pytest.mark.slow_except("mechanism", "phase_diagram", "drive_effort")
 @pytest.mark.parametrize("name", OF_SOLUTIONS)
 def test_a_chart_has_axes_of_its_own_or_those_given(name):
     chart = getattr(linkages.charts, name)
@@ -72,6 +73,7 @@ def test_there_is_a_chart_for_every_figure():
     assert {*ALL_OVER_TIME} <= {*others, "drive_force"}
 
 
+@pytest.mark.slow_except("four-bar")
 @pytest.mark.parametrize("name", ["four-bar", "slider-crank-contact", "andrews"])
 def test_every_output_has_a_chart(name):
     """Whatever a solution was asked for; of a four-bar, a gap and a motion that is integrated."""

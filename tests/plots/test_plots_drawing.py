@@ -115,6 +115,7 @@ free: {arm: {angle: 0, speed: 0}}
     assert names == ["free", "load, cylinder"]
 
 
+@pytest.mark.slow
 def test_a_casing_parts_bars_that_cross_and_leaves_fills_alone():
     """Pixels beside the upper of two crossing bars are those of paper, and the fill of a plate is
     as pale at its edge as in its middle."""

@@ -30,6 +30,7 @@ def test_only_what_the_data_allow(tmp_path):
     assert save_figures(press_data().isel(time=slice(0)), press(), tmp_path) == []
 
 
+@pytest.mark.slow_except("png")
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
 def test_same_data_give_the_same_bytes(tmp_path, kind):
     names = ["mechanism", "phase", "drive_effort"]
@@ -71,6 +72,7 @@ def test_unknown_format_or_name(tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_pyplot_is_never_imported():
     # It costs a third of a second and keeps every figure alive.
     program = (
@@ -116,6 +118,7 @@ def test_the_convergence_of_a_search_shows_every_run(values):
         assert box.y0 >= whole.y0
 
 
+@pytest.mark.slow
 def test_characters_without_a_glyph_are_said_once(tmp_path, monkeypatch, caplog):
     """Warnings are errors here; fonts beside that of Matplotlib are taken away."""
     monkeypatch.setattr(style, "FALLBACKS", ())

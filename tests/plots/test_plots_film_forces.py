@@ -152,6 +152,7 @@ def test_a_bare_film_shows_the_mechanism_and_nothing_else():
     np.testing.assert_allclose(ours[dark], theirs[20:-20, 20:-20][dark], atol=25)
 
 
+@pytest.mark.slow
 def test_films_say_where_they_come_from(tmp_path):
     solution = linkages.simulate(linkages.load("four-bar"), samples=5)
     for name in ("a.gif", "a.webp"):

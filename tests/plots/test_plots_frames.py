@@ -51,6 +51,7 @@ def shown(poses, box, margin=MARGIN):
     return min(found)
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "scotch-yoke")
 @pytest.mark.parametrize("name", shipped())
 def test_everything_is_inside_where_it_starts_and_along_the_motion(name):
     mechanism = linkages.load(name)

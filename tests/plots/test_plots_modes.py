@@ -13,6 +13,7 @@ def modes(count, selected=1):
     return [Mode(n, places, "B left", n == selected) for n in range(1, count + 1)]
 
 
+@pytest.mark.slow_except("1", "2", "4")
 @pytest.mark.parametrize("count", [1, 2, 4, 8, 30])
 def test_one_numbered_drawing_for_each_mode_inside_the_figure(count):
     result = figure(press(), modes(count))
@@ -58,6 +59,7 @@ def test_every_drawing_fills_its_panel_and_has_a_scale_where_they_differ():
         assert np.ptp(bar.get_xdata()) == pytest.approx(length, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_too_many_say_so_and_keep_the_selected_one():
     many = modes(MOST + 20, selected=MOST + 10)
     assert [mode.number for mode in shown_modes(many)][-2:] == [MOST - 1, MOST + 10]
@@ -65,6 +67,7 @@ def test_too_many_say_so_and_keep_the_selected_one():
     assert any(f"{MOST} of {MOST + 20} modes" in text for text in texts)
 
 
+@pytest.mark.slow_except("4")
 @pytest.mark.parametrize("count", [4, 12, 30])
 def test_long_titles_go_on_in_further_lines(count):
     """Whole, and each line no wider than its panel; sides stay with their joints."""

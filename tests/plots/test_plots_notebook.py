@@ -9,6 +9,7 @@ import linkages
 from linkages.kernel.system import System
 
 
+@pytest.mark.slow_except("slider-crank")
 @pytest.mark.parametrize("name", ["ninebar", "slider-crank", "andrews", "peaucellier"])
 def test_a_mechanism_is_a_drawing_with_its_mobility_and_components(name):
     mechanism = linkages.load(name)
@@ -37,6 +38,7 @@ def test_a_mechanism_that_cannot_be_assembled_says_why():
     assert "<td>bars</td>" in text
 
 
+@pytest.mark.slow
 def test_a_solution_is_a_table_of_largest_values():
     solution = linkages.simulate(linkages.load("ninebar"), end=0.1, samples=11)
     root = ElementTree.fromstring(f"<div>{closed(solution._repr_html_())}</div>")

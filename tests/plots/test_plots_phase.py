@@ -102,6 +102,7 @@ def test_nothing_to_draw():
     assert figure(press_data().drop_vars("clearance_speed"), press()) is None
 
 
+@pytest.mark.slow
 def test_a_long_run_is_drawn_as_dots():
     ax = draw(Figure().add_subplot(), press_data(MANY_POINTS + 1), Free("clearance", "r1"))
     assert ax.lines[0].get_linestyle() == "None"

@@ -23,6 +23,7 @@ def poses(name, samples=7):
     return [found.at(index) for index in range(samples)]
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return")
 @pytest.mark.parametrize("name", sorted(shipped()))
 def test_bodies_move_with_their_joints(name):
     """Shapes of the first position, placed in a later one, are those of the later one.
@@ -63,6 +64,7 @@ def test_what_stands_still_does_and_what_moves_moves(name):
     assert moved
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return")
 @pytest.mark.parametrize("name", sorted(shipped()))
 def test_as_json_says_all_that_a_page_needs_to_place_them(name):
     """Placed again by a few lines that know the JSON alone."""

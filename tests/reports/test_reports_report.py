@@ -25,6 +25,7 @@ def test_inputs_are_all_entries_and_mark_what_differs(solution):
     assert {f"bars.{name}" for name in bars} <= rows.keys()
 
 
+@pytest.mark.slow
 def test_values_beyond_the_horizon_are_marked(solution):
     late = report_of(replace(solution, data=solution.data.assign_attrs(horizon=1e-9)))
     ends = [row[place : place + 2] for row in late.maxima for place in (2, 4)]
@@ -56,12 +57,14 @@ def sheet(solution, tmp_path_factory):
     return linkages.save_report(solution, tmp_path_factory.mktemp("reports") / "report.pdf")
 
 
+@pytest.mark.slow
 def test_a_sheet_is_computed_again(solution, sheet):
     (page,) = PdfReader(sheet).pages
     assert tuple(map(float, page.mediabox[2:])) == pytest.approx((1190.88, 841.68))  # A3 in points
     assert linkages.load(sheet) == solution.mechanism
 
 
+@pytest.mark.slow
 def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
     (page,) = PdfReader(sheet).pages
     assert not page.images
@@ -71,6 +74,7 @@ def test_a_sheet_shows_vectors_and_all_rows(solution, sheet):
     assert {word for word in words if word not in text} == set()
 
 
+@pytest.mark.slow
 def test_long_tables_take_more_sheets(tmp_path):
     chain = linkages.simulate(linkages.load("jansen"), end=0.1, samples=5, outputs="all")
     sheets = PdfReader(linkages.save_report(chain, tmp_path / "report.pdf")).pages

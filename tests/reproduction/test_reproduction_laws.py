@@ -55,6 +55,7 @@ def test_libration_follows_the_law_of_a_pendulum():
     assert law.exponent == pytest.approx(-0.5, abs=0.02)  # samples beside the very peak
 
 
+@pytest.mark.slow
 def test_claim_on_size(sizes, grades):
     r, found = sizes
     law, losses = spreads.size_laws(r, found)
@@ -63,6 +64,7 @@ def test_claim_on_size(sizes, grades):
     assert law.exponent == pytest.approx(-0.5, abs=0.2)  # few points of chaotic motions
 
 
+@pytest.mark.slow
 def test_claim_on_speed(speeds, grades):
     factors, found = speeds
     slow, fast, gains = spreads.speed_laws(np.pi * factors, found)

@@ -50,6 +50,7 @@ def test_eq_3_leaves_out_the_translation_of_a_bar_on_a_pivot():
     assert sp.simplify(whole - printed - m * length**2 * speed**2 / 8) == 0
 
 
+@pytest.mark.slow_except("crank1")
 @pytest.mark.parametrize("body", misprints.PIVOTED)
 def test_the_project_counts_that_translation(body):
     """T of the derived equations, by the angle of the body: J + m c² and no other mass."""

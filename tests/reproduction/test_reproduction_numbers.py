@@ -40,6 +40,7 @@ def test_default_start_has_the_papers_acceleration_error(default):
     assert default.values[0] == pytest.approx(1.07e-4, rel=0.01)  # measured independently
 
 
+@pytest.mark.slow
 def test_default_start_is_the_nearest_by_the_sum_of_relative_differences(found, default):
     sums = [np.abs(values / PRINTED - 1).sum(axis=-1) for values in (found.values, default.values)]
     assert sums[1] < sums[0].min()

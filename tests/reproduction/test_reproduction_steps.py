@@ -16,6 +16,7 @@ def test_converged_answer_does_not_depend_on_the_method():
         assert steps.converged(start)[1] < 1e-9
 
 
+@pytest.mark.slow_except("librating")
 def test_digits_go_wrong_at_the_steps_of_the_page(page, study):
     start, found = study
     kept = [steps.StepError(*row) for row in page["steps"]["studies"][start]]

@@ -170,6 +170,7 @@ def test_a_short_push_in_a_driven_motion_is_found(width):
     assert found[1] - found[0] == pytest.approx(5 * 2 * float(width) / 0.8, rel=1e-4)
 
 
+@pytest.mark.slow_except("101")
 @pytest.mark.parametrize("samples", [3, 101])
 def test_rates_in_a_rigid_clearance(samples):
     solution = linkages.simulate(linkages.loads(CLEARANCE), samples=samples)
@@ -181,6 +182,7 @@ def test_rates_in_a_rigid_clearance(samples):
     assert data["mean(rocker.speed)"].to_numpy()[0] == alone
 
 
+@pytest.mark.slow_except("four-bar", "five-bar", "ninebar")
 @pytest.mark.parametrize("name", sorted(shipped()))
 def test_rates_of_shipped_mechanisms(name):
     mechanism = linkages.load(name)
@@ -220,6 +222,7 @@ def test_a_mean_over_a_pole_is_none():
         linkages.measure(solution, "mean(1/(crank.angle - 0.7))")
 
 
+@pytest.mark.slow_except("1")
 @pytest.mark.parametrize("seed", range(4))
 def test_rates_of_a_random_chain_between_stops_under_loads_that_jump(seed):
     """Speeds that impacts change, and accelerations that forces change, each over a second."""

@@ -262,6 +262,7 @@ def test_free_motion_balances_through_change_points(turning):
         assert np.isfinite(data[name]).all()
 
 
+@pytest.mark.slow
 def test_samples_do_not_change_a_motion_through_change_points(turning):
     text = PARALLELOGRAM.replace("mass: 0.2", "mass: 0").replace("mass: 0.3", "mass: 0")
     for samples in (3, 5, 101):
@@ -274,6 +275,7 @@ def test_samples_do_not_change_a_motion_through_change_points(turning):
             assert place(data, joint) == pytest.approx(place(dense, joint), abs=1e-10)
 
 
+@pytest.mark.slow_except("dop853", "gauss8")
 @pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5", "rk4", "gauss8"])
 def test_every_method_passes(method):
     step = {"rk4": 1e-4, "gauss8": 1e-3}.get(method)

@@ -44,6 +44,7 @@ def evaluated(system):
     return [name for name in names if name != "closure_residual"]
 
 
+@pytest.mark.slow_except("double-pendulum", "slider-crank-contact")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_compiled_outputs_are_those_of_numpy_to_round_off(name):
     """Each element within 1e-11 of the size of its variable: sums of forces lose some digits."""
@@ -58,6 +59,7 @@ def test_compiled_outputs_are_those_of_numpy_to_round_off(name):
         assert np.abs(found - expected).max(initial=0.0) <= 1e-11 * size, output
 
 
+@pytest.mark.slow_except("double-pendulum", "ninebar", "slider-crank-contact")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_compiled_accelerations_are_those_of_the_integration(name):
     """Round-off of a linear system: 1e-10 of the largest acceleration."""

@@ -256,6 +256,7 @@ def test_csv_has_all_digits_of_all_series(everything, tmp_path):
     assert np.array_equal(column, data.joint_reaction.sel(joint="C.r1", axis="y"))
 
 
+@pytest.mark.slow_except("key")
 @pytest.mark.parametrize("failure", [OSError("disk full"), KeyboardInterrupt()], ids=["os", "key"])
 def test_failing_writer_leaves_the_old_file_and_nothing_else(
     everything, tmp_path, monkeypatch, failure
@@ -292,6 +293,7 @@ def test_watch_sees_progress(press):
     assert seen[-1] == 1.0
 
 
+@pytest.mark.slow_except("ninebar*")
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda s: pickle.loads(pickle.dumps(s))])
 @pytest.mark.parametrize(("name", "end"), [("ninebar", 0.01), ("four-bar", 1.0)])
 def test_a_copy_of_a_solution_is_equal(copied, name, end):

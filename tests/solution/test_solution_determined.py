@@ -24,6 +24,7 @@ def said_of_change_points(solution):
     return [note for note in solution.notes if "change point" in note]
 
 
+@pytest.mark.slow_except("stop*", "pass-4.0")
 @pytest.mark.parametrize("end", [4.0, -4.0])
 @pytest.mark.parametrize("change_points", [None, "stop", "pass"])
 def test_three_parallel_cranks_never_stop(change_points, end):
@@ -64,6 +65,7 @@ def test_start_in_the_aligned_position():
     assert data.drive_effort.to_numpy()[:, 0] == pytest.approx(effort, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_free_cranks_go_on_even_if_told_to_stop_at_change_points():
     """There is none. Energy is kept, and all cranks turn alike for several turns."""
     found = three_cranks(drives={}, free={"first": {"angle": START, "speed": 20.0}})
@@ -130,6 +132,7 @@ def test_a_change_point_elsewhere_still_stops():
     assert float(data.bar_angle.sel(bar="third")[-1]) > 4.6
 
 
+@pytest.mark.slow
 def test_cognates_draw_one_curve():
     """Roberts: all three four-bars guide P, so that the curve is that of the first one alone."""
     solution = linkages.simulate(linkages.load(DATA / "roberts.yaml"), outputs="all")
@@ -154,6 +157,7 @@ def test_cognates_draw_one_curve():
         assert np.sort(np.abs(turned.to_numpy()))[-4] < 1e-10
 
 
+@pytest.mark.slow
 def test_a_large_group_is_not_singular_because_it_is_large():
     """Eight unknowns by least squares: the determinant of the normal equations is a square."""
     solution = linkages.simulate(linkages.load(DATA / "roberts-group.yaml"))

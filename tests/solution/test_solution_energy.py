@@ -10,6 +10,7 @@ from linkages.reading.locate import shipped
 ENERGIES = ["kinetic_energy", "potential_energy", "drive_power", "energy_residual"]
 
 
+@pytest.mark.slow_except("four-bar", "ninebar", "quick-return", "class-three")
 @pytest.mark.parametrize("name", shipped())
 def test_closure_is_kept_to_round_off(name):
     """The project's promise; positions are closed forms, so nothing can drift."""

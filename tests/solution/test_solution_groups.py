@@ -57,6 +57,7 @@ def test_efforts_are_the_derivative_of_energy():
         assert found == pytest.approx(wanted, abs=1e-8)
 
 
+@pytest.mark.slow_except("2", "11")
 @pytest.mark.parametrize("samples", [2, 3, 11, 101])
 def test_driven_samples_do_not_depend_on_how_many_there_are(samples):
     """Every sample is solved for itself, so coarse ones are some of the dense ones."""
@@ -85,6 +86,7 @@ def test_energy_residual_is_at_the_tolerance(rtol):
     assert float(data.closure_residual.max()) <= 1e-13
 
 
+@pytest.mark.slow_except("rk4", "gauss8")
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method(method, reference):
     """Each to its own accuracy: orders 4 and 8 at their steps, radau at 1e-8."""
@@ -103,6 +105,7 @@ def test_every_method(method, reference):
     assert float(data.closure_residual.max()) <= 1e-13
 
 
+@pytest.mark.slow_except("gauss8")
 @pytest.mark.parametrize("method", ["dop853", "vern9", "gauss8"])
 def test_there_and_back(method):
     arguments = {"method": method, "rtol": 1e-12, "step": STEP.get(method), "samples": 3}
@@ -123,6 +126,7 @@ def test_there_and_back(method):
         )
 
 
+@pytest.mark.slow_except("2", "6")
 @pytest.mark.parametrize("samples", [2, 6, 51])
 def test_samples_of_a_free_motion(samples, reference):
     """Dense output of order 7 between steps: coarse and dense samples come from the same steps."""

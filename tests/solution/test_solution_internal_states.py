@@ -131,6 +131,7 @@ def test_files(tmp_path):
     assert np.array_equal(again.data.internal_state, solution.data.internal_state)
 
 
+@pytest.mark.slow_except("dop853-200")
 @pytest.mark.parametrize(("method", "periods"), [("dop853", 200), ("radau", 60)])
 def test_exponents_of_a_linear_system(method, periods):
     """Small swings about the hanging rod: real parts of the eigenvalues, one for each state."""
@@ -182,6 +183,7 @@ maxwell: [{slider: piston, stiffness: 800, damping: 20}]
 """
 
 
+@pytest.mark.slow
 def test_where_free_coordinates_are_exchanged():
     """A slider cannot say where its crank is at dead centres; a crank can all the time."""
     one = linkages.simulate(linkages.loads(CRANK), end=1.0, samples=51)
@@ -213,6 +215,7 @@ maxwell: [{between: [C, G], stiffness: 1e3, damping: 5}]
 """
 
 
+@pytest.mark.slow
 def test_with_groups_that_iterate():
     """Coordinates carried along stand behind internal states in what is integrated."""
     plain = linkages.load("class-three").to_yaml().split("simulate:")[0]

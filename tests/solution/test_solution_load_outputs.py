@@ -98,6 +98,7 @@ def test_given_loads_come_unasked_and_springs_do_not():
         linkages.simulate(mechanism(TEXT), outputs=["load_force"])
 
 
+@pytest.mark.slow
 def test_only_loads_that_vary_stand_in_figures_and_maxima():
     from linkages.cli.verbs.simulate import shown_maxima
     from linkages.plots.figures import FIGURES

@@ -33,6 +33,7 @@ def require_equal(many, alone):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name
 
 
+@pytest.mark.slow_except("*dop853")
 @pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
 @pytest.mark.parametrize(
     ("name", "path", "values"),

@@ -119,6 +119,7 @@ def require_same(text, sizes, law, times, *, tangents=0, section=None, counting=
     return alone
 
 
+@pytest.mark.slow_except("damped-8", "remembering-4", "rigid-4")
 @pytest.mark.parametrize("lanes", [2, 4, 8])
 @pytest.mark.parametrize("case", CASES)
 def test_modes_change_as_they_do_alone(case, lanes, monkeypatch):
@@ -128,6 +129,7 @@ def test_modes_change_as_they_do_alone(case, lanes, monkeypatch):
     assert max(sum(c.count for c in motion.changes.values()) for motion in alone) > 2
 
 
+@pytest.mark.slow_except("2-rigid", "1-stopped")
 @pytest.mark.parametrize("case", ["damped", "rigid", "stopped"])
 @pytest.mark.parametrize("tangents", [1, 2])
 def test_tangents_cross_changes_as_they_do_alone(case, tangents):
@@ -135,6 +137,7 @@ def test_tangents_cross_changes_as_they_do_alone(case, tangents):
     require_same(text, sizes, law, np.linspace(0.0, end, 12)[1:], tangents=tangents)
 
 
+@pytest.mark.slow_except("*-rigid-*", "True-stopped*")
 @pytest.mark.parametrize(
     ("case", "section"),
     [("damped", "gap.touch"), ("rigid", "gap.touch"), ("stopped", "arm.angle=-0.4")],

@@ -12,6 +12,7 @@ import linkages
 SHORT = {"simulate.end": 0.1, "simulate.samples": 21}
 
 
+@pytest.mark.slow_except("pendulum-*", "double*")
 @pytest.mark.parametrize(
     ("name", "given"),
     [

@@ -50,6 +50,7 @@ def test_times_may_go_back():
     assert there == pytest.approx(back[[1, 2, 4]], abs=1e-8)
 
 
+@pytest.mark.slow_except("pendulum", "ninebar", "double-pendulum")
 @pytest.mark.parametrize("name", ["pendulum", "ninebar", "class-three-free", "double-pendulum"])
 def test_a_motion_goes_on_from_a_state_at_the_first_time(name):
     """From the state that `compile` gives at half time: same coordinates, same assembly mode."""

@@ -159,6 +159,7 @@ def _moved(plan, length):
     return plan, plan == Plan.of(system), final(system, plan)
 
 
+@pytest.mark.slow
 def test_plans_can_be_sent_to_other_processes():
     plan = Plan.of(mechanism())
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:

@@ -45,6 +45,7 @@ def both(text, extra, instead, *sections, places, **arguments):
     ]
 
 
+@pytest.mark.slow
 def test_a_mechanism_that_moves_is_no_structure():
     """Grübler's formula gives 0 for two couplers, but the closure's rank says that they move."""
     with pytest.raises(InputError, match="mobility is 1, but 0 coordinates are driven and 0 free"):
@@ -105,6 +106,7 @@ def test_three_cranks():
     assert float(np.abs(data.energy_residual).max()) < 1e-9
 
 
+@pytest.mark.slow_except("2.0")
 @pytest.mark.parametrize("end", [2.0, -2.0])
 def test_three_cranks_free(end):
     solution = linkages.simulate(

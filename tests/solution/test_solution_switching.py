@@ -144,6 +144,7 @@ def test_every_explicit_method_and_gauss8(method, crank_free):
     )
 
 
+@pytest.mark.slow
 def test_radau(crank_free):
     """Through two dead centres, with errors of its order 5."""
     solution = linkages.simulate(free_piston(), end=0.2, samples=201, method="radau", rtol=1e-9)
@@ -320,6 +321,7 @@ GEARED = "gears: [{bars: [one, wheel], ratio: 1.618033988749895}]"
 WHEEL = "  wheel: {joints: [O, W], length: 0.1, mass: 0.3}\n"
 
 
+@pytest.mark.slow_except("*(9*")
 @pytest.mark.parametrize("speeds", [(20, -7), (9, 14), (-15, 20)], ids=str)
 @pytest.mark.parametrize("kind", ["springs", "gear"])
 def test_whole_turns_are_kept_over_changes(kind, speeds):

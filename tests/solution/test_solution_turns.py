@@ -74,6 +74,7 @@ METHODS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow_except("2-[!r]*", "2-rk4*")
 @pytest.mark.parametrize("how", METHODS, ids=lambda how: "-".join(map(str, how.values())))
 @pytest.mark.parametrize("samples", [2, 40])
 def test_a_free_drag_link_is_counted_by_every_method(how, samples):
@@ -94,6 +95,7 @@ assembly: {B: left}
 """
 
 
+@pytest.mark.slow_except("drives*-2", "free*-7")
 @pytest.mark.parametrize("samples", [2, 7, 101])
 @pytest.mark.parametrize(
     "section", ["drives: {crank: {angle: 1, speed: 40}}", "free: {crank: {angle: 1, speed: 40}}"]

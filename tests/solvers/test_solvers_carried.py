@@ -86,6 +86,7 @@ def test_the_end_of_a_step_is_settled_exactly(method, step):
     assert final[3] == 2.0 * final[2]
 
 
+@pytest.mark.slow_except("[!r]*", "rk4*")
 @ANY_METHOD
 def test_the_place_of_what_is_carried_along(method, step):
     found = integrate(

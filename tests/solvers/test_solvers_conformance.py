@@ -52,6 +52,7 @@ def test_pendulum_follows_elliptic_functions(method):
     assert result.acceleration[:, 0] == pytest.approx(-np.sin(angle), abs=TOLERANCE)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_driven_oscillator_follows_closed_form(method):
     times = np.linspace(0, 10, 101)
     result = integrate(driven(), [0.0, 0.0], times, **method)
@@ -62,12 +63,14 @@ def test_driven_oscillator_follows_closed_form(method):
     )
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_coupled_oscillators_follow_their_modes(method):
     times = np.linspace(0, 10, 57)
     result = integrate(coupled(), [1.0, 0.0, 0.0, 0.0], times, **method)
     assert result.state[:, :2] == pytest.approx(coupled_motion(times), abs=TOLERANCE)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_turns_are_counted_apart(method):
     times = np.linspace(0, 50, 401)
     result = integrate(pendulum(), [0.0, 3.0], times, **method)
@@ -85,6 +88,7 @@ def test_initial_angle_is_wrapped(method):
     assert result.state[0, 0] == pytest.approx(2.0, abs=1e-14)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_backward_in_time_returns(method):
     start = [2.0, 0.5]
     there = integrate(pendulum(), start, [0.0, 10.0], **method)
@@ -94,6 +98,7 @@ def test_backward_in_time_returns(method):
     assert back.final_state == pytest.approx(np.array(start), abs=2 * TOLERANCE)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_samples_do_not_change_the_motion(method):
     grids = [[0.0, 7.0], np.linspace(0, 7, 29), np.linspace(0, 7, 1000)]
     ends = [integrate(driven(), [1.0, 0.0], grid, **method) for grid in grids]
@@ -108,6 +113,7 @@ def test_equal_input_gives_equal_bits(method):
     assert first.state.tobytes() == second.state.tobytes()
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_start_may_lie_before_the_first_sample(method):
     whole = integrate(pendulum(), [1.0, 0.0], [0.0, 1.0, 2.0], **method)
     part = integrate(pendulum(), [1.0, 0.0], [1.0, 2.0], start=0.0, **method)
@@ -188,6 +194,7 @@ def test_out_of_reach_at_the_start(method):
     assert result.final_state.tolist() == [2.0, 1.0]
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_explosion_is_no_motion(method):
     result = integrate(flow(explosion_rates), [0.0, 1.0], np.linspace(0, 2, 201), **method)
     ends = (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NOT_CONVERGED)
@@ -230,6 +237,7 @@ def test_control_c_at_the_end_is_heard(method):
     assert result.state[1, 0] == pytest.approx(swing(2.0, 1.0)[0], abs=TOLERANCE)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 def test_watch_sees_progress_and_the_end(method):
     seen = []
     # Steps of radau run in Python.

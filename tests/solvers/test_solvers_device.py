@@ -62,6 +62,7 @@ def ptx_of(name, method, tangents=0):
     return write_device_steps(chosen.tableau, Shape.of(flow), flow.routines(), chosen.memory)
 
 
+@pytest.mark.slow_except("*tsit5")
 @pytest.mark.parametrize(
     ("name", "tangents", "method"),
     [
@@ -78,6 +79,7 @@ def test_every_operation_says_how_it_rounds(name, tangents, method):
     assert len(re.findall(r"\.visible \.entry advance_lanes\(", text)) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("ptxas"), reason="needs NVIDIA's assembler")
 @pytest.mark.parametrize("method", ADAPTIVE)
 def test_the_assembler_takes_it(method, tmp_path):

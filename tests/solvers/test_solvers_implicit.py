@@ -120,6 +120,7 @@ def test_stiff_method_refuses_what_it_cannot_do():
         )
 
 
+@pytest.mark.slow_except("1e-06")
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-7, 1e-8])
 def test_stiff_method_predicts_across_a_turn(tolerance):
     """Where an angle is wrapped the next step starts from no prediction, not from one 2π away.

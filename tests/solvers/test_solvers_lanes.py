@@ -40,6 +40,7 @@ def alone(motions):
     return [integrate(flow, state, times, **given) for flow, state, times, given in motions]
 
 
+@pytest.mark.slow_except("*-dop853", "4-*")
 @pytest.mark.parametrize("method", ["dop853", "vern9", "tsit5"])
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16])
 def test_lanes_have_the_bits_of_single_motions(method, lanes):

@@ -29,6 +29,7 @@ def writes(loop: str, mechanism: str, folder: str, **options: object) -> bool:
     return {"True": True, "False": False}[found.stdout.strip()]
 
 
+@pytest.mark.slow
 def test_a_motion_that_nothing_watches_needs_no_loop(tmp_path):
     """Also where whole turns of dependent angles are counted, as in the five-bar."""
     for name in ("ninebar", "five-bar-free"):

@@ -58,6 +58,7 @@ def test_same_double_as_python(text):
         assert outcome == (expected, "")
 
 
+@pytest.mark.slow
 @given(st.text(max_size=300))
 def test_any_text_gives_a_finite_number_or_the_one_error(text):
     try:

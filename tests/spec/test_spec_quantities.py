@@ -286,6 +286,7 @@ def test_plain_numbers_do_not_import_pint():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.slow_except("0.5")
 @pytest.mark.parametrize("rest", [0.0, 0.5, 0.99], ids=str)
 def test_units_that_another_process_is_writing(rest, tmp_path, monkeypatch):
     """Pint writes its cache in place: who reads meanwhile, or after a crash, finds a part of it."""

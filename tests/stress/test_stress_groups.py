@@ -34,6 +34,7 @@ def test_it_is_free():
     assert System(defined(FREE)).topology.carried == ("leg1", "leg2", "leg3", "plate")
 
 
+@pytest.mark.slow_except("rk4*")
 @pytest.mark.parametrize(("method", "step"), [("rk4", 1e-4), ("gauss8", 1e-4)])
 def test_hundred_thousand_steps(method, step):
     """Some twenty turns with equal steps: positions close as at the start, energy as the method."""

@@ -36,6 +36,7 @@ def test_ten_million_steps_of_rk4():
     assert residual[-1] == pytest.approx(10 * residual[100], rel=0.02)
 
 
+@pytest.mark.slow_except("[!r]*", "rk4")
 @pytest.mark.parametrize("method", METHODS)
 def test_forward_and_back_again(method):
     """Half a second of the nine-bar and back: some 50 swings each way.

@@ -47,6 +47,7 @@ def test_block_on_a_swinging_arm(crank, shares, start, motion, speed, masses, ho
     run(lambda: shaper(crank, offset, arm, rod, start, motion, speed, masses), how, 0.1)
 
 
+@pytest.mark.slow
 @drawn
 @given(
     lengths=st.tuples(decades(-2, 0), decades(-2, 0), decades(-2, 0)),

@@ -67,6 +67,7 @@ def run(make, how, end):
     return solution
 
 
+@pytest.mark.slow
 @drawn
 @given(
     lengths=st.tuples(small, small, small),
@@ -96,6 +97,7 @@ def test_nine_bar(lengths, masses, speeds, starts, size, spin, how):
     run(lambda: linkages.load("ninebar", set=given_values), how, 0.05)
 
 
+@pytest.mark.slow
 @drawn
 @given(
     crank=decades(-2, 0),

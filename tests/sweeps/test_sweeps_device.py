@@ -74,6 +74,7 @@ def test_a_sweep(driver):
     assert found.identical(expected)
 
 
+@pytest.mark.slow_except("exponent")
 @pytest.mark.parametrize("indicator", ["fli", "gali", "exponent"])
 def test_a_map(indicator, driver):
     mechanism = linkages.loads(PENDULUM)
@@ -109,6 +110,7 @@ def test_exponents_of_a_diagram(driver, monkeypatch):
     assert found.identical(expected)
 
 
+@pytest.mark.slow
 def test_motions_with_modes(driver):
     """Contact opens and closes under friction: modes change in steps left to the CPU."""
     mechanism = linkages.loads(WORN)

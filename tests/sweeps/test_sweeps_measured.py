@@ -105,6 +105,7 @@ simulate: {end: 1, samples: 41}
 """
 
 
+@pytest.mark.slow_except("bars*true", "*values2-*pchip")
 @pytest.mark.parametrize("options", ["periodic: true", "interpolation: pchip"])
 @pytest.mark.parametrize(
     ("path", "values"),

@@ -102,6 +102,7 @@ def test_what_is_done_is_not_computed_again(tmp_path):
     assert sweep(tmp_path, executor=Nothing()).identical(sweep(None))
 
 
+@pytest.mark.slow_except("*0")
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize(
     "spoil",
@@ -210,6 +211,7 @@ def test_a_full_disk_leaves_what_is_there_intact(tmp_path, monkeypatch):
     assert sweep(tmp_path).identical(whole)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="no limits of file sizes")
 def test_a_limit_of_file_sizes_is_a_full_disk(tmp_path):
     """In a process of its own: the limit cannot be raised again."""
@@ -277,6 +279,7 @@ class Third(Threads):
                 raise KeyboardInterrupt
 
 
+@pytest.mark.slow_except("backward")
 @pytest.mark.parametrize("start", ["forward", "backward"])
 def test_a_continuation_goes_on_where_it_was_interrupted(tmp_path, start, monkeypatch):
     """With the state in which its motions ended, to the last bit; over a value that is refused."""
@@ -347,15 +350,9 @@ def resumed(folder, definition, task=SWEEP):
     return (folder / RESULT).read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals")
-@pytest.mark.parametrize(
-    "how",
-    [
-        signal.SIGKILL,
-        pytest.param(signal.SIGTERM, marks=pytest.mark.slow),
-        pytest.param(signal.SIGINT, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_killed_processes_lose_what_they_compute_and_nothing_else(tmp_path, how):
     definition = killed(tmp_path, tmp_path / "killed", how, 3)
     found = status(tmp_path / "killed")
@@ -435,6 +432,7 @@ def with_array(found, name, dtype, shape):
     return found
 
 
+@pytest.mark.slow_except("*expected 0 to 4")
 @pytest.mark.parametrize(
     ("change", "expected"),
     [

@@ -144,6 +144,7 @@ print(topology.redundant, topology.blocks, topology.placing, topology.entry)
 """
 
 
+@pytest.mark.slow
 def test_what_is_left_over_is_the_same_in_every_process():
     """There are several largest matchings; sets of texts must not decide among them."""
     found = {

@@ -42,6 +42,7 @@ def test_blocks_do_not_depend_on_the_order_of_the_file(name):
         assert blocks(reordered(linkage(name), places)) == expected
 
 
+@pytest.mark.slow_except("watt")
 @pytest.mark.parametrize("name", ["watt", "stephenson", "ninebar"])
 def test_blocks_of_larger_linkages_do_not_depend_on_the_order_of_the_file(name):
     expected = blocks(linkage(name))

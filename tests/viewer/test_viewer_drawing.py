@@ -14,7 +14,7 @@ from linkages.plots.mechanism.shapes import Word, anchors_of
 from linkages.viewer.drawn import LOAD
 from linkages.viewer.frames import wanted
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow]
 
 # a guide on the ground, slots on bodies that turn, a plate, a spring to a wall, a stop, a load
 SCENES = {

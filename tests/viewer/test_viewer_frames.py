@@ -47,6 +47,7 @@ def test_nothing_is_packed_as_nothing():
     assert unpacked(Packed().text()).size == 0
 
 
+@pytest.mark.slow
 def test_frames_show_every_swing_and_both_ends():
     data = dense(linkages.simulate(linkages.load("ninebar"), samples=101))
     frames = chosen(data)
@@ -122,6 +123,7 @@ def test_content_cannot_end_its_element():
     assert text.count("<h1>&lt;/script&gt;&lt;b&gt;{{script}}</h1>") == 1
 
 
+@pytest.mark.slow
 def test_a_page_is_small_and_says_where_it_comes_from():
     text = html(linkages.simulate(linkages.load("ninebar"), samples=101))
     assert len(text) < 800_000  # of 124 series

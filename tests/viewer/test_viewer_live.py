@@ -117,6 +117,7 @@ class Worker:
         return why, dict(zip(names, rows, strict=True))
 
 
+@pytest.mark.slow_except("four-bar-*", "ninebar-clearances*", "scotch*")
 @pytest.mark.parametrize(("name", "path"), CHANGED)
 def test_a_worker_computes_the_motion_of_simulate(written, name, path):
     """The beginning of a motion: the engine is an interpreter, some dozen times as slow."""
@@ -142,6 +143,7 @@ def test_a_worker_says_why_a_motion_stops(written):
 
 
 @needs_browser
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "path"), CHANGED)
 def test_a_changed_motion_is_that_of_simulate(opened, name, path):
     page = opened(name)
@@ -152,6 +154,7 @@ def test_a_changed_motion_is_that_of_simulate(opened, name, path):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_what_cannot_be_assembled_is_said_and_nothing_else_happens(opened):
     page = opened("four-bar")
     before = motion(page)[1]["B.x position"]
@@ -164,6 +167,7 @@ def test_what_cannot_be_assembled_is_said_and_nothing_else_happens(opened):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_a_motion_that_stops_is_shown_up_to_there(opened):
     """With so short a rocker the crank cannot turn round."""
     page = opened("four-bar")
@@ -185,6 +189,7 @@ def test_a_motion_that_stops_is_shown_up_to_there(opened):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_the_definition_that_is_downloaded_has_what_was_changed(opened):
     page = opened("ninebar")
     change(page, **{"clearances.r1.size": 2e-4, "drives.crank4.speed": 4.0})
@@ -206,6 +211,7 @@ def test_a_definition_without_changes_is_that_of_the_file(name):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_fields_and_sliders_change_numbers_in_the_units_of_the_file(opened):
     page = opened("four-bar")
     page.evaluate("v.tabs.open('numbers')")
@@ -240,6 +246,7 @@ simulate: {end: 1, samples: 11}
 
 
 @needs_browser
+@pytest.mark.slow
 def test_shapes_that_stay_those_of_the_file_are_named(browser, tmp_path):
     page = browser.page()
     page.open(linkages.view(linkages.loads(GEARED), tmp_path / "page.html"))
@@ -252,6 +259,7 @@ def test_shapes_that_stay_those_of_the_file_are_named(browser, tmp_path):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_the_newest_change_is_the_one_that_is_shown(opened):
     page = opened("ninebar")
     page.evaluate(
@@ -266,6 +274,7 @@ def test_the_newest_change_is_the_one_that_is_shown(opened):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_what_takes_too_long_is_given_up_and_the_page_goes_on(opened):
     page = opened("ninebar")
     page.evaluate("Live.limit = 0")
@@ -280,6 +289,7 @@ def test_what_takes_too_long_is_given_up_and_the_page_goes_on(opened):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_the_ideal_mechanism_follows_numbers_as_well(opened):
     page = opened("ninebar")
     length = FACTOR * number(page, "bars.link3.length")
@@ -296,6 +306,7 @@ def test_the_ideal_mechanism_follows_numbers_as_well(opened):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_a_page_without_workers_computes_itself(browser, written):
     """As where they are forbidden; the page stands still meanwhile, and gives up after a time."""
     page = browser.page()
@@ -319,6 +330,7 @@ def test_a_page_without_workers_computes_itself(browser, written):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_a_motion_without_tolerances_of_its_own_starts_at_rest(browser, tmp_path):
     """Nothing moves: errors are measured against a tolerance that is none of nothing."""
     mechanism = linkages.loads(
@@ -334,6 +346,7 @@ def test_a_motion_without_tolerances_of_its_own_starts_at_rest(browser, tmp_path
 
 
 @needs_browser
+@pytest.mark.slow
 def test_change_points_are_passed_where_simulate_passes_them(browser, tmp_path):
     """A parallelogram in line goes on as one."""
     mechanism = linkages.loads(
@@ -364,6 +377,7 @@ def test_change_points_are_passed_where_simulate_passes_them(browser, tmp_path):
     ids=["back in time", "own times", "one time"],
 )
 @needs_browser
+@pytest.mark.slow
 def test_any_times_are_shown_and_computed_again(browser, tmp_path, options):
     solution = linkages.simulate(linkages.load("double-pendulum"), **options)
     page = browser.page()
@@ -384,6 +398,7 @@ def test_any_times_are_shown_and_computed_again(browser, tmp_path, options):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_it_computes_in_the_frame_of_a_notebook(browser, solved, tmp_path):
     """A frame without an origin of its own: no storage, no access to what is around it."""
     file = tmp_path / "notebook.html"

@@ -7,7 +7,7 @@ from browser import needs_browser
 import linkages
 from linkages.solution.values.series import data_series
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow_except()]
 
 # Pictures, drives, clearances of both kinds, free coordinates, loads, and a stop before the end.
 SHOWN = ["ninebar", "four-bar", "scotch-yoke", "jansen", "slider-crank-contact", "andrews"]
@@ -16,6 +16,7 @@ DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame
 FRAME = "Math.round(v.player.place)"
 
 
+@pytest.mark.slow_except("four-bar")
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_page_asks_for_nothing_and_complains_of_nothing(opened, name):
     page = opened(name)
